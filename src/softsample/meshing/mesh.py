@@ -1,0 +1,70 @@
+"""The hexahedral mesh that the mesher makes and the solver moves."""
+
+from dataclasses import dataclass
+from functools import cached_property
+
+import numpy as np
+from numpy.typing import NDArray
+
+FACES = np.array(
+    [[0, 3, 2, 1], [4, 5, 6, 7], [0, 1, 5, 4], [1, 2, 6, 5], [2, 3, 7, 6], [3, 0, 4, 7]]
+)
+"""Corners of the six faces of a hexahedron in VTK order, outward by the right-hand rule."""
+
+
+@dataclass(frozen=True)
+class HexMesh:
+    """Eight-node hexahedra in the sample frame.
+
+    Parameters
+    ----------
+    points : (n_nodes, 3) float64
+        Node positions [m], base plane at z = 0, loading axis +z.
+    hexes : (n_elements, 8) int64
+        Corner nodes in VTK order (four of the lower face counter-clockwise seen from inside,
+        then the four above them).
+    """
+
+    points: NDArray[np.float64]
+    hexes: NDArray[np.int64]
+
+    @cached_property
+    def boundary_quads(self) -> NDArray[np.int64]:
+        """(n_quads, 4) faces that belong to one element only, normals outward."""
+        quads = self.hexes[:, FACES].reshape(-1, 4)
+        _, first, count = np.unique(
+            np.sort(quads, axis=1), axis=0, return_index=True, return_counts=True
+        )
+        return quads[np.sort(first[count == 1])]
+
+    @cached_property
+    def boundary(self) -> NDArray[np.int64]:
+        """Sorted ids of the nodes on the surface."""
+        return np.unique(self.boundary_quads)
+
+    @cached_property
+    def edge_length(self) -> float:
+        """Typical element edge [m]: cube root of the mean bounding volume of the elements."""
+        corners = self.points[self.hexes]
+        diagonal = np.linalg.norm(corners[:, 6] - corners[:, 0], axis=1)
+        return float(np.median(diagonal) / np.sqrt(3.0))
+
+    @cached_property
+    def bottom(self) -> NDArray[np.int64]:
+        """Sorted ids of the nodes on the base plane z = 0 (glued to the fixed platen)."""
+        tolerance = 1e-6 * self.edge_length
+        return self.boundary[np.abs(self.points[self.boundary, 2]) <= tolerance]
+
+    @cached_property
+    def highest(self) -> float:
+        """Height of the highest node above the base plane [m]."""
+        return float(self.points[:, 2].max())
+
+    def glued(self, depth: float) -> NDArray[np.int64]:
+        """Sorted ids of surface nodes that a platen touches when lowered by `depth` [m].
+
+        The pre-load rule of the protocol: the platen goes `depth` below the highest point and
+        glues what it meets, side nodes included; no deformation is considered.
+        """
+        height = self.points[self.boundary, 2]
+        return self.boundary[height >= self.highest - depth * (1.0 + 1e-9)]

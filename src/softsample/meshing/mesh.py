@@ -67,4 +67,4 @@ class HexMesh:
         glues what it meets, side nodes included; no deformation is considered.
         """
         height = self.points[self.boundary, 2]
-        return self.boundary[height >= self.highest - depth * (1.0 + 1e-9)]
+        return self.boundary[height >= self.highest - depth - 1e-6 * self.edge_length]

@@ -1,0 +1,322 @@
+"""The only reader and writer of files: units in names, atomic, nothing half-written.
+
+Files for people are in mm, N, s and Pa; arrays handed to the library are SI (see each function).
+"""
+
+import gzip
+import json
+import math
+import os
+from collections.abc import Iterator, Mapping
+from contextlib import contextmanager
+from pathlib import Path
+from typing import Any
+
+import nibabel
+import numpy as np
+import pandas as pd
+import yaml
+from numpy.typing import ArrayLike, NDArray
+
+from softsample.errors import InputError
+from softsample.meshing.mesh import HexMesh
+
+PathLike = str | os.PathLike[str]
+
+MM = 1e-3
+"""One millimetre [m]."""
+
+VTK_HEXAHEDRON = 12
+
+
+@contextmanager
+def written_aside(path: PathLike) -> Iterator[Path]:
+    """Give a temporary name beside `path` and rename it to `path` when the block succeeds.
+
+    A process killed inside the block leaves the old file, or none, never half of a new one.
+    The temporary name starts with a dot and keeps the suffix, which some writers look at.
+    """
+    target = Path(path)
+    target.parent.mkdir(parents=True, exist_ok=True)
+    aside = target.with_name(f".partial-{os.getpid()}-{target.name}")
+    try:
+        yield aside
+        os.replace(aside, target)
+    finally:
+        aside.unlink(missing_ok=True)
+
+
+def write_text(path: PathLike, text: str) -> None:
+    """Write UTF-8 text, atomically."""
+    with written_aside(path) as aside:
+        aside.write_text(text, encoding="utf-8")
+
+
+def read_json(path: PathLike) -> Any:
+    """Read a JSON file; a damaged one is an `InputError` that names file and place."""
+    try:
+        return json.loads(Path(path).read_text(encoding="utf-8"))
+    except (json.JSONDecodeError, UnicodeDecodeError) as error:
+        raise InputError(f"{path}: not valid JSON ({error}); delete it and run again") from error
+
+
+def write_json(path: PathLike, data: Mapping[str, Any]) -> None:
+    """Write readable JSON, atomically; NumPy values become plain ones.
+
+    Raises
+    ------
+    InputError
+        If a number is NaN or infinite (use None for "not known"); the message names its key.
+    """
+    text = json.dumps(_plain(data, str(path)), indent=2, ensure_ascii=False, allow_nan=False)
+    write_text(path, text + "\n")
+
+
+def _plain(value: Any, where: str) -> Any:
+    """Copy of `value` in the types that JSON knows; `where` names it in an error."""
+    if isinstance(value, Mapping):
+        return {str(key): _plain(item, f"{where}: {key}") for key, item in value.items()}
+    if isinstance(value, np.ndarray):
+        value = value.tolist()
+    if isinstance(value, list | tuple | set | frozenset):
+        return [_plain(item, f"{where}[{index}]") for index, item in enumerate(value)]
+    if isinstance(value, np.generic):
+        value = value.item()
+    if isinstance(value, os.PathLike):
+        return os.fspath(value)
+    if isinstance(value, float) and not math.isfinite(value):
+        raise InputError(f"{where} is {value}; a result must be finite, write null if unknown")
+    return value
+
+
+def read_yaml(path: PathLike) -> Any:
+    """Read a YAML file; a damaged one is an `InputError` that names file and line."""
+    try:
+        return yaml.safe_load(Path(path).read_text(encoding="utf-8"))
+    except (yaml.YAMLError, UnicodeDecodeError) as error:
+        raise InputError(f"{path}: not valid YAML: {error}") from error
+
+
+def read_table(path: PathLike, text_columns: tuple[str, ...] = ()) -> pd.DataFrame:
+    """Read a CSV (`.tsv`: tab-separated) table with a header; lines with `#` are comments.
+
+    Parameters
+    ----------
+    path
+        Comma-separated, or tab-separated if it ends in `.tsv`.
+    text_columns
+        Columns to keep as text even where they look like numbers (ids such as `007`).
+    """
+    separator = "\t" if Path(path).suffix == ".tsv" else ","
+    try:
+        return pd.read_csv(path, sep=separator, comment="#", dtype=dict.fromkeys(text_columns, str))
+    except (pd.errors.ParserError, pd.errors.EmptyDataError, UnicodeDecodeError) as error:
+        raise InputError(f"{path}: not a table with a header: {error}") from error
+
+
+def write_table(path: PathLike, table: pd.DataFrame | Mapping[str, ArrayLike]) -> None:
+    """Write a table (a frame or columns) as CSV, atomically, ten significant digits."""
+    frame = table if isinstance(table, pd.DataFrame) else pd.DataFrame(dict(table))
+    with written_aside(path) as aside:
+        frame.to_csv(aside, index=False, float_format="%.10g", lineterminator="\n")
+
+
+def read_samples(path: PathLike) -> pd.DataFrame:
+    """Read a table of samples as text; nothing is checked or converted here.
+
+    Returns
+    -------
+    pandas.DataFrame
+        One row a sample, all columns text, empty cells as "".
+    """
+    separator = "," if Path(path).suffix == ".csv" else "\t"
+    try:
+        return pd.read_csv(path, sep=separator, comment="#", dtype=str, keep_default_na=False)
+    except FileNotFoundError as error:
+        raise InputError(
+            f"{path}: no such table of samples; give its path with --config samples=PATH"
+        ) from error
+    except (pd.errors.ParserError, pd.errors.EmptyDataError, UnicodeDecodeError) as error:
+        raise InputError(f"{path}: not a tab-separated table with a header: {error}") from error
+
+
+def read_record(path: PathLike) -> pd.DataFrame:
+    """Read a test record as it stands in the file.
+
+    Returns
+    -------
+    pandas.DataFrame
+        Columns `time_s`, `displacement_mm`, `force_N` (and `force_normal_N` if there is one),
+        in file order; units and signs of the file.
+    """
+    return read_table(path)
+
+
+def read_image(path: PathLike) -> tuple[NDArray[np.float32], NDArray[np.float64]]:
+    """Read a NIfTI volume.
+
+    Returns
+    -------
+    data : (nx, ny, nz) float32
+        Intensities.
+    affine : (4, 4) float64
+        From voxel index to world RAS+ [mm].
+    """
+    try:
+        image = nibabel.load(path)
+        data = np.asarray(image.dataobj, dtype=np.float32)  # type: ignore[attr-defined]
+    except (nibabel.filebasedimages.ImageFileError, EOFError, OSError, ValueError) as error:
+        raise InputError(
+            f"{path}: not a readable NIfTI image ({error}); export it again as .nii or .nii.gz"
+        ) from error
+    if data.ndim == 4 and data.shape[3] == 1:
+        data = data[..., 0]
+    if data.ndim != 3:
+        raise InputError(f"{path}: image has shape {data.shape}; give one three-dimensional volume")
+    return data, np.asarray(image.affine, dtype=np.float64)  # type: ignore[attr-defined]
+
+
+def write_image(path: PathLike, data: NDArray[Any], affine: ArrayLike) -> None:
+    """Write a NIfTI volume (`.nii.gz`), atomically and with the same bytes every time.
+
+    Parameters
+    ----------
+    path
+        Target, ending in `.nii.gz`.
+    data : (nx, ny, nz) uint8, int16, float32 or float64
+        Values; the type is kept.
+    affine : (4, 4)
+        From voxel index to world RAS+ [mm].
+    """
+    image = nibabel.Nifti1Image(data, np.asarray(affine, dtype=np.float64))
+    image.header.set_xyzt_units("mm", "sec")
+    with written_aside(path) as aside:
+        aside.write_bytes(gzip.compress(image.to_bytes(), compresslevel=6, mtime=0))
+
+
+def read_distance(
+    nifti_path: PathLike, json_path: PathLike
+) -> tuple[NDArray[np.float64], NDArray[np.float64], float]:
+    """Read the signed distance of a sample and its place in the sample frame.
+
+    Returns
+    -------
+    distance : (nx, ny, nz) float64
+        Signed distance to the surface [m], negative inside.
+    origin : (3,) float64
+        Position of voxel [0, 0, 0] in the sample frame [m].
+    spacing : float
+        Grid spacing, the same in all directions [m].
+    """
+    distance, _ = read_image(nifti_path)
+    report = read_json(json_path)
+    origin = np.asarray(report["grid_origin_mm"], dtype=np.float64) * MM
+    return distance.astype(np.float64) * MM, origin, float(report["grid_spacing_mm"]) * MM
+
+
+def write_mesh(
+    path: PathLike,
+    mesh: HexMesh,
+    point_data: Mapping[str, ArrayLike] | None = None,
+    cell_data: Mapping[str, ArrayLike] | None = None,
+) -> None:
+    """Write a mesh as VTU (opens in ParaView), points in mm, atomically.
+
+    Parameters
+    ----------
+    path
+        Target, ending in `.vtu`.
+    mesh
+        Points [m] in the sample frame.
+    point_data, cell_data
+        Named arrays, first axis nodes or elements; their units belong in the names.
+    """
+    from vtkmodules.vtkIOXML import vtkXMLUnstructuredGridWriter
+
+    grid = _vtk_grid(mesh, point_data or {}, cell_data or {})
+    writer = vtkXMLUnstructuredGridWriter()
+    writer.SetInputData(grid)
+    with written_aside(path) as aside:
+        writer.SetFileName(str(aside))
+        if writer.Write() != 1 or writer.GetErrorCode() != 0:
+            raise OSError(f"{path}: could not be written (error {writer.GetErrorCode()} of VTK)")
+
+
+def _vtk_grid(
+    mesh: HexMesh, point_data: Mapping[str, ArrayLike], cell_data: Mapping[str, ArrayLike]
+) -> Any:
+    """Unstructured VTK grid of a mesh, points in mm."""
+    from vtkmodules.util.numpy_support import numpy_to_vtk, numpy_to_vtkIdTypeArray
+    from vtkmodules.vtkCommonCore import vtkPoints
+    from vtkmodules.vtkCommonDataModel import vtkCellArray, vtkUnstructuredGrid
+
+    points = vtkPoints()
+    points.SetData(numpy_to_vtk(np.ascontiguousarray(mesh.points / MM), deep=True))
+    count = len(mesh.hexes)
+    cells = vtkCellArray()
+    cells.SetData(
+        numpy_to_vtkIdTypeArray(np.arange(0, 8 * count + 1, 8, dtype=np.int64), deep=True),
+        numpy_to_vtkIdTypeArray(np.ascontiguousarray(mesh.hexes, dtype=np.int64).ravel(), True),
+    )
+    grid = vtkUnstructuredGrid()
+    grid.SetPoints(points)
+    grid.SetCells(VTK_HEXAHEDRON, cells)
+    sides = (
+        (grid.GetPointData(), point_data, len(mesh.points)),
+        (grid.GetCellData(), cell_data, count),
+    )
+    for target, arrays, length in sides:
+        for name, values in arrays.items():
+            array = np.ascontiguousarray(values)
+            if array.dtype == bool:
+                array = array.astype(np.uint8)
+            if array.shape[0] != length:
+                raise InputError(f"mesh data {name!r} has {array.shape[0]} values, not {length}")
+            data = numpy_to_vtk(array, deep=True)
+            data.SetName(name)
+            target.AddArray(data)
+    return grid
+
+
+def read_mesh(path: PathLike) -> HexMesh:
+    """Read the mesh of a VTU file; points come back in metres."""
+    return read_mesh_with_data(path)[0]
+
+
+def read_mesh_with_data(
+    path: PathLike,
+) -> tuple[HexMesh, dict[str, NDArray[Any]], dict[str, NDArray[Any]]]:
+    """Read a VTU file of hexahedra.
+
+    Returns
+    -------
+    mesh : HexMesh
+        Points in metres.
+    point_data, cell_data : dict of arrays
+        Values as they stand in the file, units in their names.
+    """
+    from vtkmodules.util.numpy_support import vtk_to_numpy
+    from vtkmodules.vtkIOXML import vtkXMLUnstructuredGridReader
+
+    if not Path(path).is_file():
+        raise InputError(f"{path}: no such mesh")
+    reader = vtkXMLUnstructuredGridReader()
+    reader.SetFileName(os.fspath(path))
+    reader.Update()
+    grid = reader.GetOutput()
+    if reader.GetErrorCode() != 0 or grid.GetNumberOfCells() == 0:
+        raise InputError(f"{path}: not a readable VTU mesh; delete it and run again")
+    if grid.GetCellTypesArray() is not None and set(
+        np.unique(vtk_to_numpy(grid.GetCellTypesArray()))
+    ) != {VTK_HEXAHEDRON}:
+        raise InputError(f"{path}: holds other cells than 8-node hexahedra; mesh it with hexahedra")
+    points = vtk_to_numpy(grid.GetPoints().GetData()).astype(np.float64) * MM
+    hexes = vtk_to_numpy(grid.GetCells().GetConnectivityArray()).astype(np.int64).reshape(-1, 8)
+    point_data, cell_data = (
+        {
+            data.GetArrayName(index): vtk_to_numpy(data.GetArray(index)).copy()
+            for index in range(data.GetNumberOfArrays())
+        }
+        for data in (grid.GetPointData(), grid.GetCellData())
+    )
+    return HexMesh(points, hexes), point_data, cell_data

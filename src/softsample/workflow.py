@@ -1,0 +1,130 @@
+"""What every rule's script shares: logging to the rule's log and the record of provenance."""
+
+import hashlib
+import json
+import logging
+import os
+import platform
+import sys
+from collections.abc import Iterable, Iterator, Mapping
+from contextlib import contextmanager
+from importlib import metadata
+from pathlib import Path
+from typing import Any, Protocol
+
+from softsample import __version__
+from softsample.errors import SoftsampleError
+
+PROGRESS = "softsample.progress"
+"""Logger whose records are also shown on the terminal, for work of more than a few seconds."""
+
+PACKAGES = ("numpy", "scipy", "numba", "scikit-image", "snakemake")
+
+
+class Job(Protocol):
+    """The part of Snakemake's `snakemake` object that provenance needs."""
+
+    input: Any
+    params: Any
+    rule: str
+
+
+@contextmanager
+def logged_to(log: str | os.PathLike[str]) -> Iterator[None]:
+    """Send log records, and the traceback of a failure, to `log`.
+
+    On the terminal appear only progress (logger `softsample.progress`), warnings, and one clear
+    message if the job fails; the process then ends with status 1.
+
+    Parameters
+    ----------
+    log
+        The rule's log file; its folder is made.
+    """
+    path = Path(log)
+    path.parent.mkdir(parents=True, exist_ok=True)
+    root = logging.getLogger()
+    level = root.level
+    handlers = [_log_handler(path), _terminal_handler(path.stem)]
+    root.setLevel(logging.INFO)
+    for handler in handlers:
+        root.addHandler(handler)
+    try:
+        yield
+    except Exception as error:
+        logging.getLogger(__name__).exception("failed")
+        kind = "" if isinstance(error, SoftsampleError) else f"{type(error).__name__}: "
+        print(f"{path.stem}: {kind}{error}\n  (details: {path})", file=sys.stderr)
+        raise SystemExit(1) from error
+    finally:
+        for handler in handlers:
+            root.removeHandler(handler)
+            handler.close()
+        root.setLevel(level)
+
+
+def _log_handler(path: Path) -> logging.Handler:
+    handler = logging.FileHandler(path, mode="w", encoding="utf-8")
+    handler.setFormatter(logging.Formatter("%(asctime)s %(levelname)s %(name)s: %(message)s"))
+    return handler
+
+
+def _terminal_handler(label: str) -> logging.Handler:
+    handler = logging.StreamHandler(sys.stderr)
+    handler.setFormatter(logging.Formatter(f"{label}: %(message)s"))
+    handler.addFilter(
+        lambda record: (
+            record.name.startswith(PROGRESS)
+            or logging.WARNING <= record.levelno
+            and record.exc_info is None
+        )
+    )
+    return handler
+
+
+def provenance(job: Job) -> dict[str, Any]:
+    """Where a result comes from: versions, settings, and hashes of inputs and code.
+
+    Parameters
+    ----------
+    job
+        Snakemake's `snakemake` object; inputs that end in `.py` are counted as code.
+
+    Returns
+    -------
+    dict
+        `rule`, `versions`, `settings` (the rule's params), `settings_sha256`, `inputs`
+        (file: sha256), `code_sha256`. Equal inputs give equal records: no time, no host.
+    """
+    files = sorted({str(name) for name in job.input})
+    code = [name for name in files if name.endswith(".py")]
+    settings = json.loads(json.dumps(dict(job.params.items()), sort_keys=True, default=str))
+    return {
+        "rule": job.rule,
+        "versions": versions(),
+        "settings": settings,
+        "settings_sha256": _sha256_of_text(json.dumps(settings, sort_keys=True)),
+        "inputs": {name: sha256(name) for name in files if name not in code},
+        "code_sha256": sha256_of_files(code),
+    }
+
+
+def versions() -> Mapping[str, str]:
+    """Versions of this package, Python and the packages that numbers depend on."""
+    found = {name: metadata.version(name) for name in PACKAGES}
+    return {"softsample": __version__, "python": platform.python_version(), **found}
+
+
+def sha256(path: str | os.PathLike[str]) -> str:
+    """SHA-256 of a file's content, in hexadecimal."""
+    with open(path, "rb") as stream:
+        return hashlib.file_digest(stream, "sha256").hexdigest()
+
+
+def sha256_of_files(paths: Iterable[str | os.PathLike[str]]) -> str:
+    """One SHA-256 of the contents of several files, in the order given."""
+    return _sha256_of_text("".join(sha256(path) for path in paths))
+
+
+def _sha256_of_text(text: str) -> str:
+    return hashlib.sha256(text.encode()).hexdigest()

@@ -1,0 +1,75 @@
+# One command each: make run | quick | test | check | clean. Needs python3 (3.11 or newer) and make.
+# The environment is built from requirements.lock, and built anew whenever that file changes.
+
+SHELL := bash
+.SHELLFLAGS := -eu -o pipefail -c
+.ONESHELL:
+.DELETE_ON_ERROR:
+.DEFAULT_GOAL := help
+
+PYTHON ?= python3
+VENV ?= .venv
+CORES ?= 2
+bin := $(VENV)/bin
+stamp := $(VENV)/.lock-$(shell sha256sum requirements.lock pyproject.toml | sha256sum | cut -c1-16)
+
+# one thread a job in BLAS; Snakemake gives the jobs theirs
+export OMP_NUM_THREADS ?= 1
+export OPENBLAS_NUM_THREADS ?= 1
+export PYTHONPATH := src
+unexport VIRTUAL_ENV
+
+.PHONY: help env run quick test test-long check format clean clean-env
+
+help:
+	@echo "make run        the study: every sample at 0.5 mm, tables, figures, results/report.html"
+	echo "make quick      the same at 1 mm, for a look in minutes, into results-quick/"
+	echo "make test       unit, verification, regression and workflow tests"
+	echo "make test-long  also the tests that take minutes each"
+	echo "make check      ruff, snakefmt, mypy, snakemake --lint"
+	echo "make format     let ruff and snakefmt rewrite the sources"
+	echo "make clean      remove results (clean-env: the environment)"
+
+env: $(stamp)
+
+$(stamp):
+	@$(PYTHON) -c 'import sys; sys.exit(sys.version_info < (3, 11))' || { \
+	  echo "softsample needs Python 3.11 or newer; give one with: make PYTHON=python3.12 ..." >&2; exit 1; }
+	echo "Building $(VENV) from requirements.lock (a minute or two, once) ..."
+	rm -rf $(VENV)
+	$(PYTHON) -m venv $(VENV)
+	$(bin)/python -m pip install --quiet --disable-pip-version-check --require-hashes -r requirements.lock
+	$(bin)/python -m pip install --quiet --disable-pip-version-check --no-deps --no-build-isolation -e .
+	touch $@
+
+run: $(stamp)
+	$(bin)/snakemake --cores $(CORES)
+	$(bin)/snakemake --cores 1 --report results/report.html
+
+quick: $(stamp)
+	$(bin)/snakemake --cores $(CORES) --configfile config/quick.yaml
+	$(bin)/snakemake --cores 1 --configfile config/quick.yaml --report results-quick/report.html
+
+test: $(stamp)
+	$(bin)/python -m pytest -m "not long"
+
+test-long: $(stamp)
+	$(bin)/python -m pytest
+
+check: $(stamp)
+	$(bin)/ruff check .
+	$(bin)/ruff format --check .
+	$(bin)/snakefmt --check Snakefile workflow/rules
+	$(bin)/mypy
+	$(bin)/python tests/workflow/lint.py
+
+format: $(stamp)
+	$(bin)/ruff check --fix .
+	$(bin)/ruff format .
+	$(bin)/snakefmt Snakefile workflow/rules
+
+clean:
+	rm -rf results results-quick logs .snakemake
+
+clean-env:
+	rm -rf $(VENV)

@@ -1,0 +1,157 @@
+"""Compressible Ogden solid in the convention of Abaqus, where ``sum(mu)`` is the shear modulus."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+Array = NDArray[np.float64]
+
+
+@dataclass(frozen=True)
+class OgdenMaterial:
+    """Parameters of ``W = sum 2 mu_i/alpha_i^2 (sum_a lbar_a^alpha_i - 3) + K/2 (J - 1)^2``.
+
+    Here ``lbar_a = J**(-1/3) lambda_a`` are the isochoric principal stretches. The initial shear
+    modulus is ``sum(mu)`` (FEBio's moduli are twice these) and the bulk modulus follows from
+    Poisson's ratio, ``K = 2 mu (1 + nu) / (3 (1 - 2 nu))``.
+
+    Parameters
+    ----------
+    mu : tuple of float
+        Moduli [Pa]; their sum is positive.
+    alpha : tuple of float
+        Exponents, dimensionless, none zero, one per modulus.
+    poisson_ratio : float
+        Initial Poisson's ratio, in (0, 0.5).
+
+    Raises
+    ------
+    ValueError
+        On lengths that disagree or a value out of range.
+
+    References
+    ----------
+    R. W. Ogden, Proc. R. Soc. Lond. A 326 (1972) 565, doi:10.1098/rspa.1972.0026.
+    """
+
+    mu: tuple[float, ...]
+    alpha: tuple[float, ...]
+    poisson_ratio: float = 0.49
+
+    def __post_init__(self) -> None:
+        if len(self.mu) != len(self.alpha) or not self.mu:
+            raise ValueError(f"one modulus per exponent is needed, got {self.mu} and {self.alpha}")
+        if not np.all(np.isfinite(self.mu)) or self.shear_modulus <= 0.0:
+            raise ValueError(f"moduli must be finite with a positive sum, got {self.mu} Pa")
+        if not np.all(np.isfinite(self.alpha)) or 0.0 in self.alpha:
+            raise ValueError(f"exponents must be finite and not zero, got {self.alpha}")
+        if not 0.0 < self.poisson_ratio < 0.5:
+            raise ValueError(f"Poisson's ratio must lie in (0, 0.5), got {self.poisson_ratio}")
+
+    @property
+    def shear_modulus(self) -> float:
+        """Initial shear modulus [Pa]."""
+        return float(sum(self.mu))
+
+    @property
+    def bulk_modulus(self) -> float:
+        """Initial bulk modulus [Pa]."""
+        nu = self.poisson_ratio
+        return 2.0 * self.shear_modulus * (1.0 + nu) / (3.0 * (1.0 - 2.0 * nu))
+
+    @property
+    def even(self) -> bool:
+        """Whether every exponent is an even integer, so that no eigenvalues are needed."""
+        return all(float(a).is_integer() and int(a) % 2 == 0 for a in self.alpha)
+
+
+def unit_modulus(
+    mu1_fraction: float, alpha: Sequence[float], poisson_ratio: float, modulus: float
+) -> OgdenMaterial:
+    """Ogden solid of shear modulus `modulus` [Pa] of which `mu1_fraction` is in the first term."""
+    mu = (mu1_fraction * modulus, (1.0 - mu1_fraction) * modulus)
+    if mu1_fraction == 1.0:
+        return OgdenMaterial(mu[:1], tuple(alpha[:1]), poisson_ratio)
+    return OgdenMaterial(mu, tuple(alpha), poisson_ratio)
+
+
+def isochoric_stretches(gradient: ArrayLike) -> tuple[Array, Array, Array]:
+    """Isochoric principal stretches of deformation gradients.
+
+    Parameters
+    ----------
+    gradient : (..., 3, 3) array_like
+        Deformation gradients F, det F > 0.
+
+    Returns
+    -------
+    stretch : (..., 3) float64
+        ``J**(-1/3) lambda_a``, ascending.
+    direction : (..., 3, 3) float64
+        Principal directions of ``C = F^T F`` in columns.
+    jacobian : (...) float64
+        ``J = det F``.
+
+    Raises
+    ------
+    ValueError
+        If any determinant is not positive.
+    """
+    F = np.asarray(gradient, dtype=np.float64)
+    J = np.linalg.det(F)
+    if not np.all(J > 0.0):
+        raise ValueError(f"deformation gradients must have det F > 0, smallest is {np.min(J):g}")
+    squared, direction = np.linalg.eigh(np.swapaxes(F, -1, -2) @ F)
+    return J[..., None] ** (-1.0 / 3.0) * np.sqrt(squared), direction, J
+
+
+def ogden_energy(gradient: ArrayLike, material: OgdenMaterial) -> Array:
+    """Strain energy per reference volume [Pa] of deformation gradients (..., 3, 3)."""
+    stretch, _, J = isochoric_stretches(gradient)
+    energy = 0.5 * material.bulk_modulus * (J - 1.0) ** 2
+    for mu, alpha in zip(material.mu, material.alpha, strict=True):
+        energy = energy + 2.0 * mu / alpha**2 * (np.sum(stretch**alpha, axis=-1) - 3.0)
+    return np.asarray(energy)
+
+
+def ogden_stress(gradient: ArrayLike, material: OgdenMaterial) -> Array:
+    """First Piola-Kirchhoff stress ``P = dW/dF`` of an Ogden solid.
+
+    ``P = F^-T M`` with the Mandel stress ``M = sum_i 2 mu_i/alpha_i dev(Cbar^(alpha_i/2))
+    + K (J - 1) J I``. This is the plain spectral form; the solver's kernels are tested against it.
+
+    Parameters
+    ----------
+    gradient : (..., 3, 3) array_like
+        Deformation gradients F, dimensionless, det F > 0.
+    material : OgdenMaterial
+        Moduli [Pa], exponents and Poisson's ratio.
+
+    Returns
+    -------
+    (..., 3, 3) float64
+        Nominal force per reference area [Pa], first index the force direction, tension positive.
+
+    Raises
+    ------
+    ValueError
+        If any determinant is not positive.
+
+    Notes
+    -----
+    Verified in ``tests/verification/test_ogden.py`` against closed forms and by differences.
+
+    References
+    ----------
+    R. W. Ogden, Proc. R. Soc. Lond. A 326 (1972) 565, doi:10.1098/rspa.1972.0026.
+    """
+    F = np.asarray(gradient, dtype=np.float64)
+    stretch, direction, J = isochoric_stretches(F)
+    mandel = (material.bulk_modulus * (J - 1.0) * J)[..., None] * np.ones(3)
+    for mu, alpha in zip(material.mu, material.alpha, strict=True):
+        power = stretch**alpha
+        mandel = mandel + 2.0 * mu / alpha * (power - np.mean(power, axis=-1, keepdims=True))
+    M = (direction * mandel[..., None, :]) @ np.swapaxes(direction, -1, -2)
+    return np.asarray(np.swapaxes(np.linalg.inv(F), -1, -2) @ M)

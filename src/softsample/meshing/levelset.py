@@ -1,0 +1,191 @@
+"""Smooth signed distance to the surface of a sample: values, gradients, projection, volume."""
+
+from dataclasses import dataclass
+from functools import cached_property
+
+import numba
+import numpy as np
+from numpy.typing import NDArray
+from scipy.ndimage import spline_filter
+
+from softsample.errors import MeshError
+
+Array = NDArray[np.float64]
+
+
+@dataclass(frozen=True, eq=False)
+class LevelSet:
+    """Cubic B-spline through a signed distance grid; the solid is ``distance < 0`` and ``z > 0``.
+
+    Parameters
+    ----------
+    distance : (nx, ny, nz) float
+        Signed distance [m] at the grid points, negative inside.
+    origin : (3,) float
+        Position [m] of grid point ``[0, 0, 0]`` in the sample frame.
+    spacing : float
+        Grid spacing [m], the same along the three axes of the frame.
+    """
+
+    distance: Array
+    origin: Array
+    spacing: float
+
+    def __post_init__(self) -> None:
+        distance = np.asarray(self.distance, dtype=np.float64)
+        origin = np.asarray(self.origin, dtype=np.float64)
+        if distance.ndim != 3 or min(distance.shape) < 4 or origin.shape != (3,):
+            raise MeshError(
+                f"signed distance has shape {distance.shape} and origin {origin.shape}; "
+                "expected a three-dimensional grid of at least 4 points a side and (3,)"
+            )
+        if not np.all(np.isfinite(distance)) or not self.spacing > 0.0:
+            raise MeshError(
+                f"signed distance holds {np.sum(~np.isfinite(distance))} values that are no "
+                f"numbers, spacing {self.spacing} m: check the segmentation"
+            )
+        object.__setattr__(self, "distance", distance)
+        object.__setattr__(self, "origin", origin)
+
+    @cached_property
+    def _coefficients(self) -> Array:
+        return np.ascontiguousarray(spline_filter(self.distance, order=3, mode="mirror"))
+
+    def __call__(self, points: Array) -> Array:
+        """Signed distance [m] at `points` (n, 3) [m]; outside the grid, its nearest value."""
+        return self.with_gradient(points)[0]
+
+    def with_gradient(self, points: Array) -> tuple[Array, Array]:
+        """Signed distance (n,) [m] and its gradient (n, 3) at `points` (n, 3) [m]."""
+        position = (np.ascontiguousarray(points, dtype=np.float64) - self.origin) / self.spacing
+        value, gradient = _spline(self._coefficients, position)
+        return value, gradient / self.spacing
+
+    def project(self, points: Array, in_plane: NDArray[np.bool_], steps: int = 8) -> Array:
+        """Move `points` along the gradient onto the zero level set.
+
+        Parameters
+        ----------
+        points : (n, 3) float64
+            Positions [m] near the surface.
+        in_plane : (n,) bool
+            Points that keep their height and end on the zero contour in their plane.
+        steps : int
+            Newton steps; each is at most one grid spacing long.
+        """
+        moved = np.array(points, dtype=np.float64)
+        for _ in range(steps):
+            value, gradient = self.with_gradient(moved)
+            gradient[in_plane, 2] = 0.0
+            step = value / np.maximum(np.einsum("ij,ij->i", gradient, gradient), 0.05)
+            step = np.clip(step, -self.spacing, self.spacing)
+            moved -= step[:, None] * gradient
+        return moved
+
+    @cached_property
+    def volume(self) -> float:
+        """Volume [m3] of the solid above the base plane, midpoint rule on cells of the grid."""
+        low, high = self.inside_box
+        cell = 0.5 * self.spacing
+        axes = [np.arange(low[a] - 2 * cell, high[a] + 2 * cell, cell) for a in (0, 1)]
+        height = (np.arange(int(np.ceil(high[2] / cell)) + 2) + 0.5) * cell
+        plane = np.stack(np.meshgrid(*axes, indexing="ij"), axis=-1).reshape(-1, 2)
+        total = 0.0
+        for z in height:
+            value = self(np.column_stack([plane, np.full(len(plane), z)]))
+            total += float(np.clip(0.5 - value / cell, 0.0, 1.0).sum())
+        return total * cell**3
+
+    @cached_property
+    def inside_box(self) -> tuple[Array, Array]:
+        """Lowest and highest corner [m] of the box that holds the solid above the base plane."""
+        first = max(int(np.ceil(-self.origin[2] / self.spacing - 1e-9)), 0)
+        inside = np.argwhere(self.distance[:, :, first:] < 0.0) + np.array([0, 0, first])
+        if len(inside) == 0:
+            raise MeshError(
+                "the signed distance is nowhere negative above the base plane z = 0: "
+                "check the sign, the unit (m) and the grid origin"
+            )
+        low, high = inside.min(axis=0), inside.max(axis=0)
+        if np.any(low[:2] == 0) or np.any(high == np.array(self.distance.shape) - 1):
+            raise MeshError(
+                "the sample touches the border of the signed distance grid: "
+                "pad the grid, or image the whole sample"
+            )
+        return self.origin + low * self.spacing, self.origin + high * self.spacing
+
+    @cached_property
+    def highest_point(self) -> Array:
+        """(3,) highest point [m] of the surface, found on columns refined three times."""
+        low, high = self.inside_box
+        centre, reach = 0.5 * (low + high)[:2], 0.5 * (high - low)[:2] + self.spacing
+        best = np.zeros(3)
+        for _ in range(4):
+            axes = [np.linspace(c - r, c + r, 61) for c, r in zip(centre, reach, strict=True)]
+            plane = np.stack(np.meshgrid(*axes, indexing="ij"), axis=-1).reshape(-1, 2)
+            height = self._top_height(plane, high[2] + 2.0 * self.spacing)
+            top = int(np.argmax(height))
+            best = np.array([*plane[top], height[top]])
+            centre, reach = best[:2], reach / 15.0
+        return best
+
+    def _top_height(self, plane: Array, above: float) -> Array:
+        """Height [m] of the uppermost crossing of the columns at `plane` (n, 2); 0 if none."""
+        step = 0.5 * self.spacing
+        levels = above - step * np.arange(int(above / step))
+        upper, found = np.full(len(plane), above), np.zeros(len(plane), dtype=bool)
+        for z in levels:
+            open_ = ~found
+            if not open_.any():
+                break
+            value = self(np.column_stack([plane[open_], np.full(open_.sum(), z)]))
+            ids = np.flatnonzero(open_)
+            found[ids[value < 0.0]] = True
+            upper[ids[value >= 0.0]] = z
+        lower = upper - step
+        for _ in range(20):
+            middle = 0.5 * (lower + upper)
+            inside = self(np.column_stack([plane, middle])) < 0.0
+            lower, upper = np.where(inside, middle, lower), np.where(inside, upper, middle)
+        return np.where(found, 0.5 * (lower + upper), 0.0)
+
+
+@numba.njit(cache=True)
+def _spline(coefficients: Array, position: Array) -> tuple[Array, Array]:
+    """Value and gradient of a cubic B-spline at `position` in grid units, clamped to the grid."""
+    n = position.shape[0]
+    value = np.zeros(n)
+    gradient = np.zeros((n, 3))
+    weight = np.empty((3, 4))
+    slope = np.empty((3, 4))
+    index = np.empty((3, 4), dtype=np.int64)
+    for p in range(n):
+        for a in range(3):
+            size = coefficients.shape[a]
+            x = min(max(position[p, a], 0.0), size - 1.0)
+            cell = min(int(x), size - 2)
+            t = x - cell
+            s = 1.0 - t
+            weight[a, 0] = s * s * s / 6.0
+            weight[a, 1] = 2.0 / 3.0 - t * t + 0.5 * t * t * t
+            weight[a, 2] = 2.0 / 3.0 - s * s + 0.5 * s * s * s
+            weight[a, 3] = t * t * t / 6.0
+            slope[a, 0] = -0.5 * s * s
+            slope[a, 1] = -2.0 * t + 1.5 * t * t
+            slope[a, 2] = 2.0 * s - 1.5 * s * s
+            slope[a, 3] = 0.5 * t * t
+            for m in range(4):
+                i = abs(cell - 1 + m)
+                index[a, m] = i if i < size else 2 * size - 2 - i
+        for i in range(4):
+            for j in range(4):
+                line, rise = 0.0, 0.0
+                for k in range(4):
+                    c = coefficients[index[0, i], index[1, j], index[2, k]]
+                    line += weight[2, k] * c
+                    rise += slope[2, k] * c
+                value[p] += weight[0, i] * weight[1, j] * line
+                gradient[p, 0] += slope[0, i] * weight[1, j] * line
+                gradient[p, 1] += weight[0, i] * slope[1, j] * line
+                gradient[p, 2] += weight[0, i] * weight[1, j] * rise
+    return value, gradient

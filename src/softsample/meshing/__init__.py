@@ -1,0 +1,1 @@
+"""Hexahedral meshes of real and idealised samples, and their quality."""

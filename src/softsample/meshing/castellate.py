@@ -155,7 +155,7 @@ def core_cells(
     Raises
     ------
     MeshError
-        If fewer than two layers of cells fit anywhere into the solid.
+        If fewer than two layers of cells fit into the solid, or none stands on the base.
     """
     count = np.ceil((high - low) / size).astype(np.int64) + 2
     count[2] = int(np.ceil(high[2] / size)) + 1
@@ -170,6 +170,11 @@ def core_cells(
         raise MeshError(
             f"elements of {1e3 * size:.3g} mm are too coarse: only {extent[0]} x {extent[1]} x "
             f"{extent[2]} whole cells fit into the sample; choose a smaller mesh element size"
+        )
+    if not cells[:, :, 0].any():
+        raise MeshError(
+            "the sample does not reach down to the base plane z = 0: "
+            "check the base plane of the segmentation"
         )
     return cells, corner
 

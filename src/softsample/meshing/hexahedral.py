@@ -10,7 +10,7 @@ from softsample.meshing.castellate import add_buffer, castellated_mesh, core_cel
 from softsample.meshing.levelset import LevelSet
 from softsample.meshing.mesh import HexMesh
 from softsample.meshing.optimise import Problem, Stage, optimise
-from softsample.meshing.quality import scaled_jacobian
+from softsample.meshing.quality import check_topology, scaled_jacobian
 
 Array = NDArray[np.float64]
 Ids = NDArray[np.int64]
@@ -177,7 +177,8 @@ def _snap(
 
 
 def _refuse_bad(mesh: HexMesh, size: float, settings: MeshSettings) -> None:
-    """Raise MeshError where an element is worse than the settings allow."""
+    """Raise MeshError if the surface is torn or an element worse than the settings allow."""
+    check_topology(mesh)
     jacobian = scaled_jacobian(mesh)
     worst = int(np.argmin(jacobian))
     if jacobian[worst] < settings.min_scaled_jacobian:

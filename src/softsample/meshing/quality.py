@@ -194,13 +194,7 @@ def quality_report(
         median_scaled_jacobian`` (1), ``min_edge_over_h, fb_length_over_h`` (1), ``volume_mm3,
         volume_difference_percent, mean_distance_mm, p95_distance_mm, highest_node_mm,
         highest_point_mm``.
-
-    Raises
-    ------
-    MeshError
-        If nodes are orphaned or doubled or the surface is not closed.
     """
-    check_topology(mesh)
     jacobian = scaled_jacobian(mesh)
     mesh_volume = float(element_volumes(mesh).sum())
     mean, p95 = surface_distances(mesh, surface) if surface else (0.0, 0.0)

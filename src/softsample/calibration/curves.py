@@ -1,0 +1,82 @@
+"""Curves of a sample as a smooth function of the mixture r = mu1 / mu."""
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.interpolate import BarycentricInterpolator
+
+from softsample.errors import CalibrationError
+
+Array = NDArray[np.float64]
+
+
+class CurveFamily:
+    """Force per modulus of one sample and geometry, interpolated between computed mixtures.
+
+    Parameters
+    ----------
+    fractions : (k,) float64
+        Computed values of r = mu1 / mu; a single one gives a family of one mixture.
+    displacement : (n,) float64
+        Travel of the platen along its direction [m], from zero, ascending.
+    force_per_mu : (k, n) float64
+        Force along the travel per shear modulus [m2].
+
+    Raises
+    ------
+    CalibrationError
+        If the curves are not finite or do not belong together.
+    """
+
+    def __init__(self, fractions: Array, displacement: Array, force_per_mu: Array) -> None:
+        if force_per_mu.shape != (len(fractions), len(displacement)):
+            raise CalibrationError(
+                f"{force_per_mu.shape} forces for {len(fractions)} mixtures at "
+                f"{len(displacement)} displacements; simulate the sample again"
+            )
+        if not np.all(np.isfinite(force_per_mu)):
+            raise CalibrationError("a simulated force is not finite; simulate the sample again")
+        self.displacement = displacement
+        self.bounds = (float(fractions.min()), float(fractions.max()))
+        self._single = force_per_mu[0]
+        self._family = (
+            BarycentricInterpolator(np.sqrt(1.0 - fractions), force_per_mu)
+            if len(fractions) > 1
+            else None
+        )
+
+    def force_per_mu(self, fraction: float, displacement: Array) -> Array:
+        """Force per modulus [m2] at travels `displacement` [m] for the mixture `fraction`.
+
+        Beyond the simulated range the end values hold, so that noise of the displacement
+        reading does not extrapolate.
+        """
+        curve = self._single if self._family is None else self._family(np.sqrt(1.0 - fraction))
+        return np.interp(displacement, self.displacement, curve)
+
+
+@dataclass(frozen=True)
+class MeasuredCurve:
+    """Loading ramp of one test along the direction of the travel.
+
+    Parameters
+    ----------
+    displacement : (n,) float64
+        Travel of the platen [m].
+    force : (n,) float64
+        Force of the platen on the sample along the travel [N]; positive when it resists.
+    """
+
+    displacement: Array
+    force: Array
+
+    def area_between(self, force: Array) -> float:
+        """Absolute area [J] between this curve and `force` (n,) at the same displacements."""
+        order = np.argsort(self.displacement, kind="stable")
+        return float(np.trapezoid(np.abs(self.force - force)[order], self.displacement[order]))
+
+    @property
+    def area(self) -> float:
+        """Area under the curve [J]."""
+        return self.area_between(np.zeros_like(self.force))

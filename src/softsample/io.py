@@ -152,6 +152,12 @@ def read_record(path: PathLike) -> pd.DataFrame:
     return read_table(path)
 
 
+def read_record_si(path: PathLike) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+    """Displacement (n,) [m] and force (n,) [N] of a test record, in the signs of the file."""
+    record = read_record(path)
+    return record["displacement_mm"].to_numpy() * MM, record["force_N"].to_numpy(dtype=np.float64)
+
+
 def read_image(path: PathLike) -> tuple[NDArray[np.float32], NDArray[np.float64]]:
     """Read a NIfTI volume.
 

@@ -6,7 +6,8 @@ import logging
 import os
 import platform
 import sys
-from collections.abc import Iterable, Iterator, Mapping
+import time
+from collections.abc import Callable, Iterable, Iterator, Mapping
 from contextlib import contextmanager
 from importlib import metadata
 from pathlib import Path
@@ -80,6 +81,23 @@ def _terminal_handler(label: str) -> logging.Handler:
         )
     )
     return handler
+
+
+def progress_bar(interval_s: float = 15.0) -> Callable[[str, float], None]:
+    """Callback ``(what, finished fraction)`` that logs a bar and the time left now and then."""
+    start = last = time.monotonic()
+
+    def tell(what: str, fraction: float) -> None:
+        nonlocal last
+        now = time.monotonic()
+        if now - last < interval_s:
+            return
+        last = now
+        left = (now - start) * (1.0 - fraction) / max(fraction, 1e-3)
+        bar = "#" * round(20 * fraction)
+        logging.getLogger(PROGRESS).info("[%-20s] %s, %.0f s left", bar, what, left)
+
+    return tell
 
 
 def provenance(job: Job) -> dict[str, Any]:

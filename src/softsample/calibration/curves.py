@@ -1,12 +1,14 @@
 """Curves of a sample as a smooth function of the mixture r = mu1 / mu."""
 
 from dataclasses import dataclass
+from typing import Self
 
 import numpy as np
 from numpy.typing import NDArray
 from scipy.interpolate import BarycentricInterpolator
 
 from softsample.errors import CalibrationError
+from softsample.protocol import loading_ramp, travel_sign
 
 Array = NDArray[np.float64]
 
@@ -75,6 +77,18 @@ class MeasuredCurve:
         """Absolute area [J] between this curve and `force` (n,) at the same displacements."""
         order = np.argsort(self.displacement, kind="stable")
         return float(np.trapezoid(np.abs(self.force - force)[order], self.displacement[order]))
+
+    @classmethod
+    def of_record(cls, displacement: Array, force: Array, mode: str) -> Self:
+        """Loading ramp of a record in the signs of its file, displacement [m] and force [N]."""
+        sign = travel_sign(mode)
+        ramp = loading_ramp(sign * displacement)
+        return cls(sign * displacement[ramp], sign * force[ramp])
+
+    @property
+    def travel(self) -> float:
+        """Largest travel of the platen [m]."""
+        return float(self.displacement.max())
 
     @property
     def area(self) -> float:

@@ -74,6 +74,23 @@ class Fit:
         """Modulus of the second term [Pa]."""
         return self.mu * (1.0 - self.mu1_fraction)
 
+    def report(self) -> dict[str, Any]:
+        """Everything a reader of the fit wants, units in the names."""
+        verdict = "converged" if self.success else "; ".join(["not trusted", *self.active_bounds])
+        return {
+            "mu1_pa": self.mu1,
+            "mu2_pa": self.mu2,
+            "mu_pa": self.mu,
+            "mu1_fraction": self.mu1_fraction,
+            "area_error_percent": {name: 100.0 * e for name, e in self.area_error.items()},
+            "rms_N": self.rms,
+            "active_bounds": self.active_bounds,
+            "success": self.success,
+            "verdict": verdict,
+            "iterations": sum(start["iterations"] for start in self.starts),
+            "starts": self.starts,
+        }
+
 
 class AreaObjective:
     """Absolute area between the curves of all samples of a group, over the measured area.

@@ -7,9 +7,7 @@ from numpy.typing import NDArray
 
 from softsample.fem.kernels import BASE, FREE, PLATEN
 from softsample.meshing.mesh import HexMesh
-
-DIRECTIONS = {"tension": (0.0, 0.0, 1.0), "compression": (0.0, 0.0, -1.0), "shear": (1.0, 0.0, 0.0)}
-"""Direction of the moving platen's travel in each test mode."""
+from softsample.protocol import DIRECTIONS
 
 
 @dataclass(frozen=True)
@@ -67,6 +65,15 @@ def _held(mesh: HexMesh, glued: NDArray[np.int64]) -> NDArray[np.int8]:
     held[glued] = PLATEN
     held[mesh.bottom] = BASE
     return held
+
+
+def mode_boundary(
+    mesh: HexMesh, mode: str, glued: NDArray[np.int64], contact: ContactSettings
+) -> Boundary:
+    """Boundary conditions of a test mode: glued top, or a platen that meets the highest node."""
+    if mode == "compression":
+        return platen_boundary(mesh, contact)
+    return glued_boundary(mesh, mode, glued)
 
 
 def glued_boundary(mesh: HexMesh, mode: str, glued: NDArray[np.int64]) -> Boundary:

@@ -1,0 +1,54 @@
+"""Ogden moduli of one group on one geometry (rule `calibrate`)."""
+
+import pandas as pd
+
+from softsample.calibration.curves import CurveFamily, MeasuredCurve
+from softsample.calibration.slsqp import AreaObjective, CalibrationSettings, fit_ogden
+from softsample.io import read_record_si, read_table, write_json, write_table
+from softsample.protocol import travel_sign
+from softsample.workflow import logged_to, provenance
+
+with logged_to(snakemake.log[0]):
+    given = snakemake.params
+    modes = dict(zip(given.samples, given.modes, strict=True))
+    families, measured = {}, {}
+    for (sample, mode), curves, record in zip(
+        modes.items(), snakemake.input.curves, snakemake.input.records, strict=True
+    ):
+        table = read_table(curves).pivot(index="mu1_fraction", columns="displacement_mm")
+        forces = table["force_per_mu_mm2"].sort_index(axis=1, key=abs)
+        families[sample] = CurveFamily(
+            forces.index.to_numpy(),
+            1e-3 * abs(forces.columns.to_numpy()),
+            1e-6 * travel_sign(mode) * forces.to_numpy(),
+        )
+        measured[sample] = MeasuredCurve.of_record(*read_record_si(record), mode)
+    fit = fit_ogden(families, measured, CalibrationSettings(**given.settings))
+    objective = AreaObjective(families, measured)
+    curve = [
+        pd.DataFrame(
+            {
+                "sample": sample,
+                "displacement_mm": travel_sign(mode) * 1e3 * measured[sample].displacement,
+                "measured_N": travel_sign(mode) * measured[sample].force,
+                "model_N": travel_sign(mode) * objective.force(sample, fit.mu, fit.mu1_fraction),
+            }
+        )
+        for sample, mode in modes.items()
+    ]
+    write_table(snakemake.output.curve, pd.concat(curve))
+    terms = 1 if snakemake.wildcards.model == "ogden1" else 2
+    write_json(
+        snakemake.output.fit,
+        {
+            "group": snakemake.wildcards.group,
+            "geometry": snakemake.wildcards.geometry,
+            "model": snakemake.wildcards.model,
+            "samples": given.samples,
+            "modes": given.modes,
+            "alpha": given.material["alpha"][:terms],
+            "poisson_ratio": given.material["poisson_ratio"],
+            **fit.report(),
+            "provenance": provenance(snakemake),
+        },
+    )

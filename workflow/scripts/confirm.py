@@ -1,0 +1,57 @@
+"""One run with the calibrated material: curve, deformed shape and strain (rule `confirm`)."""
+
+import numpy as np
+
+from softsample.calibration.curves import MeasuredCurve
+from softsample.constitutive.ogden import OgdenMaterial
+from softsample.fem.boundary import ContactSettings, mode_boundary
+from softsample.fem.explicit import ExplicitModel, SolverSettings
+from softsample.fem.family import run_report
+from softsample.fem.fields import max_principal_hencky_strain
+from softsample.io import (
+    read_json,
+    read_mesh_with_data,
+    read_record_si,
+    read_table,
+    write_json,
+    write_mesh,
+    write_table,
+)
+from softsample.protocol import travel_sign
+from softsample.workflow import logged_to, progress_bar, provenance
+
+with logged_to(snakemake.log[0]):
+    given, sample = snakemake.params, snakemake.wildcards.sample
+    fit, curve = read_json(snakemake.input.fit), read_table(snakemake.input.fit_curve)
+    mesh, point_data, _ = read_mesh_with_data(snakemake.input.mesh)
+    contact = ContactSettings(**given.contact)
+    measured = MeasuredCurve.of_record(*read_record_si(snakemake.input.record), given.mode)
+    material = OgdenMaterial((fit["mu1_pa"], fit["mu2_pa"]), tuple(fit["alpha"]), fit["poisson_ratio"])
+    bar = progress_bar()
+    run = ExplicitModel(mesh, SolverSettings(**given.solver)).run(
+        material,
+        mode_boundary(mesh, given.mode, np.flatnonzero(point_data["glued"]), contact),
+        measured.travel,
+        progress=lambda fraction: bar("run at the optimum", fraction),
+    )
+    sign = travel_sign(given.mode)
+    model = curve.loc[curve["sample"] == sample, "model_N"].to_numpy()
+    direct = sign * np.interp(measured.displacement, run.displacement, run.force)
+    write_table(
+        snakemake.output.curve,
+        {"displacement_mm": sign * 1e3 * run.displacement, "force_N": sign * run.force},
+    )
+    write_mesh(
+        snakemake.output.fields,
+        mesh,
+        {"displacement_mm": 1e3 * run.displacement_field, "held": run.held, **point_data},
+        {"max_principal_hencky_strain": max_principal_hencky_strain(mesh, run.displacement_field)},
+    )
+    report = {
+        "travel_mm": 1e3 * measured.travel,
+        "nominal_strain": measured.travel / mesh.highest,
+        "against_calibrated_curve_percent": 100 * float(abs(direct - model).max() / abs(model).max()),
+        **run_report(run),
+        "provenance": provenance(snakemake),
+    }
+    write_json(snakemake.output.report, report)

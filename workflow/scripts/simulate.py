@@ -1,0 +1,38 @@
+"""Unit-modulus curves of one sample and geometry (rule `simulate`)."""
+
+import numpy as np
+
+from softsample.calibration.curves import MeasuredCurve
+from softsample.fem.boundary import ContactSettings, mode_boundary
+from softsample.fem.explicit import ExplicitModel, SolverSettings
+from softsample.fem.family import FamilySettings, family_fractions, simulate_family
+from softsample.io import read_mesh_with_data, read_record_si, write_json, write_table
+from softsample.protocol import travel_sign
+from softsample.workflow import logged_to, progress_bar, provenance
+
+with logged_to(snakemake.log[0]):
+    given = snakemake.params
+    mesh, point_data, _ = read_mesh_with_data(snakemake.input.mesh)
+    glued = np.flatnonzero(point_data["glued"])
+    one_term = snakemake.wildcards.model == "ogden1"
+    curves, report = simulate_family(
+        ExplicitModel(mesh, SolverSettings(**given.solver)),
+        mode_boundary(mesh, given.mode, glued, ContactSettings(**given.contact)),
+        MeasuredCurve.of_record(*read_record_si(snakemake.input.record), given.mode).travel,
+        [1.0] if one_term else family_fractions(FamilySettings(**given.family)),
+        given.material["alpha"],
+        given.material["poisson_ratio"],
+        progress_bar(),
+    )
+    sign = travel_sign(given.mode)
+    write_table(
+        snakemake.output.curves,
+        {
+            "mu1_fraction": curves["mu1_fraction"],
+            "displacement_mm": sign * 1e3 * curves["displacement"],
+            "force_per_mu_mm2": sign * 1e6 * curves["force"],
+            "platen_force_per_mu_mm2": sign * 1e6 * curves["platen_force"],
+            "base_force_per_mu_mm2": sign * 1e6 * curves["base_force"],
+        },
+    )
+    write_json(snakemake.output.report, {**report, "provenance": provenance(snakemake)})

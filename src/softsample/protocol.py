@@ -1,4 +1,6 @@
-"""Test protocol: how the moving platen travels over time, and where its loading ramp lies."""
+"""Test protocol: how the moving platen travels over time, and where a record's ramp lies."""
+
+from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -9,6 +11,14 @@ Array = NDArray[np.float64]
 
 DIRECTIONS = {"tension": (0.0, 0.0, 1.0), "compression": (0.0, 0.0, -1.0), "shear": (1.0, 0.0, 0.0)}
 """Direction of the moving platen's travel in each test mode (sample frame)."""
+
+REACHED = 0.95
+"""A ramp counts as the loading ramp if it reaches this part of the record's largest travel."""
+
+
+def travel_sign(mode: str) -> float:
+    """Sign of displacement and force while loading: -1 in compression, +1 otherwise."""
+    return float(sum(DIRECTIONS[mode]))
 
 
 def smooth_step(fraction: ArrayLike) -> Array:
@@ -25,48 +35,135 @@ def smooth_step(fraction: ArrayLike) -> Array:
     return np.asarray(x**3 * (10.0 - 15.0 * x + 6.0 * x**2))
 
 
-def travel_sign(mode: str) -> float:
-    """Sign of displacement and force while loading: -1 in compression, +1 otherwise."""
-    return float(sum(DIRECTIONS[mode]))
+def smooth_step_rate(fraction: ArrayLike) -> Array:
+    """Derivative of `smooth_step`, ``30 x^2 (1 - x)^2``; zero outside [0, 1]."""
+    x = np.clip(np.asarray(fraction, dtype=np.float64), 0.0, 1.0)
+    return np.asarray(30.0 * x**2 * (1.0 - x) ** 2)
 
 
-def loading_ramp(displacement: ArrayLike, window: int = 11) -> slice:
-    """First loading ramp of a displacement history, from its last rest to its first top.
+@dataclass(frozen=True)
+class Phase:
+    """Part of a record in which the platen does one thing.
 
     Parameters
     ----------
-    displacement : (n,) array_like
-        Travel along the loading direction (positive while loading), evenly sampled, any unit.
-    window : int
-        Samples of the running mean that hides noise.
+    kind : str
+        `baseline` (at rest before the first movement), `ramp` (away from the start), `hold` (at
+        rest later on) or `unloading` (back towards the start).
+    start, stop : int
+        First sample and the one after the last.
+    """
+
+    kind: str
+    start: int
+    stop: int
+
+    @property
+    def samples(self) -> slice:
+        """The phase as a slice."""
+        return slice(self.start, self.stop)
+
+
+def phases(time: Array, displacement: Array) -> list[Phase]:
+    """Phases of a test, found from the displacement alone.
+
+    The displacement is replaced by the polygon that follows it within its noise
+    (Ramer-Douglas-Peucker), so that no speed and no order of phases need be known.
+
+    Parameters
+    ----------
+    time : (n,) float64
+        Time [s], ascending.
+    displacement : (n,) float64
+        Travel of the platen [m], either sign.
 
     Returns
     -------
-    slice
-        Samples of the ramp; a baseline before it and whatever follows its top are left out.
+    list of Phase
+        In order, without gaps; neighbours differ in kind.
 
     Raises
     ------
     InputError
-        If the platen does not travel away from its start by more than its noise.
+        If the platen does not move beyond the noise of its reading.
     """
-    raw = np.asarray(displacement, dtype=np.float64)
-    window = max(1, min(window, len(raw) // 4))
-    padded = np.pad(raw, (window // 2, window - 1 - window // 2), mode="edge")
-    smooth = np.convolve(padded, np.full(window, 1.0 / window), mode="valid")
-    noise = float(np.std(raw - smooth))
-    rest = float(np.median(smooth[: 2 * window]))
-    reach = float(smooth.max()) - min(rest, float(smooth[0]))
-    if not reach > 20.0 * noise:
+    reach = float(np.ptp(displacement))
+    tolerance = max(6.0 * _noise(displacement), 1e-3 * reach)
+    if reach < 10.0 * tolerance:
         raise InputError(
-            f"the platen travels {reach:g} against a noise of {noise:g}; "
-            "give a record that holds a loading ramp (sign as in the table's mode)"
+            f"displacement stays within {1e3 * reach:.3g} mm, its noise: there is no loading ramp"
         )
-    highest = np.maximum.accumulate(smooth)
-    turned = np.flatnonzero(smooth < highest - 0.05 * reach)
-    top = highest[turned[0]] if len(turned) else highest[-1]
-    end = int(np.argmax(smooth >= top - max(noise, 1e-3 * reach))) + 1
-    low = rest + 0.002 * reach
-    below = np.flatnonzero(smooth[:end] <= low)
-    start = int(below[-1]) if len(below) else 0
-    return slice(start, max(end, len(raw)) if end >= len(raw) - window else end)
+    corners = _polygon(time, displacement, tolerance)
+    found: list[Phase] = []
+    rest = (
+        displacement[: corners[1] + 1].mean()
+        if _at_rest(displacement, corners[:2], tolerance)
+        else displacement[0]
+    )
+    for start, stop in zip(corners[:-1], corners[1:], strict=True):
+        if _at_rest(displacement, [start, stop], tolerance):
+            kind = "hold" if any(p.kind == "ramp" for p in found) else "baseline"
+        else:
+            away = abs(displacement[stop] - rest) > abs(displacement[start] - rest)
+            kind = "ramp" if away else "unloading"
+        end = int(stop) + int(stop == len(time) - 1)
+        if found and found[-1].kind == kind:
+            found[-1] = Phase(kind, found[-1].start, end)
+        else:
+            found.append(Phase(kind, int(start), end))
+    return found
+
+
+def loading_ramp(time: Array, displacement: Array) -> slice:
+    """Samples of the ramp that materials are calibrated on.
+
+    It is the first ramp that reaches 95 % of the largest travel, its last sample included;
+    smaller ramps before it (preconditioning) are passed over.
+
+    Parameters
+    ----------
+    time, displacement : (n,) float64
+        Time [s] and travel [m].
+
+    Raises
+    ------
+    InputError
+        If there is no such ramp.
+    """
+    start = displacement[0]
+    largest = np.abs(displacement - start).max()
+    for phase in phases(time, displacement):
+        if phase.kind == "ramp":
+            end = min(phase.stop, len(time) - 1)
+            if abs(displacement[end] - start) >= REACHED * largest:
+                return slice(phase.start, end + 1)
+    raise InputError("no ramp reaches the record's largest travel: there is no loading ramp")
+
+
+def _noise(displacement: Array) -> float:
+    """Standard deviation of white noise on a piecewise linear signal, from second differences."""
+    second = np.diff(displacement, 2)
+    return float(1.4826 * np.median(np.abs(second - np.median(second))) / np.sqrt(6.0))
+
+
+def _at_rest(displacement: Array, ends: list[int], tolerance: float) -> bool:
+    return bool(abs(displacement[ends[1]] - displacement[ends[0]]) <= 4.0 * tolerance)
+
+
+def _polygon(time: Array, displacement: Array, tolerance: float) -> list[int]:
+    """Indices of the corners of the coarsest polygon within `tolerance` of the samples."""
+    kept = {0, len(time) - 1}
+    todo = [(0, len(time) - 1)]
+    while todo:
+        first, last = todo.pop()
+        if last - first < 2:
+            continue
+        inner = slice(first + 1, last)
+        fraction = (time[inner] - time[first]) / (time[last] - time[first])
+        chord = displacement[first] + fraction * (displacement[last] - displacement[first])
+        gap = np.abs(displacement[inner] - chord)
+        worst = first + 1 + int(gap.argmax())
+        if gap[worst - first - 1] > tolerance:
+            kept.add(worst)
+            todo += [(first, worst), (worst, last)]
+    return sorted(kept)

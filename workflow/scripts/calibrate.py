@@ -4,7 +4,7 @@ import pandas as pd
 
 from softsample.calibration.curves import CurveFamily, MeasuredCurve
 from softsample.calibration.slsqp import AreaObjective, CalibrationSettings, fit_ogden
-from softsample.io import read_record_si, read_table, write_json, write_table
+from softsample.io import read_record, read_table, write_json, write_table
 from softsample.protocol import travel_sign
 from softsample.workflow import logged_to, provenance
 
@@ -22,7 +22,7 @@ with logged_to(snakemake.log[0]):
             1e-3 * abs(forces.columns.to_numpy()),
             1e-6 * travel_sign(mode) * forces.to_numpy(),
         )
-        measured[sample] = MeasuredCurve.of_record(*read_record_si(record), mode)
+        measured[sample] = MeasuredCurve.of_record(read_record(record), mode)
     fit = fit_ogden(families, measured, CalibrationSettings(**given.settings))
     objective = AreaObjective(families, measured)
     curve = [

@@ -11,7 +11,7 @@ from softsample.fem.fields import max_principal_hencky_strain
 from softsample.io import (
     read_json,
     read_mesh_with_data,
-    read_record_si,
+    read_record,
     read_table,
     write_json,
     write_mesh,
@@ -25,7 +25,7 @@ with logged_to(snakemake.log[0]):
     fit, curve = read_json(snakemake.input.fit), read_table(snakemake.input.fit_curve)
     mesh, point_data, _ = read_mesh_with_data(snakemake.input.mesh)
     contact = ContactSettings(**given.contact)
-    measured = MeasuredCurve.of_record(*read_record_si(snakemake.input.record), given.mode)
+    measured = MeasuredCurve.of_record(read_record(snakemake.input.record), given.mode)
     material = OgdenMaterial((fit["mu1_pa"], fit["mu2_pa"]), tuple(fit["alpha"]), fit["poisson_ratio"])
     bar = progress_bar()
     run = ExplicitModel(mesh, SolverSettings(**given.solver)).run(

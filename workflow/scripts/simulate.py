@@ -6,7 +6,7 @@ from softsample.calibration.curves import MeasuredCurve
 from softsample.fem.boundary import ContactSettings, mode_boundary
 from softsample.fem.explicit import ExplicitModel, SolverSettings
 from softsample.fem.family import FamilySettings, family_fractions, simulate_family
-from softsample.io import read_mesh_with_data, read_record_si, write_json, write_table
+from softsample.io import read_mesh_with_data, read_record, write_json, write_table
 from softsample.protocol import travel_sign
 from softsample.workflow import logged_to, progress_bar, provenance
 
@@ -18,7 +18,7 @@ with logged_to(snakemake.log[0]):
     curves, report = simulate_family(
         ExplicitModel(mesh, SolverSettings(**given.solver)),
         mode_boundary(mesh, given.mode, glued, ContactSettings(**given.contact)),
-        MeasuredCurve.of_record(*read_record_si(snakemake.input.record), given.mode).travel,
+        MeasuredCurve.of_record(read_record(snakemake.input.record), given.mode).travel,
         [1.0] if one_term else family_fractions(FamilySettings(**given.family)),
         given.material["alpha"],
         given.material["poisson_ratio"],

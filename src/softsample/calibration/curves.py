@@ -4,6 +4,7 @@ from dataclasses import dataclass
 from typing import Self
 
 import numpy as np
+import pandas as pd
 from numpy.typing import NDArray
 from scipy.interpolate import BarycentricInterpolator
 
@@ -79,11 +80,12 @@ class MeasuredCurve:
         return float(np.trapezoid(np.abs(self.force - force)[order], self.displacement[order]))
 
     @classmethod
-    def of_record(cls, displacement: Array, force: Array, mode: str) -> Self:
-        """Loading ramp of a record in the signs of its file, displacement [m] and force [N]."""
+    def of_record(cls, record: pd.DataFrame, mode: str) -> Self:
+        """Loading ramp of a record with columns `time_s`, `displacement_mm`, `force_N`."""
         sign = travel_sign(mode)
-        ramp = loading_ramp(sign * displacement)
-        return cls(sign * displacement[ramp], sign * force[ramp])
+        time, displacement = record["time_s"].to_numpy(), record["displacement_mm"].to_numpy()
+        ramp = loading_ramp(time, 1e-3 * displacement)
+        return cls(sign * 1e-3 * displacement[ramp], sign * record["force_N"].to_numpy()[ramp])
 
     @property
     def travel(self) -> float:

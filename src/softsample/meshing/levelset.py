@@ -116,38 +116,39 @@ class LevelSet:
 
     @cached_property
     def highest_point(self) -> Array:
-        """(3,) highest point [m] of the surface, found on columns refined three times."""
-        low, high = self.inside_box
-        centre, reach = 0.5 * (low + high)[:2], 0.5 * (high - low)[:2] + self.spacing
-        best = np.zeros(3)
+        """(3,) highest point [m] of the surface: the highest grid column, then refined."""
+        self.inside_box  # noqa: B018  refuses a surface that leaves the grid
+        height = self._column_heights()
+        best = np.unravel_index(int(np.argmax(height)), height.shape)
+        point = np.array([*(self.origin[:2] + np.array(best) * self.spacing), height[best]])
+        reach = self.spacing
         for _ in range(4):
-            axes = [np.linspace(c - r, c + r, 61) for c, r in zip(centre, reach, strict=True)]
-            plane = np.stack(np.meshgrid(*axes, indexing="ij"), axis=-1).reshape(-1, 2)
-            height = self._top_height(plane, high[2] + 2.0 * self.spacing)
-            top = int(np.argmax(height))
-            best = np.array([*plane[top], height[top]])
-            centre, reach = best[:2], reach / 15.0
-        return best
+            offset = np.linspace(-reach, reach, 11)
+            x, y = (point[a] + grid for a, grid in enumerate(np.meshgrid(offset, offset)))
+            heights = self._crossing(x.ravel(), y.ravel(), point[2], 2.0 * self.spacing)
+            top = int(np.argmax(heights))
+            point = np.array([x.flat[top], y.flat[top], heights[top]])
+            reach *= 0.2
+        return point
 
-    def _top_height(self, plane: Array, above: float) -> Array:
-        """Height [m] of the uppermost crossing of the columns at `plane` (n, 2); 0 if none."""
-        step = 0.5 * self.spacing
-        levels = above - step * np.arange(int(above / step))
-        upper, found = np.full(len(plane), above), np.zeros(len(plane), dtype=bool)
-        for z in levels:
-            open_ = ~found
-            if not open_.any():
-                break
-            value = self(np.column_stack([plane[open_], np.full(open_.sum(), z)]))
-            ids = np.flatnonzero(open_)
-            found[ids[value < 0.0]] = True
-            upper[ids[value >= 0.0]] = z
-        lower = upper - step
-        for _ in range(20):
+    def _column_heights(self) -> Array:
+        """(nx, ny) height [m] of the uppermost crossing of each grid column; lowest if none."""
+        inside = self.distance < 0.0
+        last = inside.shape[2] - 1 - np.argmax(inside[:, :, ::-1], axis=2)
+        last = np.where(inside.any(axis=2), last, 0)[..., None]
+        below = np.take_along_axis(self.distance, last, axis=2)[..., 0]
+        above = np.take_along_axis(self.distance, last + 1, axis=2)[..., 0]
+        part = np.where(below < 0.0, below / np.where(below < 0.0, below - above, 1.0), 0.0)
+        return self.origin[2] + (last[..., 0] + part) * self.spacing
+
+    def _crossing(self, x: Array, y: Array, height: float, reach: float) -> Array:
+        """Height [m] within `height` +- `reach` where columns at `x`, `y` (n,) leave the solid."""
+        lower, upper = np.full(len(x), height - reach), np.full(len(x), height + reach)
+        for _ in range(25):
             middle = 0.5 * (lower + upper)
-            inside = self(np.column_stack([plane, middle])) < 0.0
+            inside = self(np.column_stack([x, y, middle])) < 0.0
             lower, upper = np.where(inside, middle, lower), np.where(inside, upper, middle)
-        return np.where(found, 0.5 * (lower + upper), 0.0)
+        return 0.5 * (lower + upper)
 
 
 @numba.njit(cache=True)

@@ -1,0 +1,175 @@
+"""Meshes of solids with a formula: element shape, closed surface, flat base, volume, top."""
+
+import os
+from collections import Counter
+from functools import cache
+
+import numpy as np
+import pytest
+
+from softsample.errors import MeshError
+from softsample.meshing.hexahedral import MeshSettings, mesh_solid
+from softsample.meshing.quality import element_volumes, scaled_jacobian
+from softsample.meshing.sample import mesh_real
+
+pytestmark = pytest.mark.skipif(
+    os.environ.get("NUMBA_DISABLE_JIT") == "1",
+    reason="minutes in plain Python; the kernels have tests of their own in both modes",
+)
+
+MM = 1e-3
+SPACING = 0.25  # mm
+
+
+def dome(x, y, z):
+    """Distance [mm] to a cylinder of radius 3 that ends in a half sphere 6 above its base."""
+    return np.sqrt(x**2 + y**2 + np.maximum(z - 3.0, 0.0) ** 2) - 3.0
+
+
+def capped_block(x, y, z):
+    """Block of 8 x 6 with edges of radius 1.2 below a sphere of radius 9, top at 5.
+
+    Its sharp upper rim is rounded by a smooth maximum.
+    """
+    u, v = np.maximum(np.abs(x) - 2.8, 0.0), np.maximum(np.abs(y) - 1.8, 0.0)
+    wall = np.hypot(u, v) + np.minimum(np.maximum(np.abs(x) - 2.8, np.abs(y) - 1.8), 0.0) - 1.2
+    return rounded_maximum(wall, np.sqrt(x**2 + y**2 + (z + 4.0) ** 2) - 9.0)
+
+
+def bumpy_block(x, y, z):
+    """Tapered block of about 9 x 8 x 6 with bowed walls and a tilted, bumpy, rounded top."""
+    low = np.maximum(z, -1.0)
+    taper = 0.05 * (low - 3.0)
+    sides = rounded_maximum(
+        np.abs(x + 0.15 * np.sin(y + 0.5 * low)) - 4.5 + taper,
+        np.abs(y + 0.15 * np.sin(0.8 * x)) - 4.0 - taper,
+    )
+    return rounded_maximum(sides, z - 6.0 - 0.04 * x + 0.25 * np.cos(1.1 * x) * np.sin(0.9 * y))
+
+
+def rounded_maximum(a, b, radius=1.2):
+    """Maximum of two distances, the edge between them rounded."""
+    u, v = np.maximum(a + radius, 0.0), np.maximum(b + radius, 0.0)
+    return np.minimum(np.maximum(a, b), -radius) + np.hypot(u, v)
+
+
+SHAPES = {"dome": dome, "capped_block": capped_block, "bumpy_block": bumpy_block}
+
+
+def axes(spacing, below=3.0):
+    return [np.arange(-7.0, 7.0 + spacing / 2, spacing)] * 2 + [np.arange(-below, 9.0, spacing)]
+
+
+@cache
+def grid(shape):
+    values = SHAPES[shape](*np.meshgrid(*axes(SPACING), indexing="ij"))
+    return values * MM, np.array([-7.0, -7.0, -3.0]) * MM, SPACING * MM
+
+
+@cache
+def solid(shape, size=0.5):
+    return mesh_solid(*grid(shape), size * MM)
+
+
+def counted_volume(shape, step=0.1):
+    """Volume [mm3] by counting points, independent of splines and meshes."""
+    x, y, _ = axes(step)
+    z = (np.arange(90) + 0.5) * step
+    inside = SHAPES[shape](*np.meshgrid(x, y, z, indexing="ij")) < 0.0
+    return inside.sum() * step**3
+
+
+@pytest.mark.parametrize("size", [0.5, 0.8])
+@pytest.mark.parametrize("shape", SHAPES)
+def test_elements_are_well_shaped(shape, size):
+    """0.3 is what the solver needs, 0.45 what this method keeps on smooth solids."""
+    jacobian = scaled_jacobian(solid(shape, size))
+    assert jacobian.min() > 0.45
+    assert np.quantile(jacobian, 0.01) > 0.55  # small samples have more surface than real ones
+
+
+@pytest.mark.parametrize("shape", SHAPES)
+def test_surface_is_closed_and_uses_every_outer_node_once(shape):
+    mesh = solid(shape)
+    edges = Counter(
+        tuple(sorted((quad[i], quad[i - 1])))
+        for quad in mesh.boundary_quads.tolist()
+        for i in range(4)
+    )
+    assert set(edges.values()) == {2}
+    nodes = len(mesh.boundary)
+    assert nodes - len(edges) + len(mesh.boundary_quads) == 2  # Euler number of a sphere
+    assert len(np.unique(mesh.hexes)) == len(mesh.points)
+
+
+@pytest.mark.parametrize("shape", SHAPES)
+def test_base_is_flat_and_its_rim_lies_on_the_contour(shape):
+    mesh = solid(shape)
+    base = mesh.points[:, 2] == 0.0
+    assert np.all(mesh.points[~base, 2] > 0.2 * 0.5 * MM)
+    np.testing.assert_array_equal(mesh.bottom, np.flatnonzero(base))
+    on_base = np.all(base[mesh.boundary_quads], axis=1)
+    rim = np.intersect1d(mesh.boundary_quads[on_base], mesh.boundary_quads[~on_base])
+    distance = SHAPES[shape](*(mesh.points[rim] / MM).T)
+    assert len(rim) > 30
+    assert np.abs(distance).max() < 0.01  # mm; the spline of the grid leaves a few um
+
+
+@pytest.mark.parametrize("shape", SHAPES)
+def test_surface_nodes_lie_on_the_solid(shape):
+    mesh = solid(shape)
+    quads = mesh.boundary_quads
+    outer = np.unique(quads[~np.all(mesh.points[quads, 2] == 0.0, axis=1)])
+    distance = np.abs(SHAPES[shape](*(mesh.points[outer] / MM).T))
+    assert distance.mean() < 0.002  # mm
+    assert distance.max() < 0.05
+
+
+@pytest.mark.parametrize("shape", SHAPES)
+def test_volume_lacks_only_what_flat_faces_cut_off(shape):
+    """Chords of length h cut h^2 / 12 (1 / R1 + 1 / R2) off the surface: 1 % of these volumes."""
+    volume = element_volumes(solid(shape)).sum() / MM**3
+    assert -1.5 < 100.0 * (volume / counted_volume(shape) - 1.0) < 0.1
+
+
+def test_volume_error_falls_with_the_square_of_the_element_size():
+    exact = np.pi * 3.0**2 * 3.0 + 2.0 / 3.0 * np.pi * 3.0**3
+    sizes = [0.3, 0.4, 0.5, 0.6]
+    error = [1.0 - element_volumes(solid("dome", h)).sum() / MM**3 / exact for h in sizes]
+    rate = np.polyfit(np.log(sizes), np.log(error), 1)[0]
+    assert 1.8 < rate < 2.6  # 2 for faces that shrink evenly; the grid of cells does not
+
+
+def test_highest_point_is_a_node():
+    assert solid("dome").highest == pytest.approx(6.0 * MM, abs=2e-6)
+    mesh, (x, y) = solid("bumpy_block"), np.meshgrid(*[np.arange(-4.4, 4.4, 0.05)] * 2)
+    reached = [z for z in np.arange(6.0, 7.0, 0.005) if bumpy_block(x, y, z).min() < 0.0]
+    assert mesh.highest / MM == pytest.approx(max(reached), abs=0.01)
+
+
+def test_same_input_gives_the_same_mesh():
+    again = mesh_solid(*grid("dome"), 0.5 * MM)
+    np.testing.assert_array_equal(again.points, solid("dome").points)
+
+
+def test_report_holds_the_figures_in_millimetres():
+    made = mesh_real(*grid("capped_block"), 0.8 * MM, preload=1.0 * MM)
+    report = made.report
+    assert report["inverted"] == 0
+    assert report["elements"] == len(made.mesh.hexes)
+    assert report["volume_mm3"] == pytest.approx(counted_volume("capped_block"), rel=0.03)
+    assert report["highest_point_mm"] == pytest.approx(5.0, abs=0.01)
+    assert report["mean_distance_mm"] < report["p95_distance_mm"] < 0.2
+    glued = made.mesh.points[made.point_data["glued"] == 1, 2]
+    assert glued.min() >= made.mesh.highest - 1.0 * MM * 1.001
+    assert made.point_data["glued"].sum() > 20
+
+
+def test_element_size_too_coarse_for_the_sample_is_refused():
+    with pytest.raises(MeshError, match=r"too coarse.*choose a smaller mesh element size"):
+        mesh_solid(*grid("dome"), 2.5 * MM)
+
+
+def test_element_worse_than_allowed_is_refused_with_its_place():
+    with pytest.raises(MeshError, match=r"scaled Jacobian below 0.95, the worst 0\.\d+ at \("):
+        mesh_solid(*grid("dome"), 0.8 * MM, MeshSettings(min_scaled_jacobian=0.95))

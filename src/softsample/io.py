@@ -9,6 +9,7 @@ import math
 import os
 from collections.abc import Iterator, Mapping
 from contextlib import contextmanager
+from io import StringIO
 from pathlib import Path
 from typing import Any
 
@@ -147,15 +148,30 @@ def read_record(path: PathLike) -> pd.DataFrame:
     -------
     pandas.DataFrame
         Columns `time_s`, `displacement_mm`, `force_N` (and `force_normal_N` if there is one),
-        in file order; units and signs of the file.
+        in file order; units and signs of the file. The index is the line in the file, so that
+        messages can name it.
     """
-    return read_table(path)
-
-
-def read_record_si(path: PathLike) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
-    """Displacement (n,) [m] and force (n,) [N] of a test record, in the signs of the file."""
-    record = read_record(path)
-    return record["displacement_mm"].to_numpy() * MM, record["force_N"].to_numpy(dtype=np.float64)
+    try:
+        lines = Path(path).read_text(encoding="utf-8-sig").splitlines()
+    except UnicodeDecodeError as error:
+        raise InputError(f"{path}: not a text file ({error}); export the record as CSV") from error
+    except FileNotFoundError as error:
+        raise InputError(f"{path}: no such record; correct its path in the table") from error
+    kept = [
+        number
+        for number, line in enumerate(lines, start=1)
+        if line.strip() and not line.lstrip().startswith("#")
+    ]
+    try:
+        table = pd.read_csv(StringIO("\n".join(lines[number - 1] for number in kept)), comment="#")
+    except (pd.errors.ParserError, pd.errors.EmptyDataError) as error:
+        raise InputError(
+            f"{path}: not a table with a header ({error}); expected columns "
+            "time_s,displacement_mm,force_N, comma-separated, with decimal points"
+        ) from error
+    table.index = pd.Index(kept[1:], name="line")
+    table.columns = table.columns.str.strip()
+    return table
 
 
 def read_image(path: PathLike) -> tuple[NDArray[np.float32], NDArray[np.float64]]:

@@ -19,6 +19,9 @@ from softsample.errors import SoftsampleError
 PROGRESS = "softsample.progress"
 """Logger whose records are also shown on the terminal, for work of more than a few seconds."""
 
+FAILED = "FAILED: "
+"""Marks the reason of a failure in a log."""
+
 PACKAGES = ("numpy", "scipy", "numba", "scikit-image", "snakemake")
 
 
@@ -53,8 +56,8 @@ def logged_to(log: str | os.PathLike[str]) -> Iterator[None]:
     try:
         yield
     except Exception as error:
-        logging.getLogger(__name__).exception("failed")
         kind = "" if isinstance(error, SoftsampleError) else f"{type(error).__name__}: "
+        logging.getLogger(__name__).exception(f"{FAILED}{kind}{error}")
         print(f"{path.stem}: {kind}{error}\n  (details: {path})", file=sys.stderr)
         raise SystemExit(1) from error
     finally:
@@ -62,6 +65,20 @@ def logged_to(log: str | os.PathLike[str]) -> Iterator[None]:
             root.removeHandler(handler)
             handler.close()
         root.setLevel(level)
+
+
+def failed_jobs(logs: str | os.PathLike[str]) -> list[tuple[str, str]]:
+    """Name and reason of every job whose last run failed, from the logs below a folder.
+
+    A log is overwritten when its job runs again, so what was cured is not listed.
+    """
+    found = []
+    for path in sorted(Path(logs).rglob("*.log")):
+        text = path.read_text(encoding="utf-8", errors="replace")
+        if FAILED in text:
+            reason = text.split(FAILED, 1)[1].split("\nTraceback", 1)[0]
+            found.append((str(path.relative_to(logs).with_suffix("")), reason.strip()))
+    return found
 
 
 def _log_handler(path: Path) -> logging.Handler:
@@ -76,8 +93,7 @@ def _terminal_handler(label: str) -> logging.Handler:
     handler.addFilter(
         lambda record: (
             record.name.startswith(PROGRESS)
-            or logging.WARNING <= record.levelno
-            and record.exc_info is None
+            or (record.levelno >= logging.WARNING and record.exc_info is None)
         )
     )
     return handler

@@ -1,0 +1,49 @@
+from snakemake.utils import min_version
+
+min_version("9.20")
+
+
+configfile: "config/config.yaml"
+
+
+include: "workflow/rules/common.smk"
+include: "workflow/rules/inputs.smk"
+include: "workflow/rules/imaging.smk"
+include: "workflow/rules/meshing.smk"
+include: "workflow/rules/simulation.smk"
+include: "workflow/rules/calibration.smk"
+include: "workflow/rules/report.smk"
+include: "workflow/rules/checks.smk"
+include: "workflow/rules/scoring.smk"
+
+
+report: "workflow/report/workflow.rst"
+
+
+rule all:
+    default_target: True
+    input:
+        tables(),
+        figures(),
+        "<results>/checks/passed.json",
+    message:
+        "Study complete: {config[results]}"
+
+
+for sample_id in SAMPLES:
+
+    rule:
+        name:
+            f"sample_{sample_id}"
+        input:
+            everything_of(sample_id),
+        message:
+            f"Sample {sample_id} and its group are complete"
+
+
+onsuccess:
+    print(summary())
+
+
+onerror:
+    print(failures())

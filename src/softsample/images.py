@@ -1,0 +1,76 @@
+"""Is an image fit to be segmented: units, size, contrast."""
+
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from softsample.errors import InputError
+
+VOXEL_MM = (0.01, 3.0)
+EXTENT_MM = (3.0, 500.0)
+FEWEST_VOXELS = 12
+
+
+def check_image(
+    data: NDArray[np.float32], affine: NDArray[np.float64], source: str
+) -> dict[str, Any]:
+    """Check a volume and report what it holds.
+
+    Parameters
+    ----------
+    data : (nx, ny, nz) float32
+        Intensities.
+    affine : (4, 4) float64
+        From voxel index to world [mm].
+    source
+        The file's path, for the message.
+
+    Returns
+    -------
+    dict
+        `shape`, `voxel_mm`, `extent_mm`, `intensity_percentiles` (1, 50, 99 %).
+
+    Raises
+    ------
+    InputError
+        If the volume cannot be an image of a sample; names value and cure.
+    """
+    voxel = np.linalg.norm(affine[:3, :3], axis=0)
+    if not np.all(np.isfinite(affine)) or abs(np.linalg.det(affine[:3, :3])) < 1e-9:
+        raise InputError(f"{source}: the affine is singular; export the image with its geometry")
+    if voxel.min() < VOXEL_MM[0] or voxel.max() > VOXEL_MM[1]:
+        raise InputError(
+            f"{source}: voxels of {_sizes(voxel)} mm, expected {VOXEL_MM[0]:g} to {VOXEL_MM[1]:g} "
+            "mm; is the header in another unit than mm?"
+        )
+    extent = voxel * data.shape
+    if min(data.shape) < FEWEST_VOXELS:
+        raise InputError(
+            f"{source}: {_sizes(np.array(data.shape))} voxels; a sample needs at least "
+            f"{FEWEST_VOXELS} in each direction"
+        )
+    if extent.min() < EXTENT_MM[0] or extent.max() > EXTENT_MM[1]:
+        raise InputError(
+            f"{source}: a field of view of {_sizes(extent)} mm, expected {EXTENT_MM[0]:g} to "
+            f"{EXTENT_MM[1]:g} mm; crop the image, or correct its voxel size"
+        )
+    wrong = np.argwhere(~np.isfinite(data))
+    if len(wrong):
+        raise InputError(
+            f"{source}: {len(wrong)} voxels are NaN or infinite, the first at index "
+            f"{tuple(int(i) for i in wrong[0])}; export the image again"
+        )
+    low, middle, high = (float(value) for value in np.percentile(data, [1, 50, 99]))
+    if high <= low:
+        raise InputError(f"{source}: the image is constant ({low:g}); choose another file")
+    return {
+        "shape": list(data.shape),
+        "voxel_mm": [float(size) for size in voxel],
+        "extent_mm": [float(size) for size in extent],
+        "intensity_percentiles": [low, middle, high],
+    }
+
+
+def _sizes(values: NDArray[Any]) -> str:
+    return " x ".join(f"{value:g}" for value in values)

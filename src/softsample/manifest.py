@@ -1,0 +1,57 @@
+"""Are the shipped files those that their manifest lists?"""
+
+import os
+from collections.abc import Iterable
+from pathlib import Path
+from typing import Any
+
+import pandas as pd
+
+from softsample.errors import InputError
+from softsample.workflow import sha256
+
+
+def check_files(
+    manifest: pd.DataFrame, source: str | os.PathLike[str], files: Iterable[str]
+) -> dict[str, Any]:
+    """Compare files with the manifest's hashes.
+
+    Parameters
+    ----------
+    manifest
+        Columns `file` (relative to the manifest) and `sha256`.
+    source
+        The manifest's path.
+    files
+        Paths of the files to compare.
+
+    Returns
+    -------
+    dict
+        `files` (number) and `sha256` (file: hash).
+
+    Raises
+    ------
+    InputError
+        Naming every file that is not listed or differs.
+    """
+    root = Path(source).resolve().parent
+    listed = dict(zip(manifest["file"], manifest["sha256"], strict=True))
+    found, wrong = {}, []
+    for path in map(Path, files):
+        name = path.resolve().relative_to(root).as_posix()
+        found[name] = sha256(path)
+        if listed.get(name) != found[name]:
+            state = "has changed" if name in listed else "is not listed"
+            wrong.append(f"  {name} {state} (sha256 {found[name][:12]}...)")
+    if wrong:
+        raise InputError(
+            "\n".join(
+                [
+                    f"files do not agree with {source}; restore them, or copy the folder and give "
+                    "the copy with --config samples=PATH:",
+                    *wrong,
+                ]
+            )
+        )
+    return {"files": len(found), "sha256": found}

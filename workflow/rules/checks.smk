@@ -1,0 +1,57 @@
+# Are the results sound? `rule all` needs every check to have passed.
+
+
+rule check_simulation:
+    input:
+        mesh="<results>/mesh/{sample}/{geometry}.json",
+        curves=lambda wildcards: [
+            f"<results>/curves/{wildcards.sample}/{wildcards.geometry}/{model}.json"
+            for model in sample_models(wildcards.sample)
+        ],
+        direct="<results>/fields/{sample}/{geometry}.json",
+        code=library("workflow/scripts/check_simulation.py"),
+    output:
+        report="<results>/checks/{sample}_{geometry}.json",
+    log:
+        "<logs>/checks/{sample}_{geometry}.log",
+    params:
+        limits=config["checks"],
+    message:
+        "Check mesh, energies and reactions: {wildcards.sample}, {wildcards.geometry} geometry"
+    script:
+        "../scripts/check_simulation.py"
+
+
+rule check_calibration:
+    input:
+        fits=lambda wildcards: calibrations([wildcards.group]),
+        code=library("workflow/scripts/check_calibration.py"),
+    output:
+        report="<results>/checks/{group}_calibration.json",
+    log:
+        "<logs>/checks/{group}_calibration.log",
+    params:
+        limits=config["checks"],
+    message:
+        "Check the calibration: group {wildcards.group}"
+    script:
+        "../scripts/check_calibration.py"
+
+
+rule checks_passed:
+    input:
+        reports=[
+            *expand(
+                "<results>/checks/{sample}_{geometry}.json", sample=SAMPLES, geometry=GEOMETRIES
+            ),
+            *expand("<results>/checks/{group}_calibration.json", group=GROUPS),
+        ],
+        code=library("workflow/scripts/checks_passed.py"),
+    output:
+        report="<results>/checks/passed.json",
+    log:
+        "<logs>/checks/passed.log",
+    message:
+        "Gather the checks of the whole study"
+    script:
+        "../scripts/checks_passed.py"

@@ -1,0 +1,183 @@
+# Configuration, table of samples, and the helpers that every rule uses.
+
+import ast
+import os
+import sys
+from itertools import accumulate, chain
+from pathlib import Path
+
+ROOT = Path(workflow.basedir)
+SOURCES = str(ROOT / "src")
+if SOURCES not in sys.path:
+    sys.path.insert(0, SOURCES)
+if SOURCES not in os.environ.get("PYTHONPATH", "").split(os.pathsep):
+    os.environ["PYTHONPATH"] = os.pathsep.join(
+        filter(None, [SOURCES, os.environ.get("PYTHONPATH", "")])
+    )
+
+from softsample.errors import SoftsampleError
+from softsample.io import read_json, read_samples, read_yaml
+from softsample.validation import check_config, check_samples
+from softsample.workflow import failed_jobs, sha256_of_files
+
+
+def schema(name):
+    """A schema of workflow/schemas."""
+    return read_yaml(ROOT / f"workflow/schemas/{name}.schema.yaml")
+
+
+def checked_study():
+    """The table of samples as a dict of rows, after config and table passed their schemas."""
+    source = ", ".join(str(name) for name in workflow.configfiles) + " or --config"
+    try:
+        check_config(config, schema("config"), source)
+        table = Path(config["samples"])
+        if not table.is_file() and (ROOT / table).is_file():
+            table = Path(os.path.relpath(ROOT / table))
+        rows = check_samples(read_samples(table), schema("samples"), str(table))
+    except SoftsampleError as error:
+        raise WorkflowError(str(error)) from None
+    return table, {row["sample"]: row for row in rows}
+
+
+TABLE, SAMPLES = checked_study()
+GROUPS = {
+    group: [name for name, row in SAMPLES.items() if row["group"] == group]
+    for group in dict.fromkeys(row["group"] for row in SAMPLES.values())
+}
+GEOMETRIES = ["real", "ideal"]
+SHIPPED = TABLE.resolve() == (ROOT / "resources/cohort/samples.tsv").resolve()
+
+
+pathvars:
+    results=config["results"],
+    logs=f"{config['results']}/logs",
+    benchmarks=f"{config['results']}/benchmarks",
+
+
+wildcard_constraints:
+    sample=r"[A-Za-z0-9_-]+",
+    group=r"[A-Za-z0-9_-]+",
+    geometry="|".join(GEOMETRIES),
+    model="ogden1|ogden2",
+
+
+def library(script):
+    """Files of src/ that a script imports, directly or not: its hidden inputs."""
+    seen, todo = set(), [ROOT / script] if (ROOT / script).is_file() else []
+    while todo:
+        for node in ast.walk(ast.parse(todo.pop().read_text(encoding="utf-8"))):
+            if isinstance(node, ast.ImportFrom):
+                names = [node.module, *(f"{node.module}.{a.name}" for a in node.names)]
+            elif isinstance(node, ast.Import):
+                names = [a.name for a in node.names]
+            else:
+                continue
+            parts = (accumulate(name.split("."), "{}/{}".format) for name in names)
+            for path in chain.from_iterable(parts):
+                for file in (ROOT / f"src/{path}.py", ROOT / f"src/{path}/__init__.py"):
+                    if file.is_file() and file not in seen:
+                        seen.add(file)
+                        todo.append(file)
+    return sorted(os.path.relpath(file) for file in seen)
+
+
+# A compiled kernel that calls another file's kernel keeps the old callee after an edit, so each
+# state of the sources has a cache of its own. Kernels do without threads: jobs run side by side.
+os.environ["NUMBA_CACHE_DIR"] = os.path.abspath(
+    f".snakemake/numba/{sha256_of_files(sorted((ROOT / 'src').rglob('*.py')))[:16]}"
+)
+for variable in ("NUMBA_NUM_THREADS", "OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS"):
+    os.environ.setdefault(variable, "1")
+
+
+def sample_file(sample, column):
+    """The file that a column of the sample's row names, as a list; empty if the cell is."""
+    name = SAMPLES[known(sample)].get(column, "")
+    return [os.path.join(os.path.dirname(TABLE), name)] if name else []
+
+
+def study_file(column):
+    """Input function: the file that a column of the sample's row names, none if it is empty."""
+    return lambda wildcards: sample_file(wildcards.sample, column)
+
+
+def shipped_files():
+    """Files of the shipped cohort that the study reads."""
+    if not SHIPPED:
+        return []
+    columns = ("image", "record")
+    return [str(TABLE)] + [f for name in SAMPLES for c in columns for f in sample_file(name, c)]
+
+
+def known(sample):
+    """The sample's id, or an error that lists those there are."""
+    if sample not in SAMPLES:
+        raise WorkflowError(f"no sample {sample!r} in {TABLE}; there are {', '.join(SAMPLES)}")
+    return sample
+
+
+def row_value(column):
+    """Params function: one value of the sample's row."""
+    return lambda wildcards: SAMPLES[known(wildcards.sample)][column]
+
+
+def members(group, model):
+    """Samples of a group that take part in the calibration of a model.
+
+    The one-term model is fitted to the compression samples alone, as in Table 2 of the paper.
+    """
+    if group not in GROUPS:
+        raise WorkflowError(f"no group {group!r} in {TABLE}; there are {', '.join(GROUPS)}")
+    modes = {"ogden1": ["compression"]}.get(model, ["tension", "compression", "shear"])
+    return [name for name in GROUPS[group] if SAMPLES[name]["mode"] in modes]
+
+
+def models(group):
+    """Material models that a group's samples can be calibrated with."""
+    return [model for model in ("ogden2", "ogden1") if members(group, model)]
+
+
+def sample_models(sample):
+    """Material models that a sample is simulated with."""
+    group = SAMPLES[known(sample)]["group"]
+    return [model for model in models(group) if sample in members(group, model)]
+
+
+def calibrations(groups):
+    """Calibration results of groups: every geometry and model."""
+    return [
+        f"<results>/calibration/{group}/{geometry}/{model}.json"
+        for group in groups
+        for geometry in GEOMETRIES
+        for model in models(group)
+    ]
+
+
+def everything_of(sample):
+    """What `sample_{id}` builds: the sample's files, its group's calibration and checks."""
+    group = SAMPLES[sample]["group"]
+    return calibrations([group]) + [
+        name
+        for member in GROUPS[group]
+        for geometry in GEOMETRIES
+        for name in (
+            f"<results>/fields/{member}/{geometry}.vtu",
+            f"<results>/checks/{member}_{geometry}.json",
+        )
+    ]
+
+
+def summary():
+    """What to look at when all went well."""
+    return f"Done. Results are below {config['results']}/ (tables, figures, checks)."
+
+
+def failures():
+    """Every failed job with its reason, read from the logs of this study."""
+    lines = [f"  {job}: {reason}" for job, reason in failed_jobs(f"{config['results']}/logs")]
+    return "\n".join(
+        ["Some jobs failed; the others were finished where that was possible:", *lines]
+        if lines
+        else ["The run stopped before it was complete; run the same command again."]
+    )

@@ -1,0 +1,40 @@
+# From the image to the sample's shape, its frame and the idealised cuboid.
+
+
+rule segment:
+    input:
+        image=study_file("image"),
+        checked="<results>/inputs/{sample}.json",
+        code=library("workflow/scripts/segment.py"),
+    output:
+        mask="<results>/segmentation/{sample}.nii.gz",
+        distance="<results>/segmentation/{sample}_distance.nii.gz",
+        report="<results>/segmentation/{sample}.json",
+    log:
+        "<logs>/segment/{sample}.log",
+    benchmark:
+        "<benchmarks>/segment/{sample}.tsv"
+    params:
+        settings=config["segmentation"],
+    message:
+        "Segment the image: {wildcards.sample}"
+    script:
+        "../scripts/segment.py"
+
+
+rule measure:
+    input:
+        distance="<results>/segmentation/{sample}_distance.nii.gz",
+        report="<results>/segmentation/{sample}.json",
+        code=library("workflow/scripts/measure.py"),
+    output:
+        cuboid="<results>/cuboid/{sample}.json",
+    log:
+        "<logs>/measure/{sample}.log",
+    params:
+        settings=config["measurement"],
+        preload_mm=config["protocol"]["preload_mm"],
+    message:
+        "Measure cuboid and areas: {wildcards.sample}"
+    script:
+        "../scripts/measure.py"

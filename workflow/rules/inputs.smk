@@ -1,0 +1,36 @@
+# Check what comes in before anything is computed from it.
+
+
+rule check_manifest:
+    input:
+        manifest=str(ROOT / "resources/MANIFEST.tsv"),
+        files=sorted(shipped_files()),
+        code=library("workflow/scripts/check_manifest.py"),
+    output:
+        report="<results>/inputs/manifest.json",
+    log:
+        "<logs>/check_manifest.log",
+    message:
+        "Compare the shipped files with their manifest"
+    script:
+        "../scripts/check_manifest.py"
+
+
+rule check_inputs:
+    input:
+        image=study_file("image"),
+        record=study_file("record"),
+        manifest="<results>/inputs/manifest.json" if SHIPPED else [],
+        schema=str(ROOT / "workflow/schemas/record.schema.yaml"),
+        code=library("workflow/scripts/check_inputs.py"),
+    output:
+        report="<results>/inputs/{sample}.json",
+    log:
+        "<logs>/check_inputs/{sample}.log",
+    params:
+        mode=row_value("mode"),
+        protocol=config["protocol"],
+    message:
+        "Check image and record: {wildcards.sample}"
+    script:
+        "../scripts/check_inputs.py"

@@ -1,0 +1,23 @@
+# Hexahedral mesh of the real geometry or of the cuboid, with a quality report.
+
+
+rule mesh:
+    input:
+        distance="<results>/segmentation/{sample}_distance.nii.gz",
+        segmentation="<results>/segmentation/{sample}.json",
+        cuboid="<results>/cuboid/{sample}.json",
+        code=library("workflow/scripts/mesh.py"),
+    output:
+        mesh="<results>/mesh/{sample}/{geometry}.vtu",
+        report="<results>/mesh/{sample}/{geometry}.json",
+    log:
+        "<logs>/mesh/{sample}_{geometry}.log",
+    benchmark:
+        "<benchmarks>/mesh/{sample}_{geometry}.tsv"
+    params:
+        mesh=config["mesh"],
+        preload_mm=config["protocol"]["preload_mm"],
+    message:
+        "Mesh: {wildcards.sample}, {wildcards.geometry} geometry"
+    script:
+        "../scripts/mesh.py"

@@ -1,0 +1,62 @@
+# Finite element runs: a family of unit-modulus curves, and one run at the calibrated optimum.
+
+
+rule simulate:
+    input:
+        mesh="<results>/mesh/{sample}/{geometry}.vtu",
+        record=study_file("record"),
+        code=library("workflow/scripts/simulate.py"),
+    output:
+        curves="<results>/curves/{sample}/{geometry}/{model}.csv",
+        report="<results>/curves/{sample}/{geometry}/{model}.json",
+    log:
+        "<logs>/simulate/{sample}_{geometry}_{model}.log",
+    benchmark:
+        "<benchmarks>/simulate/{sample}_{geometry}_{model}.tsv"
+    params:
+        mode=row_value("mode"),
+        material=config["material"],
+        solver=config["solver"],
+        contact=config["contact"],
+        family=config["family"],
+        protocol=config["protocol"],
+    message:
+        "Simulate unit-modulus curves: {wildcards.sample}, {wildcards.geometry} geometry, {wildcards.model}"
+    script:
+        "../scripts/simulate.py"
+
+
+rule confirm:
+    input:
+        mesh="<results>/mesh/{sample}/{geometry}.vtu",
+        record=study_file("record"),
+        fit=lambda wildcards: (
+            "<results>/calibration/{group}/{{geometry}}/ogden2.json".format(
+                group=SAMPLES[known(wildcards.sample)]["group"]
+            )
+        ),
+        fit_curve=lambda wildcards: (
+            "<results>/calibration/{group}/{{geometry}}/ogden2.csv".format(
+                group=SAMPLES[known(wildcards.sample)]["group"]
+            )
+        ),
+        code=library("workflow/scripts/confirm.py"),
+    output:
+        fields="<results>/fields/{sample}/{geometry}.vtu",
+        curve="<results>/fields/{sample}/{geometry}.csv",
+        report="<results>/fields/{sample}/{geometry}.json",
+    log:
+        "<logs>/confirm/{sample}_{geometry}.log",
+    benchmark:
+        "<benchmarks>/confirm/{sample}_{geometry}.tsv"
+    params:
+        mode=row_value("mode"),
+        material=config["material"],
+        solver=config["solver"],
+        contact=config["contact"],
+        family=config["family"],
+        protocol=config["protocol"],
+    message:
+        "Run at the optimum: {wildcards.sample}, {wildcards.geometry} geometry"
+    script:
+        "../scripts/confirm.py"

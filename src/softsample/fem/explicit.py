@@ -49,7 +49,7 @@ class SolverSettings:
     """
 
     precision: str = "float32"
-    loading_time_s: float = 0.12
+    loading_time_s: float = 0.13
     reference_modulus_pa: float = 1000.0
     density_kg_m3: float = 1000.0
     safety_factor: float = 0.85

@@ -32,9 +32,9 @@ class FamilySettings:
         Number of runs; Chebyshev-Lobatto points in sqrt(1 - r), where the force is smooth.
     """
 
-    mu1_fraction_min: float = 0.2
-    mu1_fraction_max: float = 0.95
-    nodes: int = 5
+    mu1_fraction_min: float = 0.02
+    mu1_fraction_max: float = 0.98
+    nodes: int = 6
 
 
 def family_fractions(settings: FamilySettings) -> Array:

@@ -17,6 +17,7 @@ import nibabel
 import numpy as np
 import pandas as pd
 import yaml
+from nibabel.filebasedimages import ImageFileError
 from numpy.typing import ArrayLike, NDArray
 
 from softsample.errors import InputError
@@ -186,8 +187,8 @@ def read_image(path: PathLike) -> tuple[NDArray[np.float32], NDArray[np.float64]
     """
     try:
         image = nibabel.load(path)
-        data = np.asarray(image.dataobj, dtype=np.float32)  # type: ignore[attr-defined]
-    except (nibabel.filebasedimages.ImageFileError, EOFError, OSError, ValueError) as error:
+        data = np.asarray(image.dataobj, dtype=np.float32)
+    except (ImageFileError, EOFError, OSError, ValueError) as error:
         raise InputError(
             f"{path}: not a readable NIfTI image ({error}); export it again as .nii or .nii.gz"
         ) from error
@@ -195,7 +196,7 @@ def read_image(path: PathLike) -> tuple[NDArray[np.float32], NDArray[np.float64]
         data = data[..., 0]
     if data.ndim != 3:
         raise InputError(f"{path}: image has shape {data.shape}; give one three-dimensional volume")
-    return data, np.asarray(image.affine, dtype=np.float64)  # type: ignore[attr-defined]
+    return data, np.asarray(image.affine, dtype=np.float64)
 
 
 def write_image(path: PathLike, data: NDArray[Any], affine: ArrayLike) -> None:

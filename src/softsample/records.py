@@ -9,15 +9,12 @@ import pandas as pd
 from numpy.typing import NDArray
 
 from softsample.errors import InputError
-from softsample.protocol import loading_ramp, phases
+from softsample.protocol import loading_ramp, phases, travel_sign
 from softsample.validation import refusals
 
 Array = NDArray[np.float64]
 
 MM = 1e-3
-TRAVEL_SIGN = {"tension": 1.0, "compression": -1.0, "shear": 1.0}
-"""Sign of displacement and force in each mode: along +z, against it, along +x."""
-
 SMALLEST_TRAVEL = 0.1 * MM
 FEWEST_IN_RAMP = 20
 LARGEST_GAP = 0.1
@@ -54,27 +51,6 @@ def record_from_table(table: pd.DataFrame) -> Record:
         table[name].to_numpy(dtype=np.float64) for name in ("time_s", "displacement_mm", "force_N")
     )
     return Record(time, displacement * MM, force)
-
-
-def loading_curve(record: Record, mode: str) -> tuple[Array, Array]:
-    """The loading ramp along the direction of the travel.
-
-    Parameters
-    ----------
-    record
-        A checked record.
-    mode
-        `tension`, `compression` or `shear`.
-
-    Returns
-    -------
-    displacement : (n,) float64
-        Travel [m], rising from about 0.
-    force : (n,) float64
-        Force of the platen on the sample along the travel [N], positive when it resists.
-    """
-    sign = TRAVEL_SIGN[mode]
-    return sign * record.displacement[record.ramp], sign * record.force[record.ramp]
 
 
 def check_record(
@@ -176,7 +152,7 @@ def _check_signs(table: pd.DataFrame, record: Record, ramp: slice, mode: str, so
         "displacement_mm": (record.displacement[last] - record.displacement[ramp.start]) / MM,
         "force_N": float(record.force[tail].mean()),
     }
-    sign = TRAVEL_SIGN[mode]
+    sign = travel_sign(mode)
     for column, value in values.items():
         if sign * value <= 0.0:
             raise InputError(

@@ -3,7 +3,8 @@
 
 rule check_simulation:
     input:
-        mesh="<results>/mesh/{sample}/{geometry}.json",
+        mesh="<results>/mesh/{sample}/{geometry}.vtu",
+        quality="<results>/mesh/{sample}/{geometry}.json",
         curves=lambda wildcards: [
             f"<results>/curves/{wildcards.sample}/{wildcards.geometry}/{model}.json"
             for model in sample_models(wildcards.sample)
@@ -30,8 +31,6 @@ rule check_calibration:
         report="<results>/checks/{group}_calibration.json",
     log:
         "<logs>/checks/{group}_calibration.log",
-    params:
-        limits=config["checks"],
     message:
         "Check the calibration: group {wildcards.group}"
     script:

@@ -99,7 +99,11 @@ def sample_file(sample, column):
 
 def study_file(column):
     """Input function: the file that a column of the sample's row names, none if it is empty."""
-    return lambda wildcards: sample_file(wildcards.sample, column)
+
+    def find(wildcards):
+        return next(iter(sample_file(wildcards.sample, column)), [])
+
+    return find
 
 
 def shipped_files():

@@ -7,7 +7,7 @@ rule check_manifest:
         files=sorted(shipped_files()),
         code=library("workflow/scripts/check_manifest.py"),
     output:
-        report="<results>/inputs/manifest.json",
+        report="<results>/manifest.json",
     log:
         "<logs>/check_manifest.log",
     message:
@@ -20,7 +20,7 @@ rule check_inputs:
     input:
         image=study_file("image"),
         record=study_file("record"),
-        manifest="<results>/inputs/manifest.json" if SHIPPED else [],
+        manifest="<results>/manifest.json" if SHIPPED else [],
         schema=str(ROOT / "workflow/schemas/record.schema.yaml"),
         code=library("workflow/scripts/check_inputs.py"),
     output:

@@ -1,6 +1,16 @@
 # Finite element runs: a family of unit-modulus curves, and one run at the calibrated optimum.
 
 
+def optimum(kind):
+    """Input function: calibration of the sample's group on the same geometry."""
+
+    def find(wildcards):
+        group = SAMPLES[known(wildcards.sample)]["group"]
+        return f"<results>/calibration/{group}/{wildcards.geometry}/ogden2.{kind}"
+
+    return find
+
+
 rule simulate:
     input:
         mesh="<results>/mesh/{sample}/{geometry}.vtu",
@@ -30,16 +40,8 @@ rule confirm:
     input:
         mesh="<results>/mesh/{sample}/{geometry}.vtu",
         record=study_file("record"),
-        fit=lambda wildcards: (
-            "<results>/calibration/{group}/{{geometry}}/ogden2.json".format(
-                group=SAMPLES[known(wildcards.sample)]["group"]
-            )
-        ),
-        fit_curve=lambda wildcards: (
-            "<results>/calibration/{group}/{{geometry}}/ogden2.csv".format(
-                group=SAMPLES[known(wildcards.sample)]["group"]
-            )
-        ),
+        fit=optimum("json"),
+        fit_curve=optimum("csv"),
         code=library("workflow/scripts/confirm.py"),
     output:
         fields="<results>/fields/{sample}/{geometry}.vtu",

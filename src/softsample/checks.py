@@ -1,0 +1,146 @@
+"""Are the results sound: each check is a value, its limit, and whether it holds."""
+
+from collections.abc import Iterable, Mapping, Sequence
+from typing import Any
+
+import numpy as np
+
+from softsample.errors import SimulationError
+from softsample.fem.element import hex_geometry, lumped_mass
+from softsample.meshing.mesh import HexMesh
+from softsample.meshing.quality import element_volumes
+
+Report = Mapping[str, Any]
+
+
+def check(name: str, value: float, limit: float, sense: str = "<=") -> dict[str, Any]:
+    """One check: `value` against `limit`; `sense` is `<=`, `>` or `==`. NaN never passes."""
+    holds = {"<=": value <= limit, ">": value > limit, "==": value == limit}[sense]
+    return {
+        "name": name,
+        "value": float(value),
+        "sense": sense,
+        "limit": float(limit),
+        "passed": bool(holds),
+    }
+
+
+def mass_difference_percent(mesh: HexMesh, density: float = 1000.0) -> float:
+    """Lumped mass of the solver against density times the exact volume of the elements [%]."""
+    lumped = float(np.sum(lumped_mass(mesh, hex_geometry(mesh), density)))
+    return 100.0 * abs(lumped / (density * float(np.sum(element_volumes(mesh)))) - 1.0)
+
+
+def simulation_checks(
+    mesh: HexMesh, quality: Report, families: Sequence[Report], direct: Report, limits: Report
+) -> list[dict[str, Any]]:
+    """Checks of one sample on one geometry.
+
+    Parameters
+    ----------
+    mesh
+        The mesh that was simulated.
+    quality
+        Its quality report.
+    families
+        Reports of its unit-modulus curves, one a material model.
+    direct
+        Report of the run at the optimum.
+    limits
+        Config section `checks`.
+
+    Returns
+    -------
+    list of dict
+        `name`, `value`, `sense`, `limit`, `passed`.
+    """
+    runs = [*(run for family in families for run in family["runs"]), direct]
+    return [
+        check("inverted elements", quality["inverted"], 0, "=="),
+        check("smallest scaled Jacobian", quality["min_scaled_jacobian"], 0.0, ">"),
+        check(
+            "volume of the mesh against the geometry [%]",
+            abs(quality["volume_difference_percent"]),
+            limits["volume_difference_percent_max"],
+        ),
+        check(
+            "lumped mass against density times volume [%]",
+            mass_difference_percent(mesh),
+            limits["mass_difference_percent_max"],
+        ),
+        check(
+            "energy imbalance over work",
+            max(abs(run["energy_imbalance"]) for run in runs),
+            limits["energy_imbalance_max"],
+        ),
+        check(
+            "hourglass over strain energy",
+            max(run["hourglass_ratio"] for run in runs),
+            limits["hourglass_ratio_max"],
+        ),
+        check(
+            "platen against base force [% of peak]",
+            max(run["platen_against_base_percent"] for run in runs),
+            limits["platen_against_base_percent_max"],
+        ),
+        check(
+            "error of the finite loading time [% of peak]",
+            max(family["error_bound_percent"] for family in families),
+            limits["error_bound_percent_max"],
+        ),
+        check(
+            "direct run against calibrated curve [% of peak]",
+            direct["against_calibrated_curve_percent"],
+            limits["direct_difference_percent_max"],
+        ),
+    ]
+
+
+def calibration_checks(fits: Iterable[Report]) -> list[dict[str, Any]]:
+    """Checks of every calibration of one group: converged, and away from all bounds."""
+    checks = []
+    for fit in fits:
+        where = f"{fit['geometry']}, {fit['model']}"
+        checks.append(
+            check(f"active bounds ({where})", len(fit["active_bounds"]), 0, "==")
+            | {"active_bounds": list(fit["active_bounds"])}
+        )
+        checks.append(check(f"optimiser converged ({where})", float(fit["success"]), 1.0, "=="))
+    return checks
+
+
+def gather(reports: Mapping[str, Report]) -> dict[str, Any]:
+    """Number of checks and the tightest value of each, if all of them passed.
+
+    Parameters
+    ----------
+    reports
+        Check reports by name of what was checked.
+
+    Raises
+    ------
+    SimulationError
+        Naming every check that failed, with value and limit.
+    """
+    every = [(where, item) for where, report in reports.items() for item in report["checks"]]
+    failed = [
+        f"  {where}: {item['name']} is {item['value']:.4g}, must be {item['sense']} "
+        f"{item['limit']:.4g}"
+        for where, item in every
+        if not item["passed"]
+    ]
+    if failed:
+        raise SimulationError(
+            "\n".join(
+                [
+                    f"{len(failed)} of {len(every)} checks failed; look at these results before "
+                    "using any number, then change the mesh, solver or limits in the config:",
+                    *failed,
+                ]
+            )
+        )
+    worst: dict[str, float] = {}
+    for _, item in every:
+        better = min if item["sense"] == ">" else max
+        worst[item["name"]] = better(worst.get(item["name"], item["value"]), item["value"])
+    return {"passed": True, "checks": len(every), "worst": worst}

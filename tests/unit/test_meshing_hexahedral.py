@@ -9,6 +9,7 @@ import pytest
 
 from softsample.errors import MeshError
 from softsample.meshing.hexahedral import MeshSettings, mesh_solid
+from softsample.meshing.levelset import LevelSet
 from softsample.meshing.quality import element_volumes, scaled_jacobian
 from softsample.meshing.sample import mesh_real
 
@@ -141,6 +142,8 @@ def test_volume_error_falls_with_the_square_of_the_element_size():
 
 
 def test_highest_point_is_a_node():
+    top = LevelSet(*grid("dome")).highest_point
+    assert np.linalg.norm(solid("dome").points - top, axis=1).min() < 1e-12
     assert solid("dome").highest == pytest.approx(6.0 * MM, abs=2e-6)
     mesh, (x, y) = solid("bumpy_block"), np.meshgrid(*[np.arange(-4.4, 4.4, 0.05)] * 2)
     reached = [z for z in np.arange(6.0, 7.0, 0.005) if bumpy_block(x, y, z).min() < 0.0]

@@ -26,13 +26,13 @@ def loose_hexes(noise, count=60, seed=0):
     return HexMesh(corners.reshape(-1, 3), np.arange(8 * count).reshape(count, 8))
 
 
-@pytest.mark.parametrize("noise", [0.1, 0.5])
+@pytest.mark.parametrize("noise", [0.1, 0.8])
 def test_scaled_jacobian_is_that_of_verdict(noise):
     pyvista = pytest.importorskip("pyvista")
-    mesh = loose_hexes(noise)
+    mesh = loose_hexes(noise, count=400)  # 10 of the folded ones are worst at their centre
     grid = pyvista.UnstructuredGrid({pyvista.CellType.HEXAHEDRON: mesh.hexes}, mesh.points)
     judge = grid.cell_quality("scaled_jacobian")["scaled_jacobian"]
-    np.testing.assert_allclose(scaled_jacobian(mesh), judge, atol=1e-12)
+    np.testing.assert_allclose(scaled_jacobian(mesh), judge, atol=1e-9)
     assert (judge.min() < 0.0) == (noise > 0.2)  # folded elements are among those judged
 
 

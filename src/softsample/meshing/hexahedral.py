@@ -126,9 +126,7 @@ def _fit(
         settings.surface_weights, barriers, settings.iterations, strict=True
     ):
         points = optimise(problem, points, Stage(weight, barrier, steps))
-    points *= size
-    points[base, 2] = 0.0
-    return _snap(HexMesh(points, mesh.hexes), outer, base, pin, surface)
+    return _snap(HexMesh(size * points, mesh.hexes), outer, base, pin, surface)
 
 
 def _spread(

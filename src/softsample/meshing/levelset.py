@@ -117,7 +117,7 @@ class LevelSet:
     @cached_property
     def highest_point(self) -> Array:
         """(3,) highest point [m] of the surface: the highest grid column, then refined."""
-        self.inside_box  # noqa: B018  refuses a surface that leaves the grid
+        _ = self.inside_box  # refuses a surface that leaves the grid
         height = self._column_heights()
         best = np.unravel_index(int(np.argmax(height)), height.shape)
         point = np.array([*(self.origin[:2] + np.array(best) * self.spacing), height[best]])

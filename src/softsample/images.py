@@ -1,4 +1,4 @@
-"""Is an image fit to be segmented: units, size, contrast."""
+"""Fitness of an image for segmentation: units, size, contrast."""
 
 from typing import Any
 

@@ -1,4 +1,4 @@
-"""Are the shipped files those that their manifest lists?"""
+"""Shipped files against their manifest."""
 
 import os
 from collections.abc import Iterable

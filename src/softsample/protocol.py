@@ -1,6 +1,7 @@
 """Test protocol: how the moving platen travels over time, and where a record's ramp lies."""
 
 from dataclasses import dataclass
+from itertools import pairwise
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -100,7 +101,7 @@ def phases(time: Array, displacement: Array) -> list[Phase]:
         if _at_rest(displacement, corners[:2], tolerance)
         else displacement[0]
     )
-    for start, stop in zip(corners[:-1], corners[1:], strict=True):
+    for start, stop in pairwise(corners):
         if _at_rest(displacement, [start, stop], tolerance):
             kind = "hold" if any(p.kind == "ramp" for p in found) else "baseline"
         else:

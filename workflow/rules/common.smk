@@ -10,10 +10,8 @@ ROOT = Path(workflow.basedir)
 SOURCES = str(ROOT / "src")
 if SOURCES not in sys.path:
     sys.path.insert(0, SOURCES)
-if SOURCES not in os.environ.get("PYTHONPATH", "").split(os.pathsep):
-    os.environ["PYTHONPATH"] = os.pathsep.join(
-        filter(None, [SOURCES, os.environ.get("PYTHONPATH", "")])
-    )
+search_path = [SOURCES, *filter(None, os.environ.get("PYTHONPATH", "").split(os.pathsep))]
+os.environ.update(PYTHONPATH=os.pathsep.join(dict.fromkeys(search_path)))
 
 from softsample.errors import SoftsampleError
 from softsample.io import read_json, read_samples, read_yaml
@@ -84,9 +82,8 @@ def library(script):
 
 # A compiled kernel that calls another file's kernel keeps the old callee after an edit, so each
 # state of the sources has a cache of its own. Kernels do without threads: jobs run side by side.
-os.environ["NUMBA_CACHE_DIR"] = os.path.abspath(
-    f".snakemake/numba/{sha256_of_files(sorted((ROOT / 'src').rglob('*.py')))[:16]}"
-)
+state_of_sources = sha256_of_files(sorted((ROOT / "src").rglob("*.py")))[:16]
+os.environ.update(NUMBA_CACHE_DIR=os.path.abspath(f".snakemake/numba/{state_of_sources}"))
 for variable in ("NUMBA_NUM_THREADS", "OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS"):
     os.environ.setdefault(variable, "1")
 
@@ -158,6 +155,16 @@ def calibrations(groups):
     ]
 
 
+def optimum(kind):
+    """Input function: calibration of the sample's group on the same geometry."""
+
+    def find(wildcards):
+        group = SAMPLES[known(wildcards.sample)]["group"]
+        return f"<results>/calibration/{group}/{wildcards.geometry}/ogden2.{kind}"
+
+    return find
+
+
 def everything_of(sample):
     """What `sample_{id}` builds: the sample's files, its group's calibration and checks."""
     group = SAMPLES[sample]["group"]
@@ -170,6 +177,49 @@ def everything_of(sample):
             f"<results>/checks/{member}_{geometry}.json",
         )
     ]
+
+
+PAPER = str(ROOT / "resources/paper/moduli.tsv")
+FORMATS = ("png", "pdf")
+
+
+def tables():
+    """The tables of the study; those of a model that no group has are left out."""
+    names = ["table1", *(["table2"] if groups_with("ogden1") else []), "geometry"]
+    return [f"<results>/tables/{name}.csv" for name in names]
+
+
+def figures():
+    """The figures of the study; numbers are those of the paper."""
+    names = [2, 4, 5, *([6] if groups_with("ogden1") else []), 7]
+    return [f"<results>/figures/figure{name}.{kind}" for name in names for kind in FORMATS]
+
+
+def groups_with(model):
+    """Groups that a model can be calibrated on."""
+    return [group for group in GROUPS if model in models(group)]
+
+
+def fits(model, kind):
+    """Calibrations of one model by geometry, in the order of `groups_with(model)`."""
+    return {
+        geometry: [
+            f"<results>/calibration/{group}/{geometry}/{model}.{kind}"
+            for group in groups_with(model)
+        ]
+        for geometry in GEOMETRIES
+    }
+
+
+def example(mode):
+    """The sample that stands for a loading mode in figures 2 and 7, none if there is none."""
+    wanted = config["report"]["examples"].get(mode)
+    there = [name for name, row in SAMPLES.items() if row["mode"] == mode]
+    return wanted if wanted in there else next(iter(there), None)
+
+
+EXAMPLES = {mode: example(mode) for mode in ("shear", "tension", "compression") if example(mode)}
+SHOWN = EXAMPLES.get("compression") or next(iter(EXAMPLES.values()))
 
 
 def summary():

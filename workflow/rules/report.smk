@@ -1,47 +1,5 @@
 # Tables and figures of the study. Paper values are read here and nowhere else.
 
-PAPER = str(ROOT / "resources/paper/moduli.tsv")
-FORMATS = ("png", "pdf")
-
-
-def tables():
-    """The tables of the study; those of a model that no group has are left out."""
-    names = ["table1", *(["table2"] if groups_with("ogden1") else []), "geometry"]
-    return [f"<results>/tables/{name}.csv" for name in names]
-
-
-def figures():
-    """The figures of the study; numbers are those of the paper."""
-    names = [2, 4, 5, *([6] if groups_with("ogden1") else []), 7]
-    return [f"<results>/figures/figure{name}.{kind}" for name in names for kind in FORMATS]
-
-
-def groups_with(model):
-    """Groups that a model can be calibrated on."""
-    return [group for group in GROUPS if model in models(group)]
-
-
-def fits(model, kind):
-    """Calibrations of one model by geometry, in the order of `groups_with(model)`."""
-    return {
-        geometry: [
-            f"<results>/calibration/{group}/{geometry}/{model}.{kind}"
-            for group in groups_with(model)
-        ]
-        for geometry in GEOMETRIES
-    }
-
-
-def example(mode):
-    """The sample that stands for a loading mode in figures 2 and 7, none if there is none."""
-    wanted = config["report"]["examples"].get(mode)
-    there = [name for name, row in SAMPLES.items() if row["mode"] == mode]
-    return wanted if wanted in there else next(iter(there), None)
-
-
-EXAMPLES = {mode: example(mode) for mode in ("shear", "tension", "compression") if example(mode)}
-SHOWN = EXAMPLES.get("compression") or next(iter(EXAMPLES.values()))
-
 
 rule table_moduli:
     input:

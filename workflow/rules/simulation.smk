@@ -1,16 +1,6 @@
 # Finite element runs: a family of unit-modulus curves, and one run at the calibrated optimum.
 
 
-def optimum(kind):
-    """Input function: calibration of the sample's group on the same geometry."""
-
-    def find(wildcards):
-        group = SAMPLES[known(wildcards.sample)]["group"]
-        return f"<results>/calibration/{group}/{wildcards.geometry}/ogden2.{kind}"
-
-    return find
-
-
 rule simulate:
     input:
         mesh="<results>/mesh/{sample}/{geometry}.vtu",

@@ -400,9 +400,9 @@ def advance(path, dt, dt_before, u, v, force, state, elements, material, mass, m
         Unit vector of the platen's travel.
     release : bool
         Whether a touching node lets go of a platen that would have to pull on it.
-    history : (n_steps, 8) float64
-        Per step: travel [m], force of the moving platen and of the base on the sample [N],
-        work done on the sample in the step [J]; overwritten.
+    history : (n_steps, 7) float64
+        Per step: travel at its start [m], force of the moving platen and of the base on the
+        sample [N]; overwritten.
     """
     glued, candidates = watched
     plane = planes.copy()
@@ -430,8 +430,6 @@ def advance(path, dt, dt_before, u, v, force, state, elements, material, mass, m
         for node in candidates:
             if held[node] == FREE:
                 _catch(node, dt, kick, u, v, mass, mobility, points, held, plane, record)
-        for i in range(3):
-            record[7] += record[1 + i] * speed * direction[i] * dt
         dt_before = dt
 
 

@@ -329,9 +329,7 @@ def read_mesh_with_data(
     grid = reader.GetOutput()
     if reader.GetErrorCode() != 0 or grid.GetNumberOfCells() == 0:
         raise InputError(f"{path}: not a readable VTU mesh; delete it and run again")
-    if grid.GetCellTypesArray() is not None and set(
-        np.unique(vtk_to_numpy(grid.GetCellTypesArray()))
-    ) != {VTK_HEXAHEDRON}:
+    if not grid.IsHomogeneous() or grid.GetCellType(0) != VTK_HEXAHEDRON:
         raise InputError(f"{path}: holds other cells than 8-node hexahedra; mesh it with hexahedra")
     points = vtk_to_numpy(grid.GetPoints().GetData()).astype(np.float64) * MM
     hexes = vtk_to_numpy(grid.GetCells().GetConnectivityArray()).astype(np.int64).reshape(-1, 8)

@@ -1,7 +1,6 @@
 """Test protocol: how the moving platen travels over time, and where a record's ramp lies."""
 
 from dataclasses import dataclass
-from itertools import pairwise
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -15,6 +14,10 @@ DIRECTIONS = {"tension": (0.0, 0.0, 1.0), "compression": (0.0, 0.0, -1.0), "shea
 
 REACHED = 0.95
 """A ramp counts as the loading ramp if it reaches this part of the record's largest travel."""
+
+
+SLOW = 0.05
+"""Legs below this part of the record's highest speed can be rest with a drifting reading."""
 
 
 def travel_sign(mode: str) -> float:
@@ -89,30 +92,37 @@ def phases(time: Array, displacement: Array) -> list[Phase]:
         If the platen does not move beyond the noise of its reading.
     """
     reach = float(np.ptp(displacement))
-    tolerance = max(6.0 * _noise(displacement), 1e-3 * reach)
-    if reach < 10.0 * tolerance:
+    tolerance = max(10.0 * _noise(displacement), 1e-3 * reach)
+    if reach < 5.0 * tolerance:
         raise InputError(
             f"displacement stays within {1e3 * reach:.3g} mm, its noise: there is no loading ramp"
         )
     corners = _polygon(time, displacement, tolerance)
     found: list[Phase] = []
-    rest = (
-        displacement[: corners[1] + 1].mean()
-        if _at_rest(displacement, corners[:2], tolerance)
-        else displacement[0]
-    )
-    for start, stop in pairwise(corners):
-        if _at_rest(displacement, [start, stop], tolerance):
-            kind = "hold" if any(p.kind == "ramp" for p in found) else "baseline"
-        else:
-            away = abs(displacement[stop] - rest) > abs(displacement[start] - rest)
-            kind = "ramp" if away else "unloading"
-        end = int(stop) + int(stop == len(time) - 1)
+    for start, stop, kind in zip(
+        corners[:-1], corners[1:], _kinds(time, displacement, corners, tolerance), strict=True
+    ):
+        end = stop + int(stop == len(time) - 1)
         if found and found[-1].kind == kind:
             found[-1] = Phase(kind, found[-1].start, end)
         else:
-            found.append(Phase(kind, int(start), end))
+            found.append(Phase(kind, start, end))
     return found
+
+
+def _kinds(time: Array, displacement: Array, corners: list[int], tolerance: float) -> list[str]:
+    """Kind of each leg of the polygon; a short slow leg is rest, a long slow one is not."""
+    distance = np.abs(displacement[corners] - displacement[0])
+    step = np.abs(np.diff(displacement[corners]))
+    speed = step / np.diff(time[corners])
+    rest = (step <= 4.0 * tolerance) & (speed <= SLOW * speed.max())
+    kinds: list[str] = []
+    for k in range(len(step)):
+        if rest[k]:
+            kinds.append("hold" if "ramp" in kinds else "baseline")
+        else:
+            kinds.append("ramp" if distance[k + 1] > distance[k] else "unloading")
+    return kinds
 
 
 def loading_ramp(time: Array, displacement: Array) -> slice:
@@ -145,10 +155,6 @@ def _noise(displacement: Array) -> float:
     """Standard deviation of white noise on a piecewise linear signal, from second differences."""
     second = np.diff(displacement, 2)
     return float(1.4826 * np.median(np.abs(second - np.median(second))) / np.sqrt(6.0))
-
-
-def _at_rest(displacement: Array, ends: list[int], tolerance: float) -> bool:
-    return bool(abs(displacement[ends[1]] - displacement[ends[0]]) <= 4.0 * tolerance)
 
 
 def _polygon(time: Array, displacement: Array, tolerance: float) -> list[int]:

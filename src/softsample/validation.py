@@ -132,8 +132,13 @@ def _wrong_together(rows: Sequence[Mapping[str, str]]) -> Iterator[str]:
 def refusals(instance: Any, schema: Schema) -> Iterator[tuple[str, str]]:
     """Place (`mesh.element_size_mm`) and reason, with cure, of everything a schema refuses."""
     validator = Draft202012Validator(schema)
-    for error in sorted(validator.iter_errors(instance), key=lambda e: [str(p) for p in e.path]):
+    for error in sorted(validator.iter_errors(instance), key=_in_order):
         yield from _explain(error)
+
+
+def _in_order(error: ValidationError) -> list[str]:
+    """Sort key of the place in a document; list positions count as numbers."""
+    return [f"{part:09d}" if isinstance(part, int) else part for part in error.absolute_path]
 
 
 def _explain(error: ValidationError) -> Iterator[tuple[str, str]]:

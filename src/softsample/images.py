@@ -37,7 +37,7 @@ def check_image(
         If the volume cannot be an image of a sample; names value and cure.
     """
     voxel = np.linalg.norm(affine[:3, :3], axis=0)
-    if not np.all(np.isfinite(affine)) or abs(np.linalg.det(affine[:3, :3])) < 1e-9:
+    if not np.all(np.isfinite(affine)) or np.linalg.matrix_rank(affine[:3, :3]) < 3:
         raise InputError(f"{source}: the affine is singular; export the image with its geometry")
     if voxel.min() < VOXEL_MM[0] or voxel.max() > VOXEL_MM[1]:
         raise InputError(

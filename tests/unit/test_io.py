@@ -38,9 +38,14 @@ def unit_hex():
 def test_a_failure_while_writing_leaves_the_old_file_and_no_other(tmp_path):
     target = tmp_path / "result.json"
     write_json(target, {"value": 1})
-    with pytest.raises(RuntimeError), written_aside(target) as aside:
-        aside.write_text("half")
-        raise RuntimeError
+
+    def fail_half_way():
+        with written_aside(target) as aside:
+            aside.write_text("half")
+            raise RuntimeError
+
+    with pytest.raises(RuntimeError):
+        fail_half_way()
     assert read_json(target) == {"value": 1}
     assert os.listdir(tmp_path) == ["result.json"]
 

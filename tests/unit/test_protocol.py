@@ -1,3 +1,5 @@
+from itertools import pairwise
+
 import numpy as np
 import pytest
 
@@ -34,7 +36,7 @@ def test_all_phases_of_a_test_are_found(sign):
     starts = [time[phase.start] for phase in found]
     np.testing.assert_allclose(starts, [0.0, 2.0, 12.0, 42.0], atol=0.1)
     assert found[-1].stop == len(time)
-    assert all(a.stop == b.start for a, b in zip(found, found[1:], strict=False))
+    assert all(a.stop == b.start for a, b in pairwise(found))
 
 
 def test_a_curved_ramp_is_one_phase():

@@ -1,0 +1,179 @@
+import math
+
+import numpy as np
+import pandas as pd
+import pytest
+
+from softsample.checks import (
+    calibration_checks,
+    check,
+    gather,
+    mass_difference_percent,
+    simulation_checks,
+)
+from softsample.errors import InputError, SimulationError
+from softsample.images import check_image
+from softsample.manifest import check_files
+from softsample.meshing.mesh import HexMesh
+from softsample.scoring import score_summary, score_table
+from softsample.workflow import sha256
+
+LIMITS = {
+    "energy_imbalance_max": 0.01,
+    "hourglass_ratio_max": 0.02,
+    "platen_against_base_percent_max": 5.0,
+    "error_bound_percent_max": 0.5,
+    "direct_difference_percent_max": 0.5,
+    "volume_difference_percent_max": 0.5,
+    "mass_difference_percent_max": 0.01,
+}
+RUN = {
+    "energy_imbalance": 0.001,
+    "hourglass_ratio": 0.005,
+    "platen_against_base_percent": 1.0,
+}
+
+
+def skewed_hex():
+    """One trilinear element with curved faces: corners of a unit cube, one pulled out."""
+    corners = np.array(
+        [
+            [0, 0, 0],
+            [1, 0, 0],
+            [1, 1, 0],
+            [0, 1, 0],
+            [0, 0, 1],
+            [1, 0, 1],
+            [1.3, 1.2, 1.4],
+            [0, 1, 1],
+        ]
+    )
+    return HexMesh(1e-3 * corners.astype(float), np.arange(8)[None])
+
+
+def checks(quality=None, family=None, direct=None):
+    quality = {"inverted": 0, "min_scaled_jacobian": 0.4, "volume_difference_percent": -0.1} | (
+        quality or {}
+    )
+    family = {"runs": [RUN], "error_bound_percent": 0.2} | (family or {})
+    direct = {**RUN, "against_calibrated_curve_percent": 0.1} | (direct or {})
+    return simulation_checks(skewed_hex(), quality, [family], direct, LIMITS)
+
+
+def test_sound_results_pass():
+    assert all(item["passed"] for item in checks())
+
+
+@pytest.mark.parametrize(
+    ("part", "change", "name"),
+    [
+        ("quality", {"inverted": 1}, "inverted elements"),
+        ("quality", {"min_scaled_jacobian": 0.0}, "smallest scaled Jacobian"),
+        ("quality", {"volume_difference_percent": -0.6}, "volume of the mesh"),
+        ("family", {"error_bound_percent": 0.6}, "error of the finite loading time"),
+        ("family", {"runs": [{**RUN, "energy_imbalance": -0.02}]}, "energy imbalance"),
+        ("family", {"runs": [RUN, {**RUN, "hourglass_ratio": 0.03}]}, "hourglass"),
+        ("direct", {"platen_against_base_percent": 6.0}, "platen against base"),
+        ("direct", {"against_calibrated_curve_percent": 1.0}, "direct run"),
+        ("direct", {"hourglass_ratio": math.nan}, "hourglass"),
+    ],
+)
+def test_each_fault_fails_its_check_alone(part, change, name):
+    failed = [item["name"] for item in checks(**{part: change}) if not item["passed"]]
+    assert len(failed) == 1
+    assert failed[0].startswith(name)
+
+
+def test_nan_never_passes():
+    for sense in ("<=", ">", "=="):
+        assert not check("x", math.nan, 1.0, sense)["passed"]
+
+
+def test_lumped_mass_is_the_exact_mass():
+    assert mass_difference_percent(skewed_hex()) < 1e-10
+
+
+def test_a_fit_on_its_bound_fails():
+    fit = {"geometry": "real", "model": "ogden2", "active_bounds": [], "success": True}
+    assert all(item["passed"] for item in calibration_checks([fit]))
+    on_bound = {**fit, "active_bounds": ["mu_pa_max"], "success": False}
+    assert [item["passed"] for item in calibration_checks([on_bound])] == [False, False]
+
+
+def test_the_gathering_names_every_failure():
+    good = {"checks": [check("a", 1.0, 2.0), check("j", 0.5, 0.0, ">")]}
+    more = {"checks": [check("a", 1.5, 2.0), check("j", 0.3, 0.0, ">")]}
+    assert gather({"C1": good, "C2": more}) == {
+        "passed": True,
+        "checks": 4,
+        "worst": {"a": 1.5, "j": 0.3},
+    }
+    bad = {"checks": [check("a", 3.0, 2.0)]}
+    with pytest.raises(SimulationError, match=r"(?s)1 of 5 checks.*C3_real: a is 3, must be <= 2"):
+        gather({"C1": good, "C2": more, "C3_real": bad})
+
+
+def test_manifest_finds_changed_and_unlisted_files(tmp_path):
+    for name in ("a.csv", "b.csv"):
+        (tmp_path / name).write_text(name)
+    manifest = pd.DataFrame({"file": ["a.csv"], "sha256": [sha256(tmp_path / "a.csv")]})
+    source = tmp_path / "MANIFEST.tsv"
+    assert check_files(manifest, source, [str(tmp_path / "a.csv")])["files"] == 1
+    with pytest.raises(InputError, match=r"b\.csv is not listed"):
+        check_files(manifest, source, [str(tmp_path / "b.csv")])
+    (tmp_path / "a.csv").write_text("edited")
+    with pytest.raises(InputError, match=r"a\.csv has changed"):
+        check_files(manifest, source, [str(tmp_path / "a.csv")])
+
+
+def image(shape=(40, 40, 20), voxel=(0.5, 0.5, 1.0)):
+    data = np.random.default_rng(0).normal(100.0, 10.0, shape).astype(np.float32)
+    return data, np.diag([*voxel, 1.0])
+
+
+def test_facts_of_a_good_image():
+    facts = check_image(*image(), "a.nii.gz")
+    assert facts["extent_mm"] == [20.0, 20.0, 20.0]
+    assert facts["intensity_percentiles"][1] == pytest.approx(100.0, abs=1.0)
+
+
+@pytest.mark.parametrize(
+    ("given", "message"),
+    [
+        (image(voxel=(5e-4, 5e-4, 1e-3)), "voxels of 0.0005 x 0.0005 x 0.001 mm.* another unit"),
+        (image(voxel=(0.5, 0.5, 0.0)), "the affine is singular"),
+        (image(shape=(40, 40, 3)), "40 x 40 x 3 voxels; a sample needs at least 12"),
+        (image(shape=(20, 20, 20), voxel=(0.1, 0.1, 0.1)), "a field of view of 2 x 2 x 2 mm"),
+        ((np.zeros((20, 20, 20), np.float32), np.eye(4)), "the image is constant"),
+    ],
+)
+def test_a_bad_image_is_refused_with_value_and_cure(given, message):
+    with pytest.raises(InputError, match=f"a.nii.gz: {message}"):
+        check_image(*given, "a.nii.gz")
+
+
+def test_an_image_with_nan_is_refused():
+    data, affine = image()
+    data[1, 2, 3] = np.nan
+    with pytest.raises(InputError, match=r"1 voxels are NaN.*the first at index \(1, 2, 3\)"):
+        check_image(data, affine, "a.nii.gz")
+
+
+def test_scores_are_signed_percent_of_the_truth():
+    shape = {"volume_mm3": 5000.0, "L_mm": 22.0, "W_mm": 19.0, "H_mm": 12.0}
+    shape |= {"bottom_area_mm2": 440.0, "top_area_mm2": 300.0}
+    truth = {"shape": {"statistics": shape}, "material": {"mu1_Pa": 900.0, "mu2_Pa": 100.0}}
+    cuboid = {"volume_real_mm3": 5100.0, "length_mm": 22.1, "width_mm": 19.0, "height_mm": 12.0}
+    cuboid |= {"bottom_area_mm2": 440.0, "top_area_mm2": 270.0}
+    fits = {
+        ("G", "real"): {"mu_pa": 1050.0, "mu1_pa": 940.0},
+        ("G", "ideal"): {"mu_pa": 525.0, "mu1_pa": 400.0},
+    }
+    table = score_table({"A": truth}, {"A": cuboid}, {"G": ["A"]}, fits)
+    assert table["volume_error_percent"][0] == pytest.approx(2.0)
+    assert table["top_area_error_percent"][0] == pytest.approx(-10.0)
+    assert table["mu_real_error_percent"][0] == pytest.approx(5.0)
+    assert table["bias_percent"][0] == pytest.approx(-50.0)
+    summary = score_summary(table)
+    assert summary["groups_biased_low"] == 1
+    assert summary["worst_group"] == "G"

@@ -1,0 +1,82 @@
+"""Arrows of the architecture, read from the imports: one direction, and few doors."""
+
+import ast
+import re
+from pathlib import Path
+
+import pytest
+
+ROOT = Path(__file__).resolve().parents[2]
+SOURCES = sorted((ROOT / "src/softsample").rglob("*.py"))
+SCRIPTS = sorted((ROOT / "workflow/scripts").glob("*.py"))
+
+ALLOWED = {
+    "errors": set(),
+    "meshing": {"errors"},
+    "imaging": {"errors"},
+    "constitutive": {"errors"},
+    "protocol": {"errors"},
+    "validation": {"errors"},
+    "images": {"errors"},
+    "records": {"errors", "protocol", "validation"},
+    "workflow": {"errors"},
+    "manifest": {"errors", "workflow"},
+    "io": {"errors", "meshing"},
+    "fem": {"errors", "meshing", "constitutive", "protocol"},
+    "calibration": {"errors", "protocol", "records", "fem"},
+    "checks": {"errors", "fem", "meshing"},
+    "scoring": {"errors"},
+}
+"""What each part of the package may import; parts not listed may import any of these."""
+
+
+def imports(path):
+    """Names that a file imports, with the softsample ones in full."""
+    for node in ast.walk(ast.parse(path.read_text(encoding="utf-8"))):
+        if isinstance(node, ast.ImportFrom):
+            assert node.level == 0, f"{path}: relative import in line {node.lineno}"
+            yield str(node.module)
+        elif isinstance(node, ast.Import):
+            yield from (alias.name for alias in node.names)
+
+
+def part(path):
+    """Part of the package that a file belongs to: its folder, or its own name."""
+    return path.relative_to(ROOT / "src/softsample").parts[0].removesuffix(".py")
+
+
+@pytest.mark.parametrize("path", SOURCES, ids=lambda p: str(p.relative_to(ROOT / "src")))
+def test_imports_point_one_way(path):
+    inner = {
+        name.split(".")[1] if "." in name else "__init__"
+        for name in imports(path)
+        if name.split(".")[0] == "softsample"
+    } - {part(path), "__init__"}
+    assert "snakemake" not in {name.split(".")[0] for name in imports(path)}
+    if part(path) in ALLOWED:
+        assert inner <= ALLOWED[part(path)]
+    if part(path) != "__main__":
+        assert not inner & {"io", "figures"}
+
+
+def test_scripts_only_adapt():
+    for path in SCRIPTS:
+        tree = ast.parse(path.read_text(encoding="utf-8"))
+        kinds = {type(node) for node in ast.walk(tree)}
+        assert not kinds & {ast.FunctionDef, ast.ClassDef}, f"{path.name} defines; the library may"
+        assert ast.get_docstring(tree), path.name
+
+
+def test_only_scoring_knows_of_the_truth():
+    files = [*SOURCES, *SCRIPTS, ROOT / "Snakefile", *sorted((ROOT / "workflow/rules").glob("*"))]
+    naming = {p.name for p in files if re.search(r"truth", p.read_text(encoding="utf-8"), re.I)}
+    assert naming == {"scoring.py", "score.py", "scoring.smk"}
+
+
+def test_only_the_report_reads_values_of_the_paper():
+    naming = {
+        path.name
+        for path in sorted((ROOT / "workflow/rules").glob("*"))
+        if "resources/paper" in path.read_text(encoding="utf-8") or "PAPER" in path.read_text()
+    }
+    assert naming == {"common.smk", "report.smk"}

@@ -1,0 +1,209 @@
+"""Closed, bounded schemas: each refusal has its message."""
+
+import copy
+from dataclasses import fields
+from pathlib import Path
+
+import pandas as pd
+import pytest
+from jsonschema import Draft202012Validator
+from softsample.imaging.measure import MeasurementSettings
+
+from softsample.calibration.slsqp import CalibrationSettings
+from softsample.errors import InputError
+from softsample.fem.boundary import ContactSettings
+from softsample.fem.explicit import SolverSettings
+from softsample.fem.family import FamilySettings
+from softsample.imaging.segment import SegmentationSettings
+from softsample.io import read_samples, read_yaml
+from softsample.meshing.hexahedral import MeshSettings
+from softsample.validation import check_config, check_samples
+
+ROOT = Path(__file__).resolve().parents[2]
+SCHEMAS = {
+    name: read_yaml(ROOT / f"workflow/schemas/{name}.schema.yaml")
+    for name in ("config", "samples", "record")
+}
+CONFIGS = sorted((ROOT / "config").glob("*.yaml"))
+CONFIG = read_yaml(ROOT / "config/config.yaml")
+
+
+def objects(schema):
+    """Every part of a schema that describes an object, and every property, with its place."""
+    if schema.get("type") == "object":
+        yield "object", schema
+        for name, part in schema["properties"].items():
+            yield name, part
+            yield from objects(part)
+
+
+@pytest.mark.parametrize("name", SCHEMAS)
+def test_schemas_are_valid_closed_and_described(name):
+    Draft202012Validator.check_schema(SCHEMAS[name])
+    for key, part in objects(SCHEMAS[name]):
+        if part.get("type") == "object":
+            assert part["additionalProperties"] is False, key
+        else:
+            assert part.get("description"), key
+        if part.get("type") in ("number", "integer"):
+            assert {"minimum", "exclusiveMinimum"} & set(part), key
+            assert {"maximum", "exclusiveMaximum"} & set(part), key
+
+
+@pytest.mark.parametrize("path", CONFIGS, ids=lambda path: path.name)
+def test_every_config_is_accepted_and_has_the_same_keys(path):
+    config = read_yaml(path)
+    check_config(config, SCHEMAS["config"], path.name)
+    assert list(config) == list(CONFIG)
+    for section, content in config.items():
+        if isinstance(content, dict):
+            assert list(content) == list(CONFIG[section]), section
+
+
+def test_quick_differs_from_the_study_in_element_size_and_folder_alone():
+    quick = read_yaml(ROOT / "config/quick.yaml")
+    assert quick["mesh"].pop("element_size_mm") == 1.0
+    study = copy.deepcopy(CONFIG)
+    assert study["mesh"].pop("element_size_mm") == 0.5
+    assert quick.pop("results") != study.pop("results")
+    assert quick == study
+
+
+@pytest.mark.parametrize(
+    ("section", "settings", "beside"),
+    [
+        ("segmentation", SegmentationSettings, set()),
+        ("measurement", MeasurementSettings, set()),
+        ("mesh", MeshSettings, {"element_size_mm"}),
+        ("contact", ContactSettings, set()),
+        ("solver", SolverSettings, set()),
+        ("family", FamilySettings, set()),
+        ("calibration", CalibrationSettings, set()),
+    ],
+)
+def test_settings_of_the_library_are_the_keys_of_the_config(section, settings, beside):
+    assert {field.name for field in fields(settings)} == set(CONFIG[section]) - beside
+    assert set(SCHEMAS["config"]["properties"][section]["properties"]) == set(CONFIG[section])
+
+
+BAD_CONFIGS = {
+    "misspelt key": (
+        ("mesh", "elment_size_mm", 0.5),
+        "mesh.elment_size_mm: unknown name; did you mean 'element_size_mm'",
+    ),
+    "unknown section": (("plasticity", None, {}), "plasticity: unknown name; known are samples"),
+    "missing key": (("mesh", "core_depth", None), "mesh.core_depth: is missing; give depth of"),
+    "number read as text": (
+        ("calibration", "relative_tolerance", "1e-10"),
+        "relative_tolerance: '1e-10' is read as text; write a number with a decimal point",
+    ),
+    "modulus in kPa": (
+        ("calibration", "mu_pa_max", 20.0),
+        "mu_pa_max: 20.0 is less than the minimum of 1000.* expected: a shear modulus in Pa",
+    ),
+    "element of nothing": (
+        ("mesh", "element_size_mm", 0.0),
+        "mesh.element_size_mm: 0.0 is less than the minimum of 0.1; expected: edge length",
+    ),
+    "one exponent": (("material", "alpha", [-8.0]), "material.alpha: .* is too short"),
+    "exponent zero": (("material", "alpha", [-8.0, 0]), "material.alpha.1: .*an exponent"),
+    "incompressible": (("material", "poisson_ratio", 0.5), "0.5 is greater than the maximum"),
+    "precision": (("solver", "precision", "half"), "'half' is not one of float32, float64"),
+    "switch as text": (("contact", "release", "yes"), "contact.release: 'yes' is not of type"),
+    "table without a name": (("samples", None, ""), "samples: '' should be non-empty"),
+    "braces in the folder": (("results", None, "a{b}"), "results: 'a{b}' has another form"),
+}
+
+
+@pytest.mark.parametrize("name", BAD_CONFIGS)
+def test_a_bad_config_is_refused_with_place_and_cure(name):
+    (section, key, value), message = BAD_CONFIGS[name]
+    config = copy.deepcopy(CONFIG)
+    if key is None:
+        config[section] = value
+    elif value is None:
+        del config[section][key]
+    else:
+        config[section][key] = value
+    with pytest.raises(
+        InputError, match=r"(?s)configuration \(mine\.yaml\) is refused:.*" + message
+    ):
+        check_config(config, SCHEMAS["config"], "mine.yaml")
+
+
+def test_all_faults_of_a_config_are_named_at_once():
+    config = copy.deepcopy(CONFIG)
+    config["mesh"]["element_size_mm"] = -1
+    config["solver"]["curve_points"] = 2.5
+    with pytest.raises(InputError, match=r"(?s)element_size_mm.*curve_points: 2\.5 is not of type"):
+        check_config(config, SCHEMAS["config"], "mine.yaml")
+
+
+ROW = {"sample": "A1", "group": "G", "mode": "shear", "image": "a.nii.gz", "record": "a.csv"}
+
+
+def table(*changes):
+    rows = [{**ROW, **change} for change in changes]
+    return pd.DataFrame(rows, dtype=str).fillna("")
+
+
+def test_the_shipped_table_is_accepted():
+    path = ROOT / "resources/cohort/samples.tsv"
+    rows = check_samples(read_samples(path), SCHEMAS["samples"], str(path))
+    assert len(rows) == 15
+    assert rows[0]["sample"] == "S1"
+
+
+def test_empty_optional_cells_and_default_axes_are_accepted():
+    rows = check_samples(
+        table({"loading_axis": "+z", "shear_axis": "", "labels": ""}), SCHEMAS["samples"], "t"
+    )
+    assert rows == [{**ROW, "loading_axis": "+z"}]
+
+
+BAD_TABLES = {
+    "mode": ([{"mode": "bending"}], "row 2 .A1., column 'mode': 'bending' is not one of tension"),
+    "id": ([{"sample": "A/1"}], "column 'sample': 'A/1' has another form; expected: up to 64"),
+    "group": ([{"group": "a b"}], "column 'group': 'a b' has another form"),
+    "image": ([{"image": "a.png"}], "column 'image': 'a.png' has another form; expected: path of"),
+    "record": ([{"record": "a.xls"}], "column 'record': 'a.xls' has another form"),
+    "empty cell": ([{"record": ""}], "column 'record': is missing; give path of the test record"),
+    "twice": ([{}, {}], "row 3, column 'sample': 'A1' stands in row 2 already"),
+    "twice but for case": ([{}, {"sample": "a1"}], "row 3, column 'sample': 'a1' stands in row 2"),
+    "unknown column": ([{"imgae": "a.nii"}], "column 'imgae': unknown name; did you mean 'image'"),
+    "length in words": ([{"length_mm": "20 mm"}], "column 'length_mm': '20 mm' has another form"),
+    "axis": ([{"loading_axis": "z"}], "column 'loading_axis': 'z' is not one of .x, -x"),
+}
+
+
+@pytest.mark.parametrize("name", BAD_TABLES)
+def test_a_bad_table_is_refused_with_row_column_and_cure(name):
+    changes, message = BAD_TABLES[name]
+    with pytest.raises(InputError, match=r"(?s)table of samples t\.tsv is refused:.*" + message):
+        check_samples(table(*changes), SCHEMAS["samples"], "t.tsv")
+
+
+@pytest.mark.parametrize(
+    ("column", "value"),
+    [
+        ("bond_mask", "b.nii.gz"),
+        ("segmentation", "s.nii.gz"),
+        ("labels", "l.nii.gz"),
+        ("shape", "cylinder"),
+        ("diameter_mm", "20.0"),
+        ("loading_axis", "-y"),
+        ("shear_axis", "+y"),
+    ],
+)
+def test_columns_that_are_planned_are_refused_with_words(column, value):
+    with pytest.raises(InputError, match=f"column '{column}': .*not supported yet"):
+        check_samples(table({column: value}), SCHEMAS["samples"], "t.tsv")
+
+
+def test_a_table_without_a_required_column_or_row_is_refused():
+    with pytest.raises(
+        InputError, match="column 'mode' is missing .there are sample, group, image"
+    ):
+        check_samples(table({}).drop(columns="mode"), SCHEMAS["samples"], "t.tsv")
+    with pytest.raises(InputError, match=r"t\.tsv has no rows; add one line"):
+        check_samples(table({}).iloc[:0], SCHEMAS["samples"], "t.tsv")

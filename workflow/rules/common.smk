@@ -179,7 +179,7 @@ def everything_of(sample):
     ]
 
 
-PAPER = str(ROOT / "resources/paper/moduli.tsv")
+PAPER = str(ROOT / "resources/paper/moduli.csv")
 FORMATS = ("png", "pdf")
 
 

@@ -1,0 +1,108 @@
+"""Look at any intermediate result: `python -m softsample show FILE`."""
+
+import argparse
+import sys
+from collections.abc import Mapping, Sequence
+from pathlib import Path
+from typing import Any
+
+from softsample.errors import InputError, SoftsampleError
+from softsample.io import read_image, read_json, read_mesh_with_data, read_table, written_aside
+
+LONG = 12
+"""Longer lists are abbreviated when printed."""
+
+
+def main(arguments: Sequence[str] | None = None) -> int:
+    """Run the command line; returns the exit status."""
+    parser = argparse.ArgumentParser(prog="python -m softsample", description=__doc__)
+    commands = parser.add_subparsers(required=True)
+    show = commands.add_parser("show", help="print or draw a result file")
+    show.add_argument("file", help=".json, .csv, .tsv, .nii, .nii.gz or .vtu")
+    show.add_argument("-o", "--output", help="picture to write (default: beside where you are)")
+    show.add_argument("--all", action="store_true", help="print provenance and long tables too")
+    given = parser.parse_args(arguments)
+    try:
+        _show(given.file, given.output, given.all)
+    except (SoftsampleError, OSError) as error:
+        print(error, file=sys.stderr)
+        return 1
+    return 0
+
+
+def _show(file: str, output: str | None, everything: bool) -> None:
+    name = Path(file).name
+    stem = name.removesuffix(".gz").rsplit(".", 1)[0]
+    picture = output or f"{Path(file).parent.name}_{stem}.png"
+    if name.endswith(".json"):
+        print("\n".join(_lines(read_json(file), everything)))
+    elif name.endswith((".csv", ".tsv")):
+        _show_table(file, picture, everything)
+    elif name.endswith((".nii", ".nii.gz")):
+        from softsample.figures.quicklook import slices
+
+        data, affine = read_image(file)
+        print(f"{data.shape[0]} x {data.shape[1]} x {data.shape[2]} voxels")
+        _save(slices(data, affine, name), picture)
+    elif name.endswith(".vtu"):
+        _show_mesh(file, picture)
+    else:
+        raise InputError(f"{file}: cannot show this kind; .json, .csv, .tsv, .nii(.gz) or .vtu")
+
+
+def _lines(data: Mapping[str, Any], everything: bool, indent: str = "") -> list[str]:
+    """Keys and values, one a line; nested ones are indented."""
+    lines = []
+    for key, value in data.items():
+        if key == "provenance" and not everything:
+            continue
+        if isinstance(value, Mapping):
+            lines += [f"{indent}{key}:", *_lines(value, everything, indent + "  ")]
+        elif isinstance(value, list) and value and isinstance(value[0], Mapping):
+            for number, item in enumerate(value):
+                lines += [f"{indent}{key}[{number}]:", *_lines(item, everything, indent + "  ")]
+        elif isinstance(value, list) and len(value) > LONG and not everything:
+            lines.append(f"{indent}{key}: {value[:LONG]} ... ({len(value)} values)")
+        else:
+            lines.append(f"{indent}{key}: {value}")
+    return lines
+
+
+def _show_table(file: str, picture: str, everything: bool) -> None:
+    table = read_table(file)
+    print(table.to_string(max_rows=None if everything else 20, index=False))
+    if "displacement_mm" in table:
+        from softsample.figures.quicklook import curves
+
+        _save(curves(table, str(Path(*Path(file).parts[-3:]))), picture)
+
+
+def _show_mesh(file: str, picture: str) -> None:
+    from softsample.figures.offscreen import ADVICE, rendering_works
+    from softsample.figures.quicklook import render, surface
+
+    mesh, point_data, cell_data = read_mesh_with_data(file)
+    print(f"{len(mesh.hexes)} elements, {len(mesh.points)} nodes")
+    for kind, arrays in (("node", point_data), ("element", cell_data)):
+        for name, values in arrays.items():
+            print(f"{kind} data {name}: {values.min():g} to {values.max():g}")
+    if rendering_works():
+        from matplotlib.image import imsave
+
+        image = render(file, next(iter(cell_data), None))
+        with written_aside(picture) as aside:
+            imsave(aside, image)
+        print(f"picture: {picture}")
+    else:
+        print(ADVICE, file=sys.stderr)
+        _save(surface(mesh, cell_data, Path(file).name), picture)
+
+
+def _save(figure: Any, picture: str) -> None:
+    with written_aside(picture) as aside:
+        figure.savefig(aside, dpi=150)
+    print(f"picture: {picture}")
+
+
+if __name__ == "__main__":
+    sys.exit(main())

@@ -2,11 +2,11 @@
 
 from dataclasses import replace
 
-import naive
 import numpy as np
 import pytest
 from scipy.linalg import eigh
 
+import naive
 from softsample.constitutive.ogden import OgdenMaterial
 from softsample.errors import SimulationError
 from softsample.fem import explicit
@@ -71,8 +71,8 @@ def test_too_large_a_step_is_noticed(sample, tissue):
 def test_energy_is_conserved(sample, tissue, mode):
     run = loaded(sample, mode, DOUBLE, tissue, 1.5e-3)
     e = run.energy
-    assert e["work"] == pytest.approx(e["strain"] + e["hourglass"] + e["kinetic"], rel=2e-3)
-    assert e["imbalance"] < 0.002
+    assert e["work"] == pytest.approx(e["strain"] + e["hourglass"] + e["kinetic"], rel=2e-4)
+    assert e["imbalance"] < 5e-4
     assert e["kinetic"] < 0.005 * e["strain"]
     # area under the reported curve, an independent sum
     area = np.trapezoid(run.platen_force, run.displacement)
@@ -206,5 +206,5 @@ def test_crushed_element_is_named_with_its_place_and_a_cure(sample):
 
 @pytest.mark.parametrize("travel", [0.0, -1e-3, np.nan])
 def test_travel_must_be_positive(sample, tissue, travel):
-    with pytest.raises(SimulationError, match="the platen must travel.*check the record"):
+    with pytest.raises(SimulationError, match=r"the platen must travel.*check the record"):
         loaded(sample, "tension", DOUBLE, tissue, travel)

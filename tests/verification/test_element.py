@@ -1,9 +1,9 @@
 """The element: patch test, rigid motions, balances, gradient of the energy, hourglass control."""
 
-import naive
 import numpy as np
 import pytest
 
+import naive
 from softsample.constitutive.ogden import ogden_stress
 from softsample.errors import MeshError
 from softsample.fem.element import HOURGLASS, hex_geometry, lumped_mass

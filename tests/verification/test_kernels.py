@@ -1,9 +1,9 @@
 """Compiled kernels against their slow twins in `tests/naive.py`."""
 
-import naive
 import numpy as np
 import pytest
 
+import naive
 from softsample.constitutive.ogden import OgdenMaterial
 from softsample.errors import SimulationError
 from softsample.fem import kernels

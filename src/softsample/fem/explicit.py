@@ -293,7 +293,7 @@ class _Loading:
             b.direction, b.release, history,
         )  # fmt: skip
         s.dt, s.smallest_dt = dt, min(s.smallest_dt, dt)
-        # the trapezoidal rule up to the last forces: what the strain energy of that instant balances
+        # trapezoidal rule up to the last forces, the instant of the strain energy below
         rows = np.concatenate([s.history[-1][-1:], history]) if s.history else history
         s.work += float(np.trapezoid(rows[:, 1:4] @ b.direction, rows[:, 0]))
         s.history.append(history)

@@ -1,1 +1,1 @@
-"""Figures: each function returns a figure and saves nothing."""
+"""Figures of a study: functions that take arrays and frames and return a Matplotlib figure."""

@@ -1,0 +1,1 @@
+"""Tables of a study, beside the paper's values, and the numbers of its captions."""

@@ -1,0 +1,76 @@
+"""Nominal stress against nominal strain, averaged over the samples of a loading mode."""
+
+from collections.abc import Iterable, Sequence
+
+import numpy as np
+import pandas as pd
+from numpy.typing import NDArray
+
+Array = NDArray[np.float64]
+
+
+def nominal_curve(
+    displacement: Array, force: Array, length: float, width: float, height: float
+) -> tuple[Array, Array]:
+    """Nominal strain and stress of a test, referred to the idealised cuboid.
+
+    Parameters
+    ----------
+    displacement, force : (n,) float64
+        Travel of the platen [m] and its force [N] along the travel.
+    length, width, height : float
+        Edges of the cuboid [m].
+
+    Returns
+    -------
+    strain, stress : (n,) float64
+        Travel over height, dimensionless, ascending; force over length times width [Pa].
+    """
+    order = np.argsort(displacement, kind="stable")
+    return displacement[order] / height, force[order] / (length * width)
+
+
+def mean_curve(curves: Sequence[tuple[Array, Array]], points: int = 101) -> pd.DataFrame:
+    """Mean and standard deviation of several curves, up to the smallest largest strain.
+
+    Parameters
+    ----------
+    curves
+        Strain (ascending) and stress [Pa] of each sample.
+    points
+        Number of strains, evenly spaced from zero.
+
+    Returns
+    -------
+    DataFrame
+        `strain`, `mean_stress_pa`, `sd_stress_pa` (n - 1 in the denominator; NaN for a single
+        curve), `count`.
+    """
+    strain = np.linspace(0.0, min(s[-1] for s, _ in curves), points)
+    stress = np.array([np.interp(strain, s, p) for s, p in curves])
+    single = len(curves) == 1
+    return pd.DataFrame(
+        {
+            "strain": strain,
+            "mean_stress_pa": stress.mean(axis=0),
+            "sd_stress_pa": np.full(points, np.nan) if single else stress.std(axis=0, ddof=1),
+            "count": len(curves),
+        }
+    )
+
+
+def stress_strain_table(curves: Iterable[tuple[str, Array, Array]]) -> pd.DataFrame:
+    """Mean curves of all modes in one long table.
+
+    Parameters
+    ----------
+    curves
+        Mode, strain and stress [Pa] of each sample, positive along the travel, so that
+        compression compares with tension.
+    """
+    by_mode: dict[str, list[tuple[Array, Array]]] = {}
+    for mode, strain, stress in curves:
+        by_mode.setdefault(mode, []).append((strain, stress))
+    tables = [mean_curve(members).assign(mode=mode) for mode, members in by_mode.items()]
+    columns = ["mode", "strain", "mean_stress_pa", "sd_stress_pa", "count"]
+    return pd.concat(tables, ignore_index=True)[columns]

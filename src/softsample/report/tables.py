@@ -1,0 +1,203 @@
+"""Tables 1 and 2, sizes and areas, and their means beside the paper's.
+
+References
+----------
+S. Arzemanzadeh, K. Miller, A. Wittek, On the validity of using idealised sample geometries for
+interpreting mechanical tests of very soft tissues: tables 1 and 2, section 3.1.
+"""
+
+from collections.abc import Iterable, Mapping
+from typing import Any
+
+import numpy as np
+import pandas as pd
+
+from softsample.errors import InputError
+
+GEOMETRIES = ("real", "ideal")
+TWO_TERM, ONE_TERM = "ogden2", "ogden1"
+PAPER_TABLE = {TWO_TERM: 1, ONE_TERM: 2}
+"""Number of the paper's table of each material model."""
+
+TERMS = {TWO_TERM: ("mu1", "mu2", "mu"), ONE_TERM: ("mu",)}
+"""Moduli that a table prints for each material model."""
+
+PAPER_COLUMNS = ("mu_real_pa", "mu_ideal_pa", "difference_percent")
+
+
+def moduli_table(
+    fits: Iterable[Mapping[str, Any]], model: str, paper: pd.DataFrame | None = None
+) -> tuple[pd.DataFrame, list[str]]:
+    """Moduli on both geometries, one row a group (Table 1 or 2 of the paper).
+
+    Parameters
+    ----------
+    fits
+        Calibration results (`calibration/{group}/{geometry}/{model}.json`) in the order of the
+        rows; of each are read `group`, `geometry`, `samples`, `modes`, `mu1_pa`, `mu2_pa`,
+        `mu_pa`, `success` and `verdict`.
+    model
+        `ogden2` or `ogden1`. The one-term table names its rows by the sample (C1), since it
+        is fitted to the compression sample of a group (TC1) alone.
+    paper
+        Values of the paper (`resources/paper/moduli.csv`); None leaves its columns empty.
+
+    Returns
+    -------
+    table : DataFrame
+        Moduli [Pa]; `difference_percent` = 100 (ideal - real) / real, negative when the cuboid
+        gives the lower modulus.
+    notes : list of str
+        What a reader has to know of single rows: groups left out, fits that are not trusted.
+
+    Raises
+    ------
+    InputError
+        If a group has two results for one geometry.
+    """
+    by_group = _paired(fits)
+    rows, notes = [], []
+    for group, pair in by_group.items():
+        missing = [name for name in GEOMETRIES if name not in pair]
+        if missing:
+            notes.append(f"{group} is left out: no calibration on the {missing[0]} geometry")
+            continue
+        notes += [
+            f"{group}, {name} geometry: {pair[name]['verdict']}"
+            for name in GEOMETRIES
+            if not pair[name]["success"]
+        ]
+        rows.append(_moduli_row(pair["real"], pair["ideal"], model))
+    columns = [f"{term}_{name}_pa" for name in GEOMETRIES for term in TERMS[model]]
+    table = pd.DataFrame(rows, columns=["group", "mode", *columns, "difference_percent"])
+    return _beside_paper(table, PAPER_TABLE[model], paper), notes
+
+
+def _paired(fits: Iterable[Mapping[str, Any]]) -> dict[str, dict[str, Mapping[str, Any]]]:
+    """Results by group and geometry, groups in the order of their first appearance."""
+    by_group: dict[str, dict[str, Mapping[str, Any]]] = {}
+    for fit in fits:
+        pair = by_group.setdefault(fit["group"], {})
+        if fit["geometry"] in pair:
+            raise InputError(
+                f"group {fit['group']} has two calibrations on the {fit['geometry']} geometry; "
+                "give each file once"
+            )
+        pair[fit["geometry"]] = fit
+    return by_group
+
+
+def _moduli_row(
+    real: Mapping[str, Any], ideal: Mapping[str, Any], model: str
+) -> dict[str, str | float]:
+    label = "+".join(real["samples"]) if model == ONE_TERM else real["group"]
+    moduli = {
+        f"{term}_{name}_pa": float(fit[f"{term}_pa"])
+        for name, fit in zip(GEOMETRIES, (real, ideal), strict=True)
+        for term in TERMS[model]
+    }
+    return {
+        "group": label,
+        "mode": loading(real["modes"]),
+        **moduli,
+        "difference_percent": 100.0 * (ideal["mu_pa"] - real["mu_pa"]) / real["mu_pa"],
+    }
+
+
+def loading(modes: Iterable[str]) -> str:
+    """Loading of a group in one word: its modes, tension first, joined by a plus."""
+    order = ("shear", "tension", "compression")
+    return "+".join(sorted(set(modes), key=order.index))
+
+
+def _beside_paper(table: pd.DataFrame, number: int, paper: pd.DataFrame | None) -> pd.DataFrame:
+    """`table` with the paper's columns, empty where the paper has no such group."""
+    names = {column: f"paper_{column}" for column in PAPER_COLUMNS}
+    if paper is None:
+        return table.assign(**dict.fromkeys(names.values(), np.nan))
+    values = paper.loc[paper["table"] == number, ["group", *PAPER_COLUMNS]].rename(columns=names)
+    return table.merge(values, on="group", how="left")
+
+
+def geometry_table(
+    cuboids: Mapping[str, Mapping[str, float]], modes: Mapping[str, str]
+) -> pd.DataFrame:
+    """Sizes, volume and areas, one row a sample (section 3.1 of the paper).
+
+    Parameters
+    ----------
+    cuboids
+        Measured cuboid by sample (`cuboid/{sample}.json`), in the order of the rows.
+    modes
+        Loading mode by sample.
+
+    Returns
+    -------
+    DataFrame
+        Lengths [mm], volume [mm3], areas [mm2]. Differences are 100 (real / ideal - 1) in
+        percent: negative when the real face is smaller than the face of the cuboid.
+    """
+    rows = []
+    for sample, cuboid in cuboids.items():
+        row: dict[str, str | float] = {"sample": sample, "mode": modes[sample]}
+        row |= {f"{edge}_mm": cuboid[f"{edge}_mm"] for edge in ("length", "width", "height")}
+        row["volume_real_mm3"] = cuboid["volume_real_mm3"]
+        ideal = cuboid["length_mm"] * cuboid["width_mm"]
+        for face in ("bottom", "top"):
+            real = cuboid[f"{face}_area_mm2"]
+            row[f"{face}_area_real_mm2"] = real
+            row[f"{face}_area_ideal_mm2"] = ideal
+            row[f"{face}_difference_percent"] = 100.0 * (real / ideal - 1.0)
+        rows.append(row)
+    return pd.DataFrame(rows)
+
+
+def summary_table(
+    moduli: Mapping[str, pd.DataFrame], geometry: pd.DataFrame, paper: pd.DataFrame | None = None
+) -> pd.DataFrame:
+    """Means and standard deviations over samples or groups, beside the paper's.
+
+    Parameters
+    ----------
+    moduli
+        Tables of `moduli_table` by material model.
+    geometry
+        Table of `geometry_table`.
+    paper
+        Values of the paper (`resources/paper/summary.csv`); None leaves its columns empty.
+
+    Returns
+    -------
+    DataFrame
+        `quantity`, `mode`, `count`, `mean_percent`, `sd_percent` (n - 1 in the denominator, as
+        the paper's; empty for a single one), `paper_mean_percent`, `paper_sd_percent`.
+        Signs as in the tables. The paper prints the difference of the bottom area without its
+        sign, so that row has the mean of absolute differences.
+    """
+    bottom = geometry["bottom_difference_percent"]
+    rows = [_statistics("bottom_area_absolute", "all", bottom.abs())]
+    for face in ("bottom", "top"):
+        rows += _by_mode(f"{face}_area", geometry, f"{face}_difference_percent")
+    for model, name in ((TWO_TERM, "modulus_two_term"), (ONE_TERM, "modulus_one_term")):
+        if model in moduli:
+            rows += _by_mode(name, moduli[model], "difference_percent")
+    table = pd.DataFrame(rows)
+    names = {column: f"paper_{column}" for column in ("mean_percent", "sd_percent")}
+    if paper is None:
+        return table.assign(**dict.fromkeys(names.values(), np.nan))
+    return table.merge(paper.rename(columns=names), on=["quantity", "mode"], how="left")
+
+
+def _by_mode(quantity: str, table: pd.DataFrame, column: str) -> list[dict[str, Any]]:
+    modes = dict.fromkeys(table["mode"])
+    return [_statistics(quantity, m, table.loc[table["mode"] == m, column]) for m in modes]
+
+
+def _statistics(quantity: str, mode: str, values: pd.Series) -> dict[str, Any]:
+    return {
+        "quantity": quantity,
+        "mode": mode,
+        "count": len(values),
+        "mean_percent": values.mean(),
+        "sd_percent": values.std(ddof=1),
+    }

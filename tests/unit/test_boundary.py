@@ -1,0 +1,92 @@
+"""What is held, what may touch, where the platens are."""
+
+import numpy as np
+import pytest
+
+from softsample.fem.boundary import (
+    ContactSettings,
+    glued_boundary,
+    mode_boundary,
+    platen_boundary,
+)
+from softsample.fem.kernels import BASE, FREE, PLATEN
+from softsample.meshing.cuboid import mesh_cuboid
+from softsample.meshing.mesh import HexMesh
+
+EVERYTHING = ContactSettings()
+THEIRS = ContactSettings(release=False, side_walls=False, base_platen=False)
+
+
+@pytest.fixture(scope="module")
+def cuboid():
+    return mesh_cuboid(4e-3, 3e-3, 3e-3, 1e-3)
+
+
+@pytest.mark.parametrize(
+    ("mode", "direction"),
+    [("tension", [0, 0, 1]), ("shear", [1, 0, 0]), ("compression", [0, 0, -1])],
+)
+def test_glued_top_and_base_are_held(cuboid, mode, direction):
+    boundary = glued_boundary(cuboid, mode, cuboid.glued(0.0))
+    height = cuboid.points[:, 2]
+    np.testing.assert_array_equal(boundary.held == BASE, height == 0.0)
+    np.testing.assert_array_equal(boundary.held == PLATEN, height == height.max())
+    np.testing.assert_array_equal(boundary.direction, direction)
+    assert len(boundary.candidates) == 0
+    np.testing.assert_array_equal(boundary.glued, np.flatnonzero(boundary.held))
+
+
+def test_glue_reaches_down_the_sides_by_its_depth(cuboid):
+    boundary = glued_boundary(cuboid, "tension", cuboid.glued(1e-3))
+    second = np.isclose(cuboid.points[:, 2], 2e-3)
+    inside = np.all(np.abs(cuboid.points[:, :2]) < [1.9e-3, 1.4e-3], axis=1)
+    assert np.all(boundary.held[second & ~inside] == PLATEN)
+    assert np.all(boundary.held[second & inside] == FREE)
+
+
+def test_base_keeps_what_both_want(cuboid):
+    boundary = glued_boundary(cuboid, "tension", cuboid.glued(5e-3))
+    assert np.all(boundary.held[cuboid.bottom] == BASE)
+
+
+def test_platen_starts_at_the_highest_node(crooked):
+    boundary = platen_boundary(crooked, EVERYTHING)
+    np.testing.assert_array_equal(boundary.planes[1], [0, 0, 1, crooked.points[:, 2].max()])
+    np.testing.assert_array_equal(boundary.planes[0], [0, 0, -1, 0])
+    np.testing.assert_array_equal(boundary.direction, [0, 0, -1])
+    assert set(np.unique(boundary.held)) == {FREE, BASE}
+    assert boundary.release
+    assert platen_boundary(crooked, EVERYTHING, start=0.02).planes[1, 3] == 0.02
+
+
+def test_surface_nodes_off_the_base_may_touch(cuboid):
+    candidates = platen_boundary(cuboid, EVERYTHING).candidates
+    np.testing.assert_array_equal(candidates, np.setdiff1d(cuboid.boundary, cuboid.bottom))
+
+
+def test_without_side_walls_only_faces_that_look_up_may_touch(cuboid):
+    boundary = platen_boundary(cuboid, THEIRS)
+    np.testing.assert_array_equal(boundary.candidates, cuboid.glued(0.0))
+    assert boundary.planes[0, 3] == np.inf
+    assert not boundary.release
+
+
+@pytest.mark.parametrize(("lean", "counted"), [(0.15, False), (0.26, True)])
+def test_leaning_walls_count_from_a_normal_of_0_2(cuboid, lean, counted):
+    """Walls that lean inwards by `lean` per height have a normal of lean / sqrt(1 + lean^2)."""
+    points = cuboid.points.copy()
+    points[:, 0] -= lean * points[:, 2] * np.sign(points[:, 0]) * (np.abs(points[:, 0]) > 1.9e-3)
+    mesh = HexMesh(points, cuboid.hexes)
+    walls = np.abs(cuboid.points[:, 0]) > 1.9e-3
+    walls &= (points[:, 2] > 0.0) & (points[:, 2] < 2.9e-3)
+    touchable = np.isin(np.flatnonzero(walls), platen_boundary(mesh, THEIRS).candidates)
+    assert np.all(touchable == counted)
+
+
+def test_mode_decides_between_glue_and_contact(cuboid):
+    glued = cuboid.glued(0.0)
+    assert len(mode_boundary(cuboid, "compression", glued, EVERYTHING).candidates) > 0
+    for mode in ("tension", "shear"):
+        boundary = mode_boundary(cuboid, mode, glued, EVERYTHING)
+        assert len(boundary.candidates) == 0
+        assert np.sum(boundary.held == PLATEN) == len(glued)

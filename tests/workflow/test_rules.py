@@ -1,0 +1,157 @@
+"""What the workflow refuses, reruns, resumes and leaves alone; checked on its cheapest stage."""
+
+import os
+import re
+import subprocess
+import sys
+import time
+from pathlib import Path
+
+import pytest
+
+ROOT = Path(__file__).resolve().parents[2]
+NOTHING = "Nothing to be done"
+
+
+def dry_run(*arguments):
+    run = subprocess.run(
+        [sys.executable, "-m", "snakemake", "-n", *arguments],
+        cwd=ROOT,
+        capture_output=True,
+        text=True,
+        check=False,
+    )
+    return run.returncode, run.stdout + run.stderr
+
+
+def jobs(text):
+    """Number of jobs of each rule, from the table that a dry run prints."""
+    return {name: int(count) for name, count in re.findall(r"^(\w+)\s+(\d+)$", text, re.M)}
+
+
+@pytest.mark.parametrize("config", sorted(p.name for p in (ROOT / "config").glob("*.yaml")))
+def test_dry_run_plans_the_whole_study(config, tmp_path):
+    status, text = dry_run(
+        "--configfile", f"config/{config}", "--config", f"results={tmp_path / 'results'}"
+    )
+    assert status == 0, text
+    planned = jobs(text)
+    assert planned["segment"] == planned["measure"] == planned["check_inputs"] == 15
+    assert planned["mesh"] == planned["confirm"] == planned["check_simulation"] == 30
+    assert planned["simulate"] == 30 + 10  # and compression alone with one term
+    assert planned["calibrate"] == 20 + 10
+    assert "compare_with_truth" not in planned
+
+
+def test_one_sample_builds_its_group_alone(tmp_path):
+    status, text = dry_run("sample_C3", "--config", f"results={tmp_path / 'results'}")
+    assert status == 0, text
+    planned = jobs(text)
+    assert planned["segment"] == 2  # T3 and C3
+    assert planned["calibrate"] == 4
+
+
+def test_one_calibration_can_be_asked_for_by_file():
+    status, text = dry_run("results/calibration/TC1/real/ogden2.json", "--forceall")
+    assert status == 0, text
+    assert jobs(text)["simulate"] == 2
+
+
+@pytest.mark.parametrize(
+    ("settings", "message"),
+    [
+        (["samples=none.tsv"], "none.tsv: no such table of samples; give its path with --config"),
+        (["results=a{b}"], "results: 'a{b}' has another form"),
+        (["cores=3"], "cores: unknown name; known are samples"),
+    ],
+)
+def test_bad_settings_are_one_clear_message(settings, message):
+    status, text = dry_run("--config", *settings)
+    assert status != 0
+    assert message in text
+    assert "Traceback" not in text
+
+
+def test_a_bad_table_is_one_clear_message(project):
+    project.table.write_text(project.table.read_text().replace("tension", "pull"))
+    status, text = project.run("-n")
+    assert status != 0
+    assert "row 2 (A), column 'mode': 'pull' is not one of tension, compression, shear" in text
+    assert "Traceback" not in text
+
+
+def test_an_unknown_sample_is_refused_by_name(project):
+    status, text = project.run("-n", f"{project.results}/inputs/Z.json")
+    assert status != 0
+    assert "no sample 'Z'" in text
+
+
+def checked(project, sample="A"):
+    return project.results / f"inputs/{sample}.json"
+
+
+def test_only_what_depends_on_an_edit_reruns(project):
+    targets = (str(checked(project, "A")), str(checked(project, "B")))
+    status, text = project.run(*targets)
+    assert status == 0, text
+    source = project.folder / "src/softsample"
+
+    # a touch, an edit of a module or of a setting that the stage does not use: nothing to do
+    (source / "records.py").touch()
+    edit(source / "scoring.py")
+    config = project.folder / "config/test.yaml"
+    config.write_text(config.read_text().replace("element_size_mm: 1.25", "element_size_mm: 1.5"))
+    assert NOTHING in project.run("-n", *targets)[1]
+
+    edit(source / "protocol.py")  # imported by records.py, which the script imports
+    assert jobs(project.run("-n", *targets)[1])["check_inputs"] == 2
+    assert project.run(*targets)[0] == 0
+    assert NOTHING in project.run("-n", *targets)[1]
+
+    edit(project.study / "A.csv")
+    assert jobs(project.run("-n", *targets)[1])["check_inputs"] == 1
+
+
+def edit(path):
+    """Change the content of a text file without a change of meaning."""
+    path.write_text(path.read_text() + "# edited\n")
+
+
+def test_a_bad_sample_stops_itself_alone(project):
+    record = project.study / "A.csv"
+    lines = record.read_text().splitlines()
+    lines[40] = lines[40].split(",")[0] + ",oops,0.1"
+    record.write_text("\n".join(lines) + "\n")
+    status, text = project.run(str(checked(project, "A")), str(checked(project, "B")))
+    assert status != 0
+    assert not checked(project, "A").exists()
+    assert checked(project, "B").exists()
+    message = "A.csv, line 41, column 'displacement_mm': 'oops' is not a number"
+    assert re.search(rf"check_inputs/A: .*{message}", text.split("Some jobs failed")[1])
+
+
+def test_a_killed_run_leaves_no_half_file_and_resumes(project):
+    script = project.folder / "workflow/scripts/check_inputs.py"
+    whole = script.read_text()
+    marker = project.folder / "writing"
+    slow = whole.replace(
+        "    write_json(",
+        f"    import pathlib, time\n    pathlib.Path({str(marker)!r}).touch()\n"
+        "    time.sleep(120)\n    write_json(",
+    )
+    assert slow != whole
+    script.write_text(slow)
+    process = project.start(str(checked(project)))
+    deadline = time.monotonic() + 60.0
+    while not marker.exists() and time.monotonic() < deadline:
+        time.sleep(0.1)
+    assert marker.exists(), "the job did not start"
+    project.kill(process)
+    assert not checked(project).exists()
+
+    script.write_text(whole)
+    project.run("--unlock")
+    status, text = project.run(str(checked(project)))
+    assert status == 0, text
+    assert checked(project).exists()
+    assert not [name for name in os.listdir(checked(project).parent) if "partial" in name]

@@ -75,9 +75,18 @@ class MeasuredCurve:
     force: Array
 
     def area_between(self, force: Array) -> float:
-        """Absolute area [J] between this curve and `force` (n,) at the same displacements."""
+        """Absolute area [J] between this curve and `force` (n,) at the same displacements.
+
+        Exact for the two polygons, also where they cross between points. Without that the
+        objective would have a kink wherever a point changes sides.
+        """
         order = np.argsort(self.displacement, kind="stable")
-        return float(np.trapezoid(np.abs(self.force - force)[order], self.displacement[order]))
+        gap = (self.force - force)[order]
+        before, after = np.abs(gap[:-1]), np.abs(gap[1:])
+        height = 0.5 * (before + after)
+        crossed = gap[:-1] * gap[1:] < 0.0
+        height[crossed] -= (before * after)[crossed] / (before + after)[crossed]
+        return float(height @ np.diff(self.displacement[order]))
 
     @classmethod
     def of_record(cls, record: pd.DataFrame, mode: str) -> Self:

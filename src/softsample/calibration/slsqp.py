@@ -111,6 +111,11 @@ class AreaObjective:
                 f"curves of {sorted(families)} against records of {sorted(measured)}: "
                 "each sample of a group needs both"
             )
+        for sample, curve in measured.items():
+            if not curve.area > 0.0:
+                raise CalibrationError(
+                    f"the ramp of {sample} has no finite area under its force; check its record"
+                )
         self.families, self.measured = families, measured
         self._scale = sum(curve.area for curve in measured.values())
 
@@ -140,7 +145,7 @@ def fit_ogden(
     Raises
     ------
     CalibrationError
-        If no start converges.
+        If a record carries no force, the families share no mixture, or no start ends finite.
 
     References
     ----------
@@ -149,6 +154,11 @@ def fit_ogden(
     objective = AreaObjective(families, measured)
     low = max(family.bounds[0] for family in families.values())
     high = min(family.bounds[1] for family in families.values())
+    if low > high:
+        raise CalibrationError(
+            f"the curves of {sorted(families)} share no range of mu1/mu; simulate them with the "
+            "same config family:"
+        )
     names = ["mu"] if low == high else ["mu", "mu1_fraction"]
     bounds = [(np.log(settings.mu_pa_min), np.log(settings.mu_pa_max)), (low, high)][: len(names)]
 

@@ -1,0 +1,244 @@
+"""Calibration on curves whose truth is known; no solver takes part."""
+
+import numpy as np
+import pandas as pd
+import pytest
+
+from softsample.calibration.curves import CurveFamily, MeasuredCurve
+from softsample.calibration.slsqp import AreaObjective, CalibrationSettings, fit_ogden
+from softsample.errors import CalibrationError
+
+ALPHA = (-8.0, 16.0)
+SETTINGS = CalibrationSettings()
+FRACTIONS = 1.0 - np.linspace(0.15, 0.95, 6) ** 2
+HEIGHT, AREA = 13e-3, 4.6e-4  # of a bar [m], [m2]
+TRAVEL = {"T1": 0.25 * HEIGHT, "C1": 0.3 * HEIGHT}
+
+
+def bar_force(sample, fraction, travel):
+    """Force per modulus along the travel [m2] of an incompressible two-term Ogden bar."""
+    sign = 1.0 if sample.startswith("T") else -1.0
+    stretch = 1.0 + sign * np.asarray(travel) / HEIGHT
+    nominal = sum(
+        2.0 * share / alpha * (stretch ** (alpha - 1.0) - stretch ** (-0.5 * alpha - 1.0))
+        for share, alpha in zip((fraction, 1.0 - fraction), ALPHA, strict=True)
+    )
+    return sign * AREA * nominal
+
+
+def family_of(sample, fractions=FRACTIONS):
+    travel = np.linspace(0.0, TRAVEL[sample], 200)
+    force = np.array([bar_force(sample, r, travel) for r in fractions])
+    return CurveFamily(np.asarray(fractions), travel, force)
+
+
+def record_of(sample, mu, fraction, noise=0.0, seed=0, count=300):
+    """Measured curve; `noise` is a part of the peak force."""
+    travel = np.linspace(0.0, TRAVEL[sample], count)
+    force = mu * bar_force(sample, fraction, travel)
+    rng = np.random.default_rng(seed)
+    return MeasuredCurve(travel, force + noise * force.max() * rng.normal(size=count))
+
+
+def fit(samples, mu, fraction, noise=0.0, fractions=FRACTIONS, settings=SETTINGS):
+    families = {sample: family_of(sample, fractions) for sample in samples}
+    measured = {
+        sample: record_of(sample, mu, fraction, noise, seed) for seed, sample in enumerate(samples)
+    }
+    return fit_ogden(families, measured, settings)
+
+
+@pytest.mark.parametrize("samples", [["T1"], ["C1"], ["T1", "C1"]])
+@pytest.mark.parametrize(("mu", "fraction"), [(1310.0, 0.91), (420.0, 0.35)])
+def test_known_moduli_are_recovered_without_noise(samples, mu, fraction):
+    found = fit(samples, mu, fraction)
+    assert found.mu == pytest.approx(mu, rel=1e-3)
+    assert found.mu1_fraction == pytest.approx(fraction, abs=2e-3)
+    assert found.mu1 + found.mu2 == pytest.approx(found.mu)
+    assert max(found.area_error.values()) < 1e-3
+    assert found.success
+    assert found.active_bounds == []
+
+
+@pytest.mark.parametrize(("mu", "fraction"), [(1310.0, 0.91), (4200.0, 0.35)])
+def test_known_moduli_are_recovered_from_noisy_tension_and_compression(mu, fraction):
+    """Noise of 1 % of peak on 300 points: moduli within 1.5 %."""
+    found = fit(["T1", "C1"], mu, fraction, noise=0.01)
+    assert found.mu == pytest.approx(mu, rel=0.015)
+    assert found.mu1_fraction == pytest.approx(fraction, abs=0.02)
+    for sample in ("T1", "C1"):
+        peak = record_of(sample, mu, fraction).force.max()
+        assert found.rms[sample] == pytest.approx(0.01 * peak, rel=0.15)
+    assert found.success
+
+
+def test_every_start_is_on_record():
+    found = fit(["T1", "C1"], 1310.0, 0.9, settings=CalibrationSettings(starts_per_parameter=2))
+    assert len(found.starts) == 4
+    assert len({(s["from_mu_pa"], s["from_mu1_fraction"]) for s in found.starts}) == 4
+    best = min(found.starts, key=lambda s: s["area_error_percent"])
+    assert (best["to_mu_pa"], best["to_mu1_fraction"]) == (found.mu, found.mu1_fraction)
+    for start in found.starts:
+        assert start["iterations"] > 0
+        assert start["evaluations"] > start["iterations"]
+        assert start["message"]
+    report = found.report()
+    assert report["iterations"] == sum(s["iterations"] for s in found.starts)
+    assert report["verdict"] == "converged"
+    assert report["mu1_pa"] + report["mu2_pa"] == pytest.approx(report["mu_pa"])
+
+
+@pytest.mark.parametrize(
+    ("mu", "fraction", "settings", "bound"),
+    [
+        (900.0, 0.5, CalibrationSettings(mu_pa_max=800.0), "mu at its maximum"),
+        (900.0, 0.5, CalibrationSettings(mu_pa_min=1000.0), "mu at its minimum"),
+        (900.0, 0.999, SETTINGS, "mu1_fraction at its maximum"),
+        (900.0, 0.01, SETTINGS, "mu1_fraction at its minimum"),
+    ],
+)
+def test_optimum_on_a_bound_is_said_and_not_trusted(mu, fraction, settings, bound):
+    found = fit(["C1"], mu, fraction, settings=settings)
+    assert bound in found.active_bounds
+    assert not found.success
+    assert found.report()["verdict"].startswith("not trusted")
+    assert bound in found.report()["verdict"]
+
+
+def test_one_term_has_one_variable():
+    found = fit(["C1"], 1500.0, 1.0, noise=0.01, fractions=np.array([1.0]))
+    assert found.mu == pytest.approx(1500.0, rel=5e-3)
+    assert found.mu1_fraction == 1.0
+    assert found.mu2 == 0.0
+    assert len(found.starts) == 3
+    assert found.success
+
+
+def test_one_term_of_two_term_data_balances_the_areas():
+    """What the wrong model gives is still the optimum: no other modulus has less area."""
+    families = {"C1": family_of("C1", np.array([1.0]))}
+    measured = {"C1": record_of("C1", 1500.0, 0.6)}
+    found = fit_ogden(families, measured, SETTINGS)
+    objective = AreaObjective(families, measured)
+    areas = [objective(mu, 1.0) for mu in np.linspace(0.9, 1.1, 41) * found.mu]
+    assert min(areas) > objective(found.mu, 1.0) * (1.0 - 1e-6)
+    assert found.area_error["C1"] > 0.05
+
+
+def test_range_is_what_all_families_share():
+    families = {"T1": family_of("T1", FRACTIONS[FRACTIONS < 0.8]), "C1": family_of("C1")}
+    measured = {s: record_of(s, 1000.0, 0.9) for s in families}
+    found = fit_ogden(families, measured, SETTINGS)
+    assert found.mu1_fraction <= FRACTIONS[FRACTIONS < 0.8].max() + 1e-12
+    assert "mu1_fraction at its maximum" in found.active_bounds
+
+
+@pytest.mark.parametrize(
+    ("force", "other", "area"),
+    [
+        ([0.0, 1.0, 2.0], [0.0, 0.0, 0.0], 2.0),  # triangle
+        ([2.0, 2.0, 2.0], [-1.0, -1.0, -1.0], 6.0),  # rectangle
+        ([0.0, 3.0, 0.0], [1.0, 1.0, 1.0], 7.0 / 3.0),  # crosses twice, between points
+        ([-1.0, 1.0, -1.0], [0.0, 0.0, 0.0], 1.0),
+        ([1.0, 0.0, -1.0], [0.0, 0.0, 0.0], 1.0),  # crosses on a point
+        ([0.5, 0.7, 0.9], [0.5, 0.7, 0.9], 0.0),
+    ],
+)
+def test_area_is_that_of_the_polygons(force, other, area):
+    curve = MeasuredCurve(np.array([0.0, 1.0, 2.0]), np.array(force))
+    assert curve.area_between(np.array(other)) == pytest.approx(area, abs=1e-15)
+
+
+def test_area_does_not_depend_on_the_order_of_points():
+    """Noise of the displacement reading makes neighbours swap places."""
+    travel, force = np.array([0.0, 2.0, 1.0, 4.0]), np.array([0.0, 2.0, 5.0, 4.0])
+    swapped = MeasuredCurve(travel, force)
+    ordered = MeasuredCurve(travel[[0, 2, 1, 3]], force[[0, 2, 1, 3]])
+    assert swapped.area == pytest.approx(ordered.area)
+    assert ordered.area == pytest.approx(2.5 + 3.5 + 6.0)
+    assert swapped.travel == 4.0
+
+
+def test_objective_is_the_sum_of_areas_over_the_measured_areas():
+    travel = np.array([0.0, 1.0, 2.0])
+    unit = CurveFamily(np.array([1.0]), travel, np.array([[0.0, 1.0, 2.0]]))
+    measured = {
+        "a": MeasuredCurve(travel, np.array([0.0, 3.0, 6.0])),  # area 6
+        "b": MeasuredCurve(travel, np.array([0.0, 1.0, 2.0])),  # area 2
+    }
+    objective = AreaObjective({"a": unit, "b": unit}, measured)
+    assert objective(2.0, 1.0) == pytest.approx((2.0 + 2.0) / 8.0)
+    assert objective(3.0, 1.0) == pytest.approx(4.0 / 8.0)
+    assert objective(1.0, 1.0) == pytest.approx(4.0 / 8.0)
+
+
+def test_interpolation_is_exact_for_polynomials_of_the_root():
+    """Five mixtures carry any polynomial of degree four in sqrt(1 - r)."""
+    travel = np.linspace(0.0, 1.0, 4)
+    rng = np.random.default_rng(1)
+    coefficients = rng.normal(size=(5, 4))
+
+    def force(r):
+        return sum(c * (1.0 - r) ** (0.5 * k) for k, c in enumerate(coefficients))
+
+    fractions = np.array([0.2, 0.4, 0.6, 0.8, 0.95])
+    family = CurveFamily(fractions, travel, np.array([force(r) for r in fractions]))
+    for r in (0.2, 0.33, 0.77, 0.949, 0.95):
+        np.testing.assert_allclose(family.force_per_mu(r, travel), force(r), atol=1e-13)
+    assert family.bounds == (0.2, 0.95)
+    between = family.force_per_mu(0.5, np.array([0.5 * (travel[1] + travel[2])]))
+    assert between == pytest.approx(force(0.5)[1:3].mean())
+
+
+def test_curves_end_flat():
+    """Noise of the displacement reading beyond the ends does not extrapolate."""
+    family = family_of("T1")
+    beyond = family.force_per_mu(0.5, TRAVEL["T1"] * np.array([-0.1, 0.0, 1.0, 1.1]))
+    assert beyond[0] == beyond[1]
+    assert beyond[2] == beyond[3]
+
+
+@pytest.mark.parametrize(("mode", "sign"), [("tension", 1.0), ("compression", -1.0)])
+def test_ramp_of_a_record_is_taken_along_the_travel(mode, sign):
+    """2 s baseline, ramp of 3 mm at 0.3 mm/s, hold of 5 s; signs as in files."""
+    time = np.arange(0.0, 17.0, 0.1)
+    travel = np.clip(0.3 * (time - 2.0), 0.0, 3.0)
+    record = pd.DataFrame(
+        {"time_s": time, "displacement_mm": sign * travel, "force_N": sign * 0.5 * travel}
+    )
+    curve = MeasuredCurve.of_record(record, mode)
+    assert curve.travel == pytest.approx(3e-3)
+    assert len(curve.force) == pytest.approx(101, abs=3)
+    np.testing.assert_allclose(curve.force, 500.0 * curve.displacement, atol=1e-12)
+
+
+def test_curves_that_do_not_belong_together_are_refused():
+    travel = np.linspace(0.0, 1.0, 4)
+    with pytest.raises(CalibrationError, match=r"\(2, 3\) forces for 2 mixtures at 4"):
+        CurveFamily(np.array([0.2, 0.9]), travel, np.zeros((2, 3)))
+    with pytest.raises(CalibrationError, match="not finite; simulate the sample again"):
+        CurveFamily(np.array([0.2]), travel, np.array([[0.0, 1.0, np.nan, 2.0]]))
+
+
+def test_samples_without_partner_are_refused():
+    with pytest.raises(CalibrationError, match=r"\['T1'\] against records of \['C1'\]"):
+        AreaObjective({"T1": family_of("T1")}, {"C1": record_of("C1", 1e3, 0.5)})
+    with pytest.raises(CalibrationError, match="needs both"):
+        AreaObjective({}, {})
+
+
+@pytest.mark.parametrize("force", [0.0, np.nan])
+def test_records_without_force_are_refused(force):
+    measured = {"T1": MeasuredCurve(np.linspace(0.0, 1e-3, 5), np.full(5, force))}
+    with pytest.raises(CalibrationError, match="ramp of T1 has no finite area.*check its record"):
+        fit_ogden({"T1": family_of("T1")}, measured, SETTINGS)
+
+
+def test_families_without_a_common_mixture_are_refused():
+    families = {
+        "T1": family_of("T1", FRACTIONS[FRACTIONS < 0.5]),
+        "C1": family_of("C1", FRACTIONS[FRACTIONS > 0.5]),
+    }
+    measured = {s: record_of(s, 1e3, 0.5) for s in families}
+    with pytest.raises(CalibrationError, match=r"\['C1', 'T1'\] share no range of mu1/mu"):
+        fit_ogden(families, measured, SETTINGS)

@@ -10,12 +10,13 @@ from pathlib import Path
 import pytest
 
 ROOT = Path(__file__).resolve().parents[2]
+DRY = ("-n", "--quiet", "host")  # with the table of jobs
 NOTHING = "Nothing to be done"
 
 
 def dry_run(*arguments):
     run = subprocess.run(
-        [sys.executable, "-m", "snakemake", "-n", *arguments],
+        [sys.executable, "-m", "snakemake", *DRY, "--cores", "1", *arguments],
         cwd=ROOT,
         capture_output=True,
         text=True,
@@ -101,15 +102,15 @@ def test_only_what_depends_on_an_edit_reruns(project):
     edit(source / "scoring.py")
     config = project.folder / "config/test.yaml"
     config.write_text(config.read_text().replace("element_size_mm: 1.25", "element_size_mm: 1.5"))
-    assert NOTHING in project.run("-n", *targets)[1]
+    assert NOTHING in project.run(*targets, *DRY)[1]
 
     edit(source / "protocol.py")  # imported by records.py, which the script imports
-    assert jobs(project.run("-n", *targets)[1])["check_inputs"] == 2
+    assert jobs(project.run(*targets, *DRY)[1])["check_inputs"] == 2
     assert project.run(*targets)[0] == 0
-    assert NOTHING in project.run("-n", *targets)[1]
+    assert NOTHING in project.run(*targets, *DRY)[1]
 
     edit(project.study / "A.csv")
-    assert jobs(project.run("-n", *targets)[1])["check_inputs"] == 1
+    assert jobs(project.run(*targets, *DRY)[1])["check_inputs"] == 1
 
 
 def edit(path):

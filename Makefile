@@ -11,7 +11,7 @@ PYTHON ?= python3
 VENV ?= .venv
 CORES ?= 2
 bin := $(VENV)/bin
-stamp := $(VENV)/.lock-$(shell sha256sum requirements.lock pyproject.toml | sha256sum | cut -c1-16)
+stamp := $(VENV)/.lock-$(shell sha256sum requirements.lock | cut -c1-16)
 
 # one thread a job in BLAS; Snakemake gives the jobs theirs
 export OMP_NUM_THREADS ?= 1
@@ -42,13 +42,31 @@ $(stamp):
 	$(bin)/python -m pip install --quiet --disable-pip-version-check --no-deps --no-build-isolation -e .
 	touch $@
 
+# A lock that a killed run left behind is removed, if no other run is alive: the operating system
+# releases this file's lock with its process. If samples failed, the report holds the others.
+define study
+	mkdir -p .snakemake
+	exec 9> .snakemake/run.lock
+	if command -v flock > /dev/null; then
+	  flock -n 9 || { echo "Another run is working in this folder; wait for it, or stop it." >&2; exit 1; }
+	  $(bin)/snakemake --unlock --quiet all $(1) > /dev/null 2>&1 9>&- || true
+	fi
+	status=0
+	$(bin)/snakemake --cores $(CORES) $(1) 9>&- || status=$$?
+	if [ $$status != 0 ]; then
+	  export SOFTSAMPLE_PARTIAL=1
+	  $(bin)/snakemake --cores $(CORES) reported $(1) 9>&- || exit $$status
+	fi
+	$(bin)/snakemake --cores 1 reported $(1) --quiet all --report $(2)/report.html 9>&-
+	echo "Report: $(2)/report.html"
+	exit $$status
+endef
+
 run: $(stamp)
-	$(bin)/snakemake --cores $(CORES)
-	$(bin)/snakemake --cores 1 --report results/report.html
+	@$(call study,,results)
 
 quick: $(stamp)
-	$(bin)/snakemake --cores $(CORES) --configfile config/quick.yaml
-	$(bin)/snakemake --cores 1 --configfile config/quick.yaml --report results-quick/report.html
+	@$(call study,--configfile config/quick.yaml,results-quick)
 
 test: $(stamp)
 	$(bin)/python -m pytest -m "not long"

@@ -30,6 +30,14 @@ rule all:
         "Study complete: {config[results]}"
 
 
+rule reported:
+    input:
+        tables(),
+        figures(),
+    message:
+        "Tables and figures complete: {config[results]}"
+
+
 for sample_id in SAMPLES:
 
     rule:
@@ -42,8 +50,8 @@ for sample_id in SAMPLES:
 
 
 onsuccess:
-    print(summary())
+    print(closing_words(complete=True))
 
 
 onerror:
-    print(failures())
+    print(closing_words(complete=False))

@@ -26,6 +26,7 @@ ALLOWED = {
     "calibration": {"errors", "protocol", "records", "fem"},
     "checks": {"errors", "fem", "meshing"},
     "scoring": {"errors"},
+    "report": {"errors"},
 }
 """What each part of the package may import; parts not listed may import any of these."""
 

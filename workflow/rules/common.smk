@@ -14,7 +14,7 @@ search_path = [SOURCES, *filter(None, os.environ.get("PYTHONPATH", "").split(os.
 os.environ.update(PYTHONPATH=os.pathsep.join(dict.fromkeys(search_path)))
 
 from softsample.errors import SoftsampleError
-from softsample.io import read_json, read_samples, read_yaml
+from softsample.io import read_samples, read_yaml, write_text
 from softsample.validation import check_config, check_samples
 from softsample.workflow import failed_jobs, sha256_of_files
 
@@ -38,12 +38,30 @@ def checked_study():
     return table, {row["sample"]: row for row in rows}
 
 
+def finished(rows):
+    """Rows of the groups whose samples all came through to a run at their optimum."""
+    lacking = {
+        row["group"]
+        for row in rows.values()
+        if not all(
+            Path(config["results"], "fields", row["sample"], f"{name}.json").is_file()
+            for name in GEOMETRIES
+        )
+    }
+    return {name: row for name, row in rows.items() if row["group"] not in lacking}
+
+
+GEOMETRIES = ["real", "ideal"]
 TABLE, SAMPLES = checked_study()
+# After a run in which samples failed, tables and figures of the others can still be had.
+if os.environ.get("SOFTSAMPLE_PARTIAL"):
+    SAMPLES = finished(SAMPLES)
+    if not SAMPLES:
+        raise WorkflowError("no group of samples came through; there is nothing to report")
 GROUPS = {
     group: [name for name, row in SAMPLES.items() if row["group"] == group]
     for group in dict.fromkeys(row["group"] for row in SAMPLES.values())
 }
-GEOMETRIES = ["real", "ideal"]
 SHIPPED = TABLE.resolve() == (ROOT / "resources/cohort/samples.tsv").resolve()
 
 
@@ -222,16 +240,14 @@ EXAMPLES = {mode: example(mode) for mode in ("shear", "tension", "compression") 
 SHOWN = EXAMPLES.get("compression") or next(iter(EXAMPLES.values()))
 
 
-def summary():
-    """What to look at when all went well."""
-    return f"Done. Results are below {config['results']}/ (tables, figures, checks)."
-
-
-def failures():
-    """Every failed job with its reason, read from the logs of this study."""
-    lines = [f"  {job}: {reason}" for job, reason in failed_jobs(f"{config['results']}/logs")]
-    return "\n".join(
-        ["Some jobs failed; the others were finished where that was possible:", *lines]
-        if lines
-        else ["The run stopped before it was complete; run the same command again."]
-    )
+def closing_words(complete):
+    """What to look at, or what failed and why; the failures are kept for the report."""
+    failed = failed_jobs(f"{config['results']}/logs")
+    rows = [f"- ``{job}``: {' '.join(reason.split())}\n" for job, reason in failed]
+    write_text(f"{config['results']}/failures.rst", "".join(rows))
+    if complete:
+        return f"Done. Results are below {config['results']}/ (tables, figures, checks)."
+    if not failed:
+        return "The run stopped before it was complete; run the same command again."
+    lines = [f"  {job}: {reason}" for job, reason in failed]
+    return "\n".join(["Some jobs failed; the others were finished where possible:", *lines])

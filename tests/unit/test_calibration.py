@@ -122,7 +122,7 @@ def test_one_term_of_two_term_data_balances_the_areas():
     objective = AreaObjective(families, measured)
     areas = [objective(mu, 1.0) for mu in np.linspace(0.9, 1.1, 41) * found.mu]
     assert min(areas) > objective(found.mu, 1.0) * (1.0 - 1e-6)
-    assert found.area_error["C1"] > 0.05
+    assert found.area_error["C1"] > 0.005
 
 
 def test_range_is_what_all_families_share():
@@ -138,7 +138,7 @@ def test_range_is_what_all_families_share():
     [
         ([0.0, 1.0, 2.0], [0.0, 0.0, 0.0], 2.0),  # triangle
         ([2.0, 2.0, 2.0], [-1.0, -1.0, -1.0], 6.0),  # rectangle
-        ([0.0, 3.0, 0.0], [1.0, 1.0, 1.0], 7.0 / 3.0),  # crosses twice, between points
+        ([0.0, 3.0, 0.0], [1.0, 1.0, 1.0], 5.0 / 3.0),  # crosses twice, between points
         ([-1.0, 1.0, -1.0], [0.0, 0.0, 0.0], 1.0),
         ([1.0, 0.0, -1.0], [0.0, 0.0, 0.0], 1.0),  # crosses on a point
         ([0.5, 0.7, 0.9], [0.5, 0.7, 0.9], 0.0),

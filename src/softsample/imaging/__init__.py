@@ -1,0 +1,1 @@
+"""From an image to the sample's shape: segmentation, sample frame, cuboid."""

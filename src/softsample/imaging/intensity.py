@@ -1,0 +1,142 @@
+"""Intensity of a sample image: noise, bias field, local tissue level, share of tissue in a voxel."""
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy import ndimage
+from skimage.filters import threshold_otsu
+
+from softsample.errors import SegmentationError
+
+Array = NDArray[np.float64]
+Mask = NDArray[np.bool_]
+
+RAYLEIGH_SD = np.sqrt(2.0 - np.pi / 2.0)
+"""Standard deviation of a Rayleigh variable of unit scale: noise in the magnitude of nothing."""
+
+
+def smooth(data: Array, sigma: float | Array, spacing: Array) -> Array:
+    """Gaussian smoothing with a standard deviation `sigma` [m] on voxels of `spacing` [m]."""
+    return ndimage.gaussian_filter(data, sigma / spacing, mode="nearest")
+
+
+def largest_component(mask: Mask) -> Mask:
+    """Largest face-connected component of a mask, holes filled; empty if the mask is empty."""
+    labels, count = ndimage.label(mask)
+    if count == 0:
+        return np.zeros_like(mask)
+    sizes = np.bincount(labels.ravel())
+    sizes[0] = 0
+    return np.asarray(ndimage.binary_fill_holes(labels == np.argmax(sizes)), dtype=bool)
+
+
+def rough_mask(data: Array, spacing: Array, smoothing: float) -> Mask:
+    """First guess of the sample: largest component above Otsu's threshold of the smoothed image."""
+    smoothed = smooth(data, smoothing, spacing)
+    return largest_component(smoothed > threshold_otsu(smoothed))
+
+
+def eroded(mask: Mask, spacing: Array, depth: float) -> Mask:
+    """Voxels deeper than `depth` [m] inside a mask."""
+    return np.asarray(ndimage.distance_transform_edt(mask, sampling=spacing) > depth, dtype=bool)
+
+
+def grown(mask: Mask) -> Mask:
+    """Mask and all voxels that touch it."""
+    return np.asarray(ndimage.binary_dilation(mask, np.ones((3, 3, 3))), dtype=bool)
+
+
+def background_level(data: Array, mask: Mask, spacing: Array, margin: float) -> tuple[float, float]:
+    """Signal and noise of the surroundings of the sample (air, platen).
+
+    The magnitude of noise alone is Rayleigh distributed: its mean is not signal. With mean square
+    ``s**2 + 2 sigma**2`` and spread ``0.655 sigma`` (no signal), the signal is what is left over.
+
+    Parameters
+    ----------
+    data : (nx, ny, nz) float64
+        Intensities.
+    mask : (nx, ny, nz) bool
+        Rough sample.
+    spacing : (3,) float64
+        Voxel edges [m].
+    margin : float
+        Voxels closer to the sample than this [m] are left out.
+
+    Returns
+    -------
+    level, noise : float
+        Signal of the surroundings and standard deviation of the noise, in units of `data`.
+    """
+    outside = data[ndimage.distance_transform_edt(~mask, sampling=spacing) > margin]
+    if outside.size < 100:
+        raise SegmentationError(
+            "fewer than 100 voxels lie outside the sample; give an image with a rim of background"
+        )
+    low, middle, high = np.percentile(outside, [15.87, 50.0, 84.13])
+    noise = 0.5 * (high - low) / RAYLEIGH_SD
+    inliers = outside[np.abs(outside - middle) < 4.0 * (high - low) + 1e-12]
+    level = np.sqrt(max(np.mean(inliers**2) - 2.0 * noise**2, 0.0))
+    return float(level), float(noise)
+
+
+def bias_field(data: Array, interior: Mask, order: int) -> Array:
+    """Multiplicative bias: a polynomial of the logarithm of the tissue, robust against texture.
+
+    Parameters
+    ----------
+    data : (nx, ny, nz) float64
+        Intensities.
+    interior : (nx, ny, nz) bool
+        Voxels of pure tissue.
+    order : int
+        Total degree of the polynomial; 0 gives a field of ones.
+
+    Returns
+    -------
+    (nx, ny, nz) float64
+        Bias, geometric mean 1 over `interior`, everywhere positive. Outside the interior the
+        polynomial is held at its value on the box around the interior: it must not run away.
+    """
+    index = np.argwhere(interior)
+    low, high = index.min(axis=0), index.max(axis=0)
+    centre, half = 0.5 * (low + high), np.maximum(0.5 * (high - low), 1.0)
+    values = np.log(np.maximum(data[interior], 1e-6 * np.max(data)))
+    terms = _polynomial((index - centre) / half, order)
+    weight = np.ones(len(values))
+    for _ in range(5):
+        coefficients = np.linalg.lstsq(terms * weight[:, None], values * weight, rcond=None)[0]
+        residual = np.abs(values - terms @ coefficients)
+        scale = max(1.4826 * float(np.median(residual)), 1e-9)
+        weight = np.sqrt(np.minimum(1.0, 1.5 * scale / np.maximum(residual, 1e-12)))
+    mean = float(np.mean(terms @ coefficients))
+    axes = [
+        np.clip((np.arange(n) - c) / h, -1.0, 1.0)
+        for n, c, h in zip(data.shape, centre, half, strict=True)
+    ]
+    grid = np.stack(np.meshgrid(*axes, indexing="ij"), axis=-1).reshape(-1, 3)
+    field = np.exp(_polynomial(grid, order) @ coefficients - mean)
+    return np.asarray(field.reshape(data.shape), dtype=np.float64)
+
+
+def _polynomial(x: Array, order: int) -> Array:
+    """All monomials of `x` (n, 3) up to a total degree, (n, terms)."""
+    powers = [
+        (i, j, k)
+        for i in range(order + 1)
+        for j in range(order + 1 - i)
+        for k in range(order + 1 - i - j)
+    ]
+    return np.stack([x[:, 0] ** i * x[:, 1] ** j * x[:, 2] ** k for i, j, k in powers], axis=1)
+
+
+def tissue_level(data: Array, interior: Mask, spacing: Array, reach: float) -> Array:
+    """Local level of the tissue, carried outward from the interior.
+
+    A Gaussian mean over interior voxels only. Voxels near the boundary hold film, fluid or air
+    and say nothing about the tissue; far from any interior voxel the median stands in.
+    """
+    weight = smooth(interior.astype(np.float64), reach, spacing)
+    total = smooth(np.where(interior, data, 0.0), reach, spacing)
+    middle = float(np.median(data[interior]))
+    floor = 1e-4
+    return np.asarray((total + floor * middle) / (weight + floor), dtype=np.float64)

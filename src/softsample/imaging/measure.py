@@ -1,0 +1,272 @@
+"""Idealised cuboid and areas of a sample, from its signed distance.
+
+The definitions are in ``docs/geometry.md``; they follow section 2.2 and 3.1 of the study
+doi:10.1016/j.jmbbm.2023.105716 as far as it states them.
+"""
+
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+from skimage.measure import find_contours
+
+from softsample.errors import InputError, SegmentationError
+from softsample.imaging import distance as sdf
+from softsample.imaging import frame
+
+Array = NDArray[np.float64]
+
+MM = 1e-3
+"""One millimetre [m]."""
+
+
+@dataclass(frozen=True)
+class MeasurementSettings:
+    """Settings of `measure`; the names and defaults of the config section `measurement`.
+
+    Attributes
+    ----------
+    section_offset_mm : float
+        Distance of the lower and upper section from base and top [mm].
+    width_core_fraction : float
+        A mean width is taken over this central part of the section's extent across.
+    top_core_fraction : float
+        The mean height is taken over this central part of length and width.
+    top_normal_deg : float
+        Surface within this angle of vertical belongs to the top [degrees].
+    preload_mm : float
+        Depth below the highest point down to which the top is glued [mm].
+    """
+
+    section_offset_mm: float = 0.75
+    width_core_fraction: float = 0.7
+    top_core_fraction: float = 0.7
+    top_normal_deg: float = 30.0
+    preload_mm: float = 1.0
+
+
+def measure(
+    distance: ArrayLike,
+    origin: ArrayLike,
+    spacing: float,
+    settings: MeasurementSettings | None = None,
+) -> dict[str, Any]:
+    """Measure the cuboid and the areas of a sample.
+
+    Parameters
+    ----------
+    distance : (nx, ny, nz) array
+        Signed distance in the sample frame [m], negative inside, walls carried on below z = 0.
+        A grid layer must lie at z = 0.
+    origin : (3,) array
+        Position of ``distance[0, 0, 0]`` [m].
+    spacing : float
+        Grid spacing [m].
+    settings : MeasurementSettings, optional
+
+    Returns
+    -------
+    dict
+        Flat record in mm, mm2, mm3 and percent, the keys of ``cuboid/{sample}.json``. Percents
+        are ``100 (area / (length width) - 1)``.
+
+    Raises
+    ------
+    InputError
+        If the arguments do not describe a grid.
+    SegmentationError
+        If the surface is too low, or open, for the sections.
+    """
+    settings = settings or MeasurementSettings()
+    field, start = _checked(distance, origin, spacing)
+    top = top_heights(field, start, spacing)
+    peak = sdf.highest_point(field, start, spacing)
+    length, width, height, lengths, widths = _cuboid(field, start, spacing, top, settings)
+    bottom = section_area(section(field, start, spacing, 0.0), spacing)
+    upper, glued = _top_areas(field, start, spacing, peak[2], settings)
+    ideal = length * width
+    return {
+        "length_mm": length / MM,
+        "width_mm": width / MM,
+        "height_mm": height / MM,
+        "length_sections_mm": [value / MM for value in lengths],
+        "width_sections_mm": [value / MM for value in widths],
+        "bottom_area_mm2": bottom / MM**2,
+        "top_area_mm2": upper / MM**2,
+        "glued_area_mm2": glued / MM**2,
+        "ideal_area_mm2": ideal / MM**2,
+        "bottom_difference_percent": 100.0 * (bottom / ideal - 1.0),
+        "top_difference_percent": 100.0 * (upper / ideal - 1.0),
+        "glued_difference_percent": 100.0 * (glued / ideal - 1.0),
+        "volume_real_mm3": sdf.volume_above_base(field, start, spacing) / MM**3,
+        "volume_ideal_mm3": ideal * height / MM**3,
+        "highest_point_mm": float(peak[2] / MM),
+        "highest_point_position_mm": [float(value / MM) for value in peak],
+        "top_height_sd_mm": _core_heights(top, start, spacing, length, width, settings)[1] / MM,
+    }
+
+
+def section(field: Array, origin: Array, spacing: float, height: float) -> Array:
+    """Signed distance on the plane z = `height`, linear between layers, (nx, ny) [m]."""
+    place = (height - origin[2]) / spacing
+    place = float(np.round(place)) if abs(place - np.round(place)) < 1e-6 else place
+    lower = int(np.floor(place))
+    if lower < 0 or lower + 1 >= field.shape[2]:
+        raise SegmentationError(
+            f"section at {height / MM:.3g} mm lies outside the segmented sample; look at it"
+        )
+    share = place - lower
+    return np.asarray((1.0 - share) * field[:, :, lower] + share * field[:, :, lower + 1])
+
+
+def section_area(plane: Array, spacing: float) -> float:
+    """Area inside the zero contour of a section [m2], by the contour's polygons."""
+    total = 0.0
+    for contour in find_contours(plane, 0.0):
+        x, y = contour[:, 0], contour[:, 1]
+        total += 0.5 * float(np.sum(x[:-1] * y[1:] - x[1:] * y[:-1]))
+    return abs(total) * spacing**2
+
+
+def mean_width(plane: Array, spacing: float, core: float) -> float:
+    """Mean width of a section along its first axis [m].
+
+    Mean of the chords along the first axis at the rows in the central part `core` of the
+    section's extent along the second axis: rounded vertical edges do not count.
+    """
+    inside = plane < 0.0
+    rows = np.flatnonzero(inside.any(axis=0))
+    if rows.size < 3:
+        raise SegmentationError("a section for the cuboid is empty; look at the segmentation")
+    chords = np.array([_chord(plane[:, row]) for row in rows]) * spacing
+    columns = np.flatnonzero(inside.any(axis=1))
+    across = [_crossings(plane[column]) for column in columns]
+    low, high = min(pair[0] for pair in across), max(pair[1] for pair in across)
+    share = _overlap(rows.astype(np.float64), 0.5 * (low + high), 0.5 * core * (high - low))
+    return float(np.sum(share * chords) / np.sum(share))
+
+
+def _overlap(centres: Array, middle: float, half: float) -> Array:
+    """Share of each unit cell around `centres` within `half` of `middle`."""
+    low = np.maximum(centres - 0.5, middle - half)
+    high = np.minimum(centres + 0.5, middle + half)
+    return np.asarray(np.maximum(high - low, 0.0))
+
+
+def _crossings(line: Array) -> tuple[float, float]:
+    """First and last zero of a line of distances, in grid spacings."""
+    inside = np.flatnonzero(line < 0.0)
+    first, last = int(inside[0]), int(inside[-1])
+    if first == 0 or last == len(line) - 1:
+        raise SegmentationError("the segmented sample is cut by its grid; look at it")
+    start = first - line[first] / (line[first] - line[first - 1])
+    end = last + line[last] / (line[last] - line[last + 1])
+    return float(start), float(end)
+
+
+def _chord(line: Array) -> float:
+    """Length inside on a line of distances, in grid spacings; re-entrant gaps are left out."""
+    a, b = line[:-1], line[1:]
+    low, high = np.minimum(a, b), np.maximum(a, b)
+    inside = np.where(high <= 0.0, 1.0, np.where(low >= 0.0, 0.0, -low / (high - low + 1e-300)))
+    return float(inside.sum())
+
+
+def top_heights(field: Array, origin: Array, spacing: float) -> Array:
+    """Height of the top over each column, (nx, ny) [m]; NaN outside the sample."""
+    inside = field < 0.0
+    if inside[:, :, -1].any():
+        raise SegmentationError("the segmented sample is cut by its grid at the top; look at it")
+    last = field.shape[2] - 1 - np.argmax(inside[:, :, ::-1], axis=2)
+    last = np.minimum(last, field.shape[2] - 2)
+    i, j = np.indices(last.shape)
+    lower, upper = field[i, j, last], field[i, j, last + 1]
+    some = inside.any(axis=2)
+    share = lower / np.where(some, lower - upper, 1.0)
+    height = origin[2] + spacing * (last + share)
+    return np.where(some & (height > 0.0), height, np.nan)
+
+
+def _core_heights(
+    top: Array,
+    origin: Array,
+    spacing: float,
+    length: float,
+    width: float,
+    settings: MeasurementSettings,
+) -> tuple[float, float]:
+    """Mean and standard deviation of the top inside the core of length and width [m]."""
+    known = np.isfinite(top)
+    x, y = (origin[axis] / spacing + np.arange(top.shape[axis]) for axis in (0, 1))
+    half = 0.5 * settings.top_core_fraction / spacing
+    share = np.outer(_overlap(x, 0.0, half * length), _overlap(y, 0.0, half * width)) * known
+    if share.sum() == 0.0:
+        raise SegmentationError("the core of the top is empty; look at the segmentation")
+    height = np.where(known, top, 0.0)
+    mean = float(np.sum(share * height) / share.sum())
+    return mean, float(np.sqrt(np.sum(share * (height - mean) ** 2) / share.sum()))
+
+
+def _cuboid(
+    field: Array, origin: Array, spacing: float, top: Array, settings: MeasurementSettings
+) -> tuple[float, float, float, list[float], list[float]]:
+    """Length, width, height, and the widths of the three sections [m].
+
+    The height sets the sections and the lengths set the core of the height: iterated.
+    """
+    height = float(np.nanmedian(top))
+    length, width = (spacing * np.isfinite(top).any(axis=1 - axis).sum() for axis in (0, 1))
+    offset = settings.section_offset_mm * MM
+    for _ in range(20):
+        before = np.array([length, width, height])
+        height, _ = _core_heights(top, origin, spacing, length, width, settings)
+        if height < 2.0 * offset:
+            raise SegmentationError(
+                f"sample is {height / MM:.3g} mm high, lower than two section offsets; look at"
+                " the segmentation or lower measurement: section_offset_mm"
+            )
+        planes = [
+            section(field, origin, spacing, z) for z in (offset, 0.5 * height, height - offset)
+        ]
+        core = settings.width_core_fraction
+        lengths = [mean_width(plane, spacing, core) for plane in planes]
+        widths = [mean_width(plane.T, spacing, core) for plane in planes]
+        length, width = float(np.mean(lengths)), float(np.mean(widths))
+        if np.allclose(before, [length, width, height], rtol=1e-6, atol=0.0):
+            break
+    return length, width, height, lengths, widths
+
+
+def _top_areas(
+    field: Array, origin: Array, spacing: float, peak: float, settings: MeasurementSettings
+) -> tuple[float, float]:
+    """Projected area of the top by its normal, and of what is glued by its depth [m2].
+
+    Both take upward facing surface of the upper half, counted as its projection on the base.
+    """
+    surface = frame.iso_surface(-field, 0.0, frame.grid_affine(origin, spacing))
+    vectors, centres = surface.area_vectors, surface.centres
+    area = np.linalg.norm(vectors, axis=1)
+    rising = vectors[:, 2] > 0.0
+    upper = rising & (centres[:, 2] > 0.5 * peak)
+    steep = vectors[:, 2] > np.cos(np.radians(settings.top_normal_deg)) * area
+    glued = rising & (centres[:, 2] >= peak - settings.preload_mm * MM)
+    return float(vectors[upper & steep, 2].sum()), float(vectors[glued, 2].sum())
+
+
+def _checked(distance: ArrayLike, origin: ArrayLike, spacing: float) -> tuple[Array, Array]:
+    """Arguments of `measure` as arrays, or an error."""
+    field, start = np.asarray(distance, dtype=np.float64), np.asarray(origin, dtype=np.float64)
+    if field.ndim != 3 or start.shape != (3,) or not spacing > 0.0:
+        raise InputError(
+            f"distance {field.shape}, origin {start.shape} and spacing {spacing} are not a grid"
+        )
+    if not np.all(np.isfinite(field)) or not np.any(field < 0.0):
+        raise InputError("distance must be finite and negative inside the sample")
+    if abs(start[2] / spacing - np.round(start[2] / spacing)) > 1e-4 or start[2] > 0.0:
+        raise InputError(
+            f"distance has no grid layer at z = 0 (first layer at {start[2] / MM:.4g} mm);"
+            " resample it"
+        )
+    return field, start

@@ -1,0 +1,494 @@
+"""Segmentation of a tissue sample on a platen: image to signed distance in the sample frame.
+
+The steps and the definitions are in ``docs/geometry.md``.
+"""
+
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+from scipy import ndimage
+
+from softsample.errors import InputError, SegmentationError
+from softsample.imaging import distance as sdf
+from softsample.imaging import frame, intensity
+
+Array = NDArray[np.float64]
+Mask = NDArray[np.bool_]
+
+MM = 1e-3
+"""One millimetre [m]."""
+
+HALF = 0.5
+"""Share of tissue at the boundary: the local half-maximum."""
+
+
+@dataclass(frozen=True)
+class SegmentationSettings:
+    """Settings of `segment`; the names and defaults of the config section `segmentation`.
+
+    Attributes
+    ----------
+    bias_order : int
+        Total degree of the polynomial of the bias field.
+    smoothing_mm : float
+        Standard deviation of the Gaussian smoothing [mm].
+    level_reach_mm : float
+        Standard deviation of the mean that gives the local tissue level [mm].
+    level_margin_mm : float
+        Tissue nearer to the boundary than this does not count for the level [mm].
+    fluid_ratio : float
+        Voxels this many times brighter than the tissue next to them are free fluid.
+    fluid_reach_mm : float
+        Around free fluid the boundary is replaced by its smooth continuation up to here [mm].
+    base_clearance_mm : float
+        Walls lower than this above the platen (meniscus) are continued from above [mm].
+    continuation_mm : float
+        Height of wall that gives the slope of the continuation [mm].
+    max_tilt_deg : float
+        Largest tilt of the base that is taken out [degrees].
+    grid_spacing_mm, padding_mm : float
+        Spacing of the signed distance and rim around the sample [mm].
+    min_volume_mm3 : float
+        Anything smaller is not a sample [mm3].
+    min_contrast : float
+        Smallest accepted ratio of tissue signal to noise.
+    """
+
+    bias_order: int = 2
+    smoothing_mm: float = 0.25
+    level_reach_mm: float = 1.0
+    level_margin_mm: float = 0.5
+    fluid_ratio: float = 1.5
+    fluid_reach_mm: float = 1.0
+    base_clearance_mm: float = 0.75
+    continuation_mm: float = 1.5
+    max_tilt_deg: float = 10.0
+    grid_spacing_mm: float = 0.25
+    padding_mm: float = 2.5
+    min_volume_mm3: float = 100.0
+    min_contrast: float = 4.0
+
+
+@dataclass(frozen=True)
+class Segmentation:
+    """A segmented sample.
+
+    Attributes
+    ----------
+    mask : (nx, ny, nz) bool
+        Sample on the grid of the image.
+    distance : (mx, my, mz) float64
+        Signed distance on a grid along the sample frame [m], negative inside. The walls go on
+        below the base plane z = 0, which is not part of the surface.
+    origin : (3,) float64
+        Position of ``distance[0, 0, 0]`` in the sample frame [m].
+    spacing : float
+        Grid spacing of `distance` [m].
+    sample_to_world : (4, 4) float64
+        Rigid map from the sample frame to world RAS+ [m].
+    boundary_sigma : float
+        One standard deviation of the position of the boundary [m].
+    tilt : float
+        Angle between the base normal and the nominal loading axis [rad].
+    base_spread : float
+        Robust standard deviation of the base about its plane [m].
+    snr, noise, tissue_level, threshold : float
+        Signal to noise ratio, standard deviation of the noise, median level of the tissue and
+        median threshold at the boundary, intensities as in the image. NaN for a given mask.
+    flags : tuple of str
+        Peculiarities a person should look at.
+    """
+
+    mask: Mask
+    distance: Array
+    origin: Array
+    spacing: float
+    sample_to_world: Array
+    boundary_sigma: float
+    tilt: float
+    base_spread: float
+    snr: float
+    noise: float
+    tissue_level: float
+    threshold: float
+    flags: tuple[str, ...]
+
+    @property
+    def volume(self) -> float:
+        """Volume above the base plane [m3]."""
+        return sdf.volume_above_base(self.distance, self.origin, self.spacing)
+
+    @property
+    def highest_point(self) -> Array:
+        """Highest point of the surface in the sample frame, (3,) [m]."""
+        return sdf.highest_point(self.distance, self.origin, self.spacing)
+
+    @property
+    def distance_affine_mm(self) -> Array:
+        """Map (4, 4) from an index of `distance` to world [mm]."""
+        affine = self.sample_to_world @ frame.grid_affine(self.origin, self.spacing)
+        return frame.index_to_mm(affine)
+
+    def summary(self) -> dict[str, Any]:
+        """Flat record in mm and degrees for ``segmentation/{sample}.json``."""
+        intensities = {
+            "snr": self.snr,
+            "noise": self.noise,
+            "tissue_level": self.tissue_level,
+            "threshold": self.threshold,
+        }
+        known = {k: v if np.isfinite(v) else None for k, v in intensities.items()}
+        return {
+            "sample_to_world": frame.rigid_to_mm(self.sample_to_world).tolist(),
+            "grid_origin_mm": (self.origin / MM).tolist(),
+            "grid_spacing_mm": self.spacing / MM,
+            "volume_mm3": self.volume / MM**3,
+            "highest_point_mm": float(self.highest_point[2] / MM),
+            "highest_point_position_mm": (self.highest_point / MM).tolist(),
+            "boundary_sigma_mm": self.boundary_sigma / MM,
+            "tilt_deg": float(np.degrees(self.tilt)),
+            "base_flatness_mm": self.base_spread / MM,
+            **known,
+            "flags": list(self.flags),
+        }
+
+
+def segment(
+    data: ArrayLike,
+    affine: ArrayLike,
+    settings: SegmentationSettings | None = None,
+    *,
+    loading_axis: ArrayLike = (0.0, 0.0, 1.0),
+    shear_axis: ArrayLike = (1.0, 0.0, 0.0),
+) -> Segmentation:
+    """Segment a sample that stands on a dark platen, surrounded by air.
+
+    Parameters
+    ----------
+    data : (nx, ny, nz) array
+        Intensities, tissue bright (T2-weighted), free fluid brighter.
+    affine : (4, 4) array
+        From voxel index to world RAS+ [mm].
+    settings : SegmentationSettings, optional
+    loading_axis, shear_axis : (3,) array
+        World directions, nominally: from the glued base upward, and of the shear.
+
+    Returns
+    -------
+    Segmentation
+
+    Raises
+    ------
+    InputError
+        If the image or its affine cannot be one of a sample (shape, NaN, constant, voxel size).
+    SegmentationError
+        If no sample, or no whole sample, is found.
+    """
+    settings = settings or SegmentationSettings()
+    image, to_world = checked_image(data, affine)
+    up, shear = checked_axes(loading_axis, shear_axis)
+    spacing = voxel_size(to_world)
+    share = tissue_share(image, spacing, settings)
+    check_component(share.mask, spacing, settings)
+    return _from_share(share, to_world, settings, up, shear)
+
+
+def segmentation_from_mask(
+    mask: ArrayLike,
+    affine: ArrayLike,
+    settings: SegmentationSettings | None = None,
+    *,
+    loading_axis: ArrayLike = (0.0, 0.0, 1.0),
+    shear_axis: ArrayLike = (1.0, 0.0, 0.0),
+) -> Segmentation:
+    """Take over a segmentation made elsewhere; the sample is where `mask` is not zero.
+
+    Parameters, results and errors as in `segment`. The boundary lies half-way between voxels
+    inside and outside, smoothed by half a voxel at least; its one-sigma is that of a voxel edge.
+    """
+    settings = settings or SegmentationSettings()
+    image, to_world = checked_image(mask, affine)
+    up, shear = checked_axes(loading_axis, shear_axis)
+    spacing = voxel_size(to_world)
+    solid = intensity.largest_component(image != 0.0)
+    check_component(solid, spacing, settings)
+    sigma = np.maximum(settings.smoothing_mm * MM, 0.6 * spacing)
+    share = TissueShare(
+        share=intensity.smooth(solid.astype(np.float64), sigma, spacing),
+        mask=solid,
+        fluid=np.zeros_like(solid),
+        snr=np.nan,
+        noise=np.nan,
+        level=np.nan,
+        threshold=np.nan,
+        sigma=float(np.max(spacing) / np.sqrt(12.0)),
+    )
+    return _from_share(share, to_world, settings, up, shear)
+
+
+@dataclass(frozen=True)
+class TissueShare:
+    """Share of tissue in each voxel and what it rests on.
+
+    Attributes
+    ----------
+    share : (nx, ny, nz) float64
+        Smoothed image on the scale from surroundings (0) to the tissue nearby (1).
+    mask, fluid : (nx, ny, nz) bool
+        Sample, and free fluid (drops).
+    snr, noise, level, threshold, sigma : float
+        As in `Segmentation`; `sigma` is its `boundary_sigma`.
+    """
+
+    share: Array
+    mask: Mask
+    fluid: Mask
+    snr: float
+    noise: float
+    level: float
+    threshold: float
+    sigma: float
+
+
+def tissue_share(image: Array, spacing: Array, settings: SegmentationSettings) -> TissueShare:
+    """Share of tissue in every voxel, by the level of the tissue nearby.
+
+    The boundary is where the smoothed image is half-way between the surroundings and the robust
+    local level of the tissue itself. A bright film or drop at the wall thus does not raise it.
+    """
+    blur = settings.smoothing_mm * MM
+    rough = intensity.rough_mask(image, spacing, blur)
+    if np.count_nonzero(rough) * np.prod(spacing) < settings.min_volume_mm3 * MM**3:
+        raise SegmentationError(
+            f"no sample found: the largest bright region is smaller than"
+            f" {settings.min_volume_mm3:g} mm3; check the image and its scale"
+        )
+    margin = max(settings.level_margin_mm * MM, float(np.max(spacing))) + 0.25 * MM
+    interior = intensity.eroded(rough, spacing, margin)
+    if np.count_nonzero(interior) < 100:
+        raise SegmentationError(
+            "the bright region is too thin to have an interior; check the image and voxel size"
+        )
+    floor, noise = intensity.background_level(image, rough, spacing, 2.0 * margin)
+    level = float(np.median(image[interior]))
+    if level - floor < settings.min_contrast * noise:
+        raise SegmentationError(
+            f"no sample found: its brightest region ({level:.4g}) does not stand out from the"
+            f" surroundings ({floor:.4g}) and noise ({noise:.3g}); check the image"
+        )
+    even = (image - floor) / intensity.bias_field(image, interior, settings.bias_order)
+    local = intensity.tissue_level(even, interior, spacing, settings.level_reach_mm * MM)
+    raw = even / local
+    share = intensity.smooth(raw, blur, spacing)
+    mask = intensity.largest_component(share > HALF)
+    snr = level / max(noise, 1e-12 * level)
+    return TissueShare(
+        share=share,
+        mask=mask,
+        fluid=_free_fluid(raw, settings.fluid_ratio),
+        snr=snr,
+        noise=noise,
+        level=level,
+        threshold=floor + HALF * (level - floor),
+        sigma=_boundary_sigma(snr, spacing, blur),
+    )
+
+
+def _free_fluid(raw: Array, ratio: float) -> Mask:
+    """Groups of at least three voxels much brighter than the tissue nearby."""
+    labels, _ = ndimage.label(raw > ratio, np.ones((3, 3, 3)))
+    sizes = np.bincount(labels.ravel())
+    return np.asarray((sizes[labels] >= 3) & (labels > 0), dtype=bool)
+
+
+def _boundary_sigma(snr: float, spacing: Array, blur: float) -> float:
+    """One-sigma of the boundary's position: noise, local level, film and voxel edges together.
+
+    At the half-maximum the share falls with ``1 / (sqrt(2 pi) s)``, s the width of the blur.
+    """
+    width = np.sqrt(2.0 * np.pi) * np.sqrt(blur**2 + np.max(spacing) ** 2 / 12.0)
+    smoothed_voxels = max(np.prod(2.0 * np.sqrt(np.pi) * np.maximum(blur / spacing, 0.28)), 1.0)
+    noise = width / snr / np.sqrt(smoothed_voxels)
+    level = width * HALF * LEVEL_SIGMA
+    voxels = VOXEL_SIGMA * float(np.max(spacing))
+    return float(np.sqrt(noise**2 + level**2 + voxels**2 + FILM_SIGMA**2))
+
+
+LEVEL_SIGMA = 0.05
+"""Relative one-sigma of the tissue level at the boundary (texture)."""
+VOXEL_SIGMA = 0.05
+"""One-sigma of the boundary's position by interpolation between voxels, in voxel edges."""
+FILM_SIGMA = 0.03 * MM
+"""One-sigma of the boundary's position by a film of fluid too thin to be seen [m]."""
+
+
+def _from_share(
+    share: TissueShare, to_world: Array, settings: SegmentationSettings, up: Array, shear: Array
+) -> Segmentation:
+    """Find the sample frame and bring the boundary into it."""
+    kept = np.where(intensity.grown(share.mask), share.share, np.minimum(share.share, 0.0))
+    kept = np.where(share.mask, np.maximum(kept, HALF + 1e-6), kept)
+    surface = frame.iso_surface(kept, HALF, to_world)
+    point, normal, spread = frame.fit_base(surface, up, np.radians(settings.max_tilt_deg))
+    x = frame.wall_direction(surface, normal, shear)
+    sample_to_world = frame.rigid(x, normal, point)
+    distance, origin = _distance(kept, share.fluid, surface, to_world, sample_to_world, settings)
+    spacing = settings.grid_spacing_mm * MM
+    shift = sdf.base_centroid(distance, origin, spacing)
+    sample_to_world = frame.rigid(x, normal, point + sample_to_world[:3, :3] @ shift)
+    origin = origin - shift
+    tilt = float(np.arccos(np.clip(normal @ up, -1.0, 1.0)))
+    return Segmentation(
+        mask=_on_image(distance, origin, spacing, sample_to_world, to_world, share.mask.shape),
+        distance=distance,
+        origin=origin,
+        spacing=spacing,
+        sample_to_world=sample_to_world,
+        boundary_sigma=share.sigma,
+        tilt=tilt,
+        base_spread=spread,
+        snr=share.snr,
+        noise=share.noise,
+        tissue_level=share.level,
+        threshold=share.threshold,
+        flags=_flags(share, spread, voxel_size(to_world)),
+    )
+
+
+def _distance(
+    share: Array,
+    fluid: Mask,
+    surface: frame.Surface,
+    to_world: Array,
+    sample_to_world: Array,
+    settings: SegmentationSettings,
+) -> tuple[Array, Array]:
+    """Signed distance in the frame `sample_to_world`, and the position of its first grid point."""
+    spacing = settings.grid_spacing_mm * MM
+    origin, shape = _grid(surface, sample_to_world, spacing, settings.padding_mm * MM)
+    grid = frame.grid_affine(origin, spacing)
+    to_voxel = np.linalg.inv(to_world) @ sample_to_world @ grid
+    local = frame.sampled(share, to_voxel, shape, order=3)
+    first = int(round((settings.base_clearance_mm * MM - origin[2]) / spacing))
+    walls = frame.iso_surface(local[:, :, first - 1 :], HALF, _raised(grid, first - 1))
+    band = 1.5 * MM
+    rough = sdf.signed_distance(local > HALF, walls, origin, spacing, band)
+    unknown = frame.sampled(fluid.astype(np.float64), to_voxel, shape, order=1) > 0.01
+    reach = settings.fluid_reach_mm * MM
+    if unknown.any():
+        unknown = ndimage.distance_transform_edt(~unknown, sampling=spacing) < reach
+    rough = sdf.fill_smoothly(rough, unknown)
+    layers = int(round(settings.continuation_mm * MM / spacing))
+    whole = sdf.continue_below(rough, first, layers, blur=2.0)
+    boundary = frame.iso_surface(-whole, 0.0, grid)
+    return sdf.signed_distance(whole < 0.0, boundary, origin, spacing, band), origin
+
+
+def _raised(grid: Array, layers: int) -> Array:
+    """Affine of the part of a grid that begins `layers` higher."""
+    raised = grid.copy()
+    raised[:3, 3] += layers * grid[:3, 2]
+    return raised
+
+
+def _grid(
+    surface: frame.Surface, sample_to_world: Array, spacing: float, padding: float
+) -> tuple[Array, tuple[int, int, int]]:
+    """First point and shape of a grid around a surface, with grid points at z = 0 [m]."""
+    points = surface.centres - sample_to_world[:3, 3]
+    points = points @ sample_to_world[:3, :3]
+    low = np.floor((points.min(axis=0) - padding) / spacing)
+    high = np.ceil((points.max(axis=0) + padding) / spacing)
+    shape = (high - low).astype(int) + 1
+    return low * spacing, (int(shape[0]), int(shape[1]), int(shape[2]))
+
+
+def _on_image(
+    distance: Array,
+    origin: Array,
+    spacing: float,
+    sample_to_world: Array,
+    to_world: Array,
+    shape: tuple[int, ...],
+) -> Mask:
+    """Sample on the grid of the image: inside the surface and above the base plane."""
+    to_sample = np.linalg.inv(sample_to_world) @ to_world
+    to_index = np.linalg.inv(frame.grid_affine(origin, spacing)) @ to_sample
+    inside = frame.sampled(distance, to_index, shape, order=1, outside=1.0) < 0.0
+    i, j, k = np.ogrid[: shape[0], : shape[1], : shape[2]]
+    row = to_sample[2]
+    return np.asarray(inside & (row[0] * i + row[1] * j + row[2] * k + row[3] >= 0.0), dtype=bool)
+
+
+def _flags(share: TissueShare, spread: float, voxel: Array) -> tuple[str, ...]:
+    """What a person should look at."""
+    flags = []
+    if share.fluid.any():
+        flags.append("free fluid on the sample was left out")
+    if spread > 0.5 * float(np.max(voxel)):
+        flags.append("base is not flat")
+    if share.snr < 8.0:
+        flags.append("low signal to noise ratio")
+    return tuple(flags)
+
+
+def voxel_size(affine: Array) -> Array:
+    """Edges of a voxel, (3,), in the unit of the affine."""
+    return np.asarray(np.linalg.norm(affine[:3, :3], axis=0))
+
+
+def checked_image(data: ArrayLike, affine: ArrayLike) -> tuple[Array, Array]:
+    """Image as float64 and its affine in metres, or an `InputError` with the cure."""
+    image, to_world = np.asarray(data, dtype=np.float64), np.array(affine, dtype=np.float64)
+    if image.ndim != 3 or min(image.shape) < 8:
+        raise InputError(
+            f"image has shape {image.shape}; give one volume of at least 8 voxels along each axis"
+        )
+    if to_world.shape != (4, 4) or not np.all(np.isfinite(to_world)):
+        raise InputError("the affine of the image must be a finite 4 x 4 matrix; export it again")
+    size = voxel_size(to_world)
+    if np.any(size < 0.05) or np.any(size > 2.0):
+        raise InputError(
+            f"voxel size {size.round(4).tolist()} mm is outside 0.05 to 2 mm; check that the"
+            " header is in mm"
+        )
+    if abs(np.linalg.det(to_world[:3, :3])) < 0.5 * np.prod(size):
+        raise InputError("the image axes are far from perpendicular; resample the image")
+    bad = int(np.count_nonzero(~np.isfinite(image)))
+    if bad:
+        raise InputError(f"image has {bad} NaN or infinite voxels of {image.size}; export it again")
+    if np.ptp(image) == 0.0:
+        raise InputError(f"image is {image.flat[0]:g} everywhere; export it again")
+    to_world[:3] *= MM
+    return image, to_world
+
+
+def checked_axes(loading: ArrayLike, shear: ArrayLike) -> tuple[Array, Array]:
+    """Unit loading axis and unit shear axis, the latter made perpendicular to the former."""
+    up, x = np.array(loading, dtype=np.float64), np.array(shear, dtype=np.float64)
+    if up.shape != (3,) or x.shape != (3,) or not (np.any(up) and np.any(x)):
+        raise InputError(f"loading_axis {loading} and shear_axis {shear} must be directions")
+    up /= np.linalg.norm(up)
+    x = x - (x @ up) * up
+    if np.linalg.norm(x) < 1e-6:
+        raise InputError("loading_axis and shear_axis are parallel; give two different axes")
+    return up, x / np.linalg.norm(x)
+
+
+def check_component(mask: Mask, spacing: Array, settings: SegmentationSettings) -> None:
+    """Refuse a sample that is too small or cut by the edge of the image."""
+    volume = np.count_nonzero(mask) * np.prod(spacing) / MM**3
+    if volume < settings.min_volume_mm3:
+        raise SegmentationError(
+            f"no sample found: the largest region has {volume:.3g} mm3, at least"
+            f" {settings.min_volume_mm3:g} mm3 are expected; check the image and its scale"
+        )
+    for axis, name in enumerate("ijk"):
+        for side, index in (("first", 0), ("last", -1)):
+            if np.take(mask, index, axis=axis).any():
+                raise SegmentationError(
+                    f"sample touches the edge of the field of view ({side} slice along {name});"
+                    " give an image of the whole sample"
+                )

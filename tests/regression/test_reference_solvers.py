@@ -88,7 +88,7 @@ def test_real_shape_in_shear_is_that_of_febio(name):
     np.testing.assert_array_equal(mesh.glued(1e-3), top)
     boundary = glued_boundary(mesh, "shear", mesh.glued(1e-3))
     run = ExplicitModel(mesh, SolverSettings()).run(MATERIAL, boundary, 3.9e-3)
-    assert error(run, f"curves/{name}.csv", "shear") < 0.03  # measured 0.019 and 0.016
+    assert error(run, f"curves/{name}.csv", "shear") < 0.03  # measured 0.015 and 0.012
 
 
 @pytest.mark.parametrize("name", ["compression_h1", "compression_h07"])
@@ -98,5 +98,5 @@ def test_real_shape_under_a_platen_is_that_of_febio(name):
     contact = ContactSettings(release=False, side_walls=False, base_platen=False)
     boundary = platen_boundary(mesh, contact)
     run = ExplicitModel(mesh, SolverSettings()).run(MATERIAL, boundary, 3.9e-3)
-    assert error(run, f"curves/{name}.csv", "compression") < 0.03  # measured 0.022 and 0.016
+    assert error(run, f"curves/{name}.csv", "compression") < 0.03  # measured 0.024 and 0.017
     assert run.energy["hourglass_ratio"] < 0.02

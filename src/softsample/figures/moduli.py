@@ -1,0 +1,169 @@
+"""Figures 5 and 6: measured and modelled curves, and the calibrated moduli."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from itertools import count
+from string import ascii_lowercase
+from typing import Any
+
+import numpy as np
+import pandas as pd
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
+from matplotlib.lines import Line2D
+from matplotlib.patches import Patch
+
+from softsample.figures.style import colours, label_panel, lightened, page_figure, styled
+
+EVERY = 50
+"""Each how manieth measured point is drawn."""
+
+LINES = {"real": "-", "ideal": (0, (3.5, 1.8))}
+NAMES = {"real": "real geometry", "ideal": "idealised cuboid"}
+BAR = 0.38
+
+
+@dataclass(frozen=True)
+class GroupCurves:
+    """Curves of one group, or of one sample, on both geometries.
+
+    Parameters
+    ----------
+    label : str
+        Name in the table of moduli.
+    mode : str
+        Loading in the table of moduli (`shear`, `tension+compression`...).
+    curves : dict of DataFrame
+        By geometry: `sample`, `displacement_mm`, `measured_N`, `model_N`.
+    """
+
+    label: str
+    mode: str
+    curves: dict[str, pd.DataFrame]
+
+
+@styled
+def moduli_figure(groups: Sequence[GroupCurves], moduli: pd.DataFrame, title: str) -> Figure:
+    """Force-displacement curves (left) and moduli (right), one row a kind of loading.
+
+    Parameters
+    ----------
+    groups
+        Curves of the groups, in the order of drawing.
+    moduli
+        `softsample.report.tables.moduli_table`; with `mu1_real_pa` and so on the bars are
+        stacked, without them they show mu alone. The paper's moduli are marked if there are any.
+    title
+        Title of the figure.
+    """
+    loadings = list(dict.fromkeys(group.mode for group in groups))
+    figure = page_figure(height_mm=14.0 + 74.0 * len(loadings))
+    axes = figure.subplots(len(loadings), 2, squeeze=False, width_ratios=[1.12, 1.0])
+    letters = count()
+    for (left, right), loading in zip(axes, loadings, strict=True):
+        members = [group for group in groups if group.mode == loading]
+        palette = dict(zip([g.label for g in members], colours(len(members)), strict=True))
+        label_panel(left, ascii_lowercase[next(letters)], f"{_spoken(loading)}: force")
+        draw_curves(left, members, palette)
+        label_panel(
+            right,
+            ascii_lowercase[next(letters)],
+            f"{_spoken(loading)}: modulus",
+        )
+        draw_moduli(right, moduli[moduli["group"].isin(list(palette))], palette)
+    handles = [*_keys_of_curves(), *_keys_of_moduli(moduli)]
+    figure.legend(handles=handles, loc="outside lower center", ncols=4, handlelength=2.4)
+    figure.suptitle(title)
+    return figure
+
+
+def _spoken(loading: str) -> str:
+    return loading.replace("+", " and ").capitalize()
+
+
+def draw_curves(ax: Axes, groups: Sequence[GroupCurves], palette: dict[str, str]) -> None:
+    """Measured points and modelled lines of several groups, each in its colour."""
+    for group in groups:
+        colour = palette[group.label]
+        for geometry, table in group.curves.items():
+            for _, curve in table.groupby("sample", sort=False):
+                curve = curve.sort_values("displacement_mm", key=abs, kind="stable")
+                if geometry == "real":
+                    _draw_measured(ax, curve, colour)
+                line: dict[str, Any] = {"color": colour, "linestyle": LINES[geometry], "zorder": 3}
+                ax.plot(curve["displacement_mm"], curve["model_N"], **line)
+    ax.axhline(0.0, color="0.75", lw=0.5, zorder=0)
+    ax.axvline(0.0, color="0.75", lw=0.5, zorder=0)
+    ax.set(xlabel="Displacement of the platen [mm]", ylabel="Force [N]")
+    handles = [Line2D([], [], color=colour, lw=3, label=label) for label, colour in palette.items()]
+    ax.legend(handles=handles, loc="best", handlelength=1.0)
+
+
+def _draw_measured(ax: Axes, curve: pd.DataFrame, colour: str) -> None:
+    shown = curve.iloc[::EVERY]
+    ax.plot(
+        shown["displacement_mm"], shown["measured_N"], "o", ms=3.2, mfc="none", mec=colour,
+        mew=0.6, zorder=2,
+    )  # fmt: skip
+
+
+def draw_moduli(ax: Axes, moduli: pd.DataFrame, palette: dict[str, str]) -> None:
+    """Bars of mu1 (dark) and mu2 (light), real beside ideal, with the difference above."""
+    two_terms = "mu1_real_pa" in moduli
+    for at, row in enumerate(moduli.to_dict("records")):
+        colour = palette[row["group"]]
+        for side, geometry in ((-0.5, "real"), (0.5, "ideal")):
+            bar: dict[str, Any] = {"width": BAR, "edgecolor": "white", "linewidth": 0.4}
+            bar |= {"hatch": "////"} if geometry == "ideal" else {}
+            x, mu = at + side * (BAR + 0.03), 1e-3 * row[f"mu_{geometry}_pa"]
+            first = 1e-3 * row[f"mu1_{geometry}_pa"] if two_terms else mu
+            ax.bar(x, first, color=colour, **bar)
+            if two_terms:
+                ax.bar(x, mu - first, bottom=first, color=lightened(colour), **bar)
+            paper = 1e-3 * row[f"paper_mu_{geometry}_pa"]
+            if np.isfinite(paper):
+                ax.plot(x, paper, "D", ms=3.4, mfc="white", mec="black", mew=0.8, zorder=4)
+        tallest = 1e-3 * np.nanmax([row[f"{p}mu_{g}_pa"] for p in ("", "paper_") for g in LINES])
+        text = f"{row['difference_percent']:+.1f} %".replace("-", "−")
+        ax.annotate(
+            text, (at, tallest), xytext=(0, 4), textcoords="offset points", ha="center", size=7
+        )
+    ax.set_xticks(range(len(moduli)), moduli["group"])
+    ax.set_xlim(-0.7, len(moduli) - 0.3)
+    ax.set(ylabel="Shear modulus [kPa]", xlabel="Group" if two_terms else "Sample")
+    ax.margins(y=0.12)
+
+
+def _keys_of_curves() -> list[Line2D]:
+    """Legend entries of the left column."""
+    return [
+        Line2D([], [], ls="", marker="o", ms=3.2, mfc="none", mec="0.3", mew=0.6,
+               label=f"experiment (every {EVERY}th point)"),
+        *(Line2D([], [], color="0.3", ls=LINES[g], label=f"model, {NAMES[g]}") for g in LINES),
+    ]  # fmt: skip
+
+
+def _keys_of_moduli(moduli: pd.DataFrame) -> list[Patch | Line2D]:
+    """Legend entries of the right column."""
+    grey = "#737373"
+    edge: dict[str, Any] = {"edgecolor": "white", "linewidth": 0.4}
+    keys: list[Patch | Line2D] = []
+    if "mu1_real_pa" in moduli:
+        keys += [
+            Patch(facecolor=grey, label=r"$\mu_1$ (dark)", **edge),
+            Patch(facecolor=lightened(grey), label=r"$\mu_2$ (light)", **edge),
+        ]
+    keys += [
+        Patch(facecolor=grey, label=f"modulus, {NAMES['real']}", **edge),
+        Patch(facecolor=grey, hatch="////", label=f"modulus, {NAMES['ideal']}", **edge),
+    ]
+    if moduli["paper_mu_real_pa"].notna().any():
+        marker: dict[str, Any] = {
+            "marker": "D",
+            "ms": 3.4,
+            "mfc": "white",
+            "mec": "black",
+            "mew": 0.8,
+        }
+        keys.append(Line2D([], [], ls="", label=r"$\mu$ in the paper", **marker))
+    return keys

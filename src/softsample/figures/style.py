@@ -1,0 +1,101 @@
+"""One look for all figures: page width, fonts, colours that the colour-blind can tell apart."""
+
+import os
+from collections.abc import Callable
+from functools import wraps
+from typing import Any, ParamSpec
+
+import matplotlib as mpl
+import numpy as np
+from matplotlib.axes import Axes
+from matplotlib.backends.backend_agg import FigureCanvasAgg
+from matplotlib.colors import to_hex, to_rgb
+from matplotlib.figure import Figure
+
+P = ParamSpec("P")
+
+PAGE_WIDTH_MM = 180.0
+DOTS_PER_INCH = 200
+IMAGE_DOTS_PER_INCH = 300
+"""Resolution of rendered surfaces, finer than the page so that mesh edges stay crisp."""
+
+MM_PER_INCH = 25.4
+
+PALETTE = ("#0072B2", "#D55E00", "#009E73", "#CC79A7", "#E69F00", "#56B4E9", "#000000")
+"""Okabe and Ito's colours without yellow, which is too pale for a line."""
+
+MODE_COLOURS = {"shear": "#009E73", "tension": "#0072B2", "compression": "#D55E00"}
+
+MODE_NAMES = {"shear": "Shear", "tension": "Tension", "compression": "Compression"}
+
+TISSUE = "#D9B8A0"
+STRAIN_MAP = "viridis"
+
+STYLE: dict[str, Any] = {
+    "font.family": "sans-serif",
+    "font.sans-serif": ["DejaVu Sans"],
+    "font.size": 8.0,
+    "axes.titlesize": 8.5,
+    "axes.labelsize": 8.0,
+    "axes.linewidth": 0.6,
+    "axes.spines.top": False,
+    "axes.spines.right": False,
+    "xtick.labelsize": 7.5,
+    "ytick.labelsize": 7.5,
+    "xtick.major.width": 0.6,
+    "ytick.major.width": 0.6,
+    "legend.fontsize": 7.5,
+    "legend.frameon": False,
+    "lines.linewidth": 1.1,
+    "hatch.linewidth": 0.6,
+    "figure.titlesize": 9.0,
+    "pdf.fonttype": 42,
+    "svg.hashsalt": "softsample",
+}
+
+
+def styled(function: Callable[P, Figure]) -> Callable[P, Figure]:
+    """Draw with the project's style, whatever the caller's settings are."""
+
+    @wraps(function)
+    def draw(*args: P.args, **kwargs: P.kwargs) -> Figure:
+        settings: dict[Any, Any] = {**mpl.rcParamsDefault, **STYLE, "backend": "agg"}
+        with mpl.rc_context(settings):
+            return function(*args, **kwargs)
+
+    return draw
+
+
+def page_figure(height_mm: float, width_mm: float = PAGE_WIDTH_MM) -> Figure:
+    """Empty figure of the page's width with constrained layout, outside of pyplot."""
+    size = (width_mm / MM_PER_INCH, height_mm / MM_PER_INCH)
+    figure = Figure(figsize=size, dpi=DOTS_PER_INCH, layout="constrained")
+    FigureCanvasAgg(figure)
+    return figure
+
+
+@styled
+def save(figure: Figure, path: str | os.PathLike[str]) -> Figure:
+    """Write a figure in the format of the path's suffix, the same bytes every time."""
+    name = os.fspath(path)
+    metadata = {"CreationDate": None} if name.endswith(".pdf") else {"Software": None}
+    figure.savefig(name, dpi=DOTS_PER_INCH, metadata=metadata)
+    return figure
+
+
+def colours(count: int) -> list[str]:
+    """One colour for each of `count` groups: the palette, beyond it evenly from a map."""
+    if count <= len(PALETTE):
+        return list(PALETTE[:count])
+    return [to_hex(c) for c in mpl.colormaps["turbo"](np.linspace(0.05, 0.95, count))]
+
+
+def lightened(colour: str, share: float = 0.6) -> str:
+    """`colour` mixed with white; `share` is the part of white."""
+    red, green, blue = ((1.0 - share) * part + share for part in to_rgb(colour))
+    return to_hex((red, green, blue))
+
+
+def label_panel(ax: Axes, letter: str, title: str = "") -> None:
+    """Panel letter and title, left-aligned above the axes."""
+    ax.set_title(f"({letter}) {title}".strip(), loc="left")

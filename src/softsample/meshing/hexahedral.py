@@ -40,6 +40,13 @@ class MeshSettings:
     iterations: tuple[int, ...] = (60, 60, 60)
     min_scaled_jacobian: float = 0.2
 
+    def __post_init__(self) -> None:
+        if len(self.surface_weights) != len(self.iterations):
+            raise MeshError(
+                f"mesh settings name {len(self.surface_weights)} surface_weights and "
+                f"{len(self.iterations)} iterations: give one number of iterations a weight"
+            )
+
 
 def mesh_solid(
     distance: Array,
@@ -53,7 +60,8 @@ def mesh_solid(
     A core of grid cells aligned with the sample frame, cleaned until its surface is manifold,
     gets one buffer layer on its sides and top. All nodes then move to the least energy of
     element distortion plus squared distance of the surface nodes to the surface; base nodes keep
-    z = 0. At last the surface nodes are put on the surface exactly where the elements bear it.
+    z = 0. At last the surface nodes are put where the faces, which are chords, lie on the surface
+    in the mean, so that the mesh has the solid's volume; the highest point becomes a node.
 
     Parameters
     ----------
@@ -157,8 +165,11 @@ def _spread(
 def _snap(
     mesh: HexMesh, outer: Ids, base: NDArray[np.bool_], pin: Ids, surface: LevelSet
 ) -> HexMesh:
-    """Put the surface nodes on the surface, as far as no element gets much worse by it."""
+    """Put the faces on the surface in the mean, as far as no element gets much worse by it."""
     goal = surface.project(mesh.points[outer], base[outer])
+    sagitta = _sagitta(mesh, goal, outer, surface)
+    goal = surface.project(goal, base[outer], level=sagitta)
+    goal[:, 2] = np.minimum(goal[:, 2], surface.highest_point[2])
     goal[np.isin(outer, pin)] = surface.highest_point
     before = scaled_jacobian(mesh)
     part = np.ones(len(outer))
@@ -172,6 +183,21 @@ def _snap(
             break
         part[np.isin(outer, mesh.hexes[worse])] *= 0.5
     return moved
+
+
+def _sagitta(mesh: HexMesh, places: Array, outer: Ids, surface: LevelSet) -> Array:
+    """(n,) mean depth [m] of the faces around each surface node, were the nodes at `places`."""
+    position = np.full(len(mesh.points), -1)
+    position[outer] = np.arange(len(outer))
+    quads = position[mesh.boundary_quads]
+    quads = quads[np.all(quads >= 0, axis=1)]
+    near, far = 0.5 * (1.0 + np.array([1.0, -1.0]) / np.sqrt(3.0))
+    depth = np.zeros(len(quads))
+    for turn in range(4):  # the four Gauss points of a face
+        weight = np.roll([near * near, near * far, far * far, near * far], turn)
+        depth -= 0.25 * surface(np.einsum("c,qci->qi", weight, places[quads]))
+    total = np.bincount(quads.ravel(), np.repeat(depth, 4), minlength=len(outer))
+    return total / np.bincount(quads.ravel(), minlength=len(outer))
 
 
 def _refuse_bad(mesh: HexMesh, size: float, settings: MeshSettings) -> None:

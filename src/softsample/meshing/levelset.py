@@ -61,15 +61,19 @@ class LevelSet:
         value, gradient = _spline(self._coefficients, position)
         return value, gradient / self.spacing
 
-    def project(self, points: Array, in_plane: NDArray[np.bool_], steps: int = 8) -> Array:
-        """Move `points` along the gradient onto the zero level set.
+    def project(
+        self, points: Array, in_plane: NDArray[np.bool_], level: Array | float = 0.0, steps: int = 8
+    ) -> Array:
+        """Move `points` along the gradient onto a level set.
 
         Parameters
         ----------
         points : (n, 3) float64
             Positions [m] near the surface.
         in_plane : (n,) bool
-            Points that keep their height and end on the zero contour in their plane.
+            Points that keep their height and end on the contour in their plane.
+        level : (n,) float64 or float
+            Signed distance [m] that each point ends at; 0 is the surface.
         steps : int
             Newton steps; each is at most one grid spacing long.
         """
@@ -77,7 +81,7 @@ class LevelSet:
         for _ in range(steps):
             value, gradient = self.with_gradient(moved)
             gradient[in_plane, 2] = 0.0
-            step = value / np.maximum(np.einsum("ij,ij->i", gradient, gradient), 0.05)
+            step = (value - level) / np.maximum(np.einsum("ij,ij->i", gradient, gradient), 0.05)
             step = np.clip(step, -self.spacing, self.spacing)
             moved -= step[:, None] * gradient
         return moved

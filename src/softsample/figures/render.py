@@ -152,7 +152,7 @@ def _draw_painted(ax: Axes, surface: Surface, view: View, look: Look) -> None:
     faces = PolyCollection(
         list(view.project(corners.reshape(-1, 3)).reshape(*corners.shape[:2], 2)[seen]),
         facecolors=colours, rasterized=True, zorder=2,
-        **(edges or {"edgecolors": colours, "linewidths": 0.2}),
+        **(edges or {"edgecolors": colours, "linewidths": 0.35}),
     )  # fmt: skip
     ax.add_collection(faces, autolim=False)
 

@@ -86,7 +86,7 @@ def strain_figure(rows: Sequence[StrainRow], title: str, renderer: Renderer = "v
     letters = count()
     for row, line, frame in zip(rows, axes, frames, strict=True):
         heads = (
-            f"{MODE_NAMES[row.mode]}, {row.sample}: MRI surface",
+            f"{MODE_NAMES[row.mode]}, {row.sample}: MRI",
             f"Real, nominal strain {row.strain:.2f}",
             f"Idealised, nominal strain {row.strain:.2f}",
         )

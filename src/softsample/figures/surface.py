@@ -115,7 +115,7 @@ def level_surface(distance: Array, origin: Array, spacing: float) -> Surface:
     Surface
         Triangles, open at the base, whose face no view from above shows.
     """
-    corners, faces, _, _ = marching_cubes(distance, 0.0, gradient_direction="ascent")
+    corners, faces, _, _ = marching_cubes(distance, 0.0, gradient_direction="descent")
     points = (origin + spacing * corners.astype(np.float64)) / MM
     kept = faces[points[faces, 2].max(axis=1) > 0.0].astype(np.int64)
     used, renumbered = np.unique(kept, return_inverse=True)

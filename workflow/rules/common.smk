@@ -197,14 +197,21 @@ def everything_of(sample):
     ]
 
 
-PAPER = str(ROOT / "resources/paper/moduli.csv")
+PAPER = [str(ROOT / f"resources/paper/{name}.csv") for name in ("moduli", "summary")]
+COHORT = "virtual cohort" if SHIPPED else f"study {TABLE.resolve().parent.name}"
 FORMATS = ("png", "pdf")
 
 
+def moduli_tables():
+    """Table of moduli by model; none for a model that no group has."""
+    names = {"ogden2": "table1", "ogden1": "table2"}
+    return {m: f"<results>/tables/{t}.csv" for m, t in names.items() if groups_with(m)}
+
+
 def tables():
-    """The tables of the study; those of a model that no group has are left out."""
-    names = ["table1", *(["table2"] if groups_with("ogden1") else []), "geometry"]
-    return [f"<results>/tables/{name}.csv" for name in names]
+    """The tables of the study, and the numbers that the captions quote."""
+    names = ["geometry.csv", "summary.csv", "stress_strain.csv", "numbers.rst"]
+    return [*moduli_tables().values(), *(f"<results>/tables/{name}" for name in names)]
 
 
 def figures():

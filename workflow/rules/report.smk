@@ -4,7 +4,7 @@
 rule table_moduli:
     input:
         **fits("ogden2", "json"),
-        paper=PAPER if SHIPPED else [],
+        paper=PAPER[0] if SHIPPED else [],
         code=library("workflow/scripts/table_moduli.py"),
     output:
         table=report(
@@ -17,9 +17,6 @@ rule table_moduli:
         "<logs>/table1.log",
     params:
         model="ogden2",
-        groups=groups_with("ogden2"),
-        members={group: members(group, "ogden2") for group in GROUPS},
-        modes={name: row["mode"] for name, row in SAMPLES.items()},
     message:
         "Table 1: moduli of the two-term model"
     script:
@@ -29,7 +26,7 @@ rule table_moduli:
 use rule table_moduli as table_moduli_one_term with:
     input:
         **fits("ogden1", "json"),
-        paper=PAPER if SHIPPED else [],
+        paper=PAPER[0] if SHIPPED else [],
         code=library("workflow/scripts/table_moduli.py"),
     output:
         table=report(
@@ -42,9 +39,6 @@ use rule table_moduli as table_moduli_one_term with:
         "<logs>/table2.log",
     params:
         model="ogden1",
-        groups=groups_with("ogden1"),
-        members={group: members(group, "ogden1") for group in GROUPS},
-        modes={name: row["mode"] for name, row in SAMPLES.items()},
     message:
         "Table 2: moduli of the one-term model, compression alone"
 
@@ -63,23 +57,70 @@ rule table_geometry:
     log:
         "<logs>/geometry.log",
     params:
-        samples=list(SAMPLES),
-        modes=[row["mode"] for row in SAMPLES.values()],
+        modes={name: row["mode"] for name, row in SAMPLES.items()},
     message:
         "Table of sizes and areas"
     script:
         "../scripts/table_geometry.py"
 
 
+rule table_summary:
+    input:
+        moduli=moduli_tables().values(),
+        geometry="<results>/tables/geometry.csv",
+        paper=PAPER[1] if SHIPPED else [],
+        code=library("workflow/scripts/table_summary.py"),
+    output:
+        table=report(
+            "<results>/tables/summary.csv",
+            caption="../report/summary.rst",
+            category="Tables",
+            labels={"table": "Means over samples"},
+        ),
+    log:
+        "<logs>/summary.log",
+    params:
+        models=list(moduli_tables()),
+    message:
+        "Table of means beside the paper's"
+    script:
+        "../scripts/table_summary.py"
+
+
+rule table_stress:
+    input:
+        records=[name for sample in SAMPLES for name in sample_file(sample, "record")],
+        cuboids=expand("<results>/cuboid/{sample}.json", sample=SAMPLES),
+        code=library("workflow/scripts/table_stress.py"),
+    output:
+        table="<results>/tables/stress_strain.csv",
+    log:
+        "<logs>/stress_strain.log",
+    params:
+        modes=[row["mode"] for row in SAMPLES.values()],
+    message:
+        "Nominal stress against strain, averaged over samples"
+    script:
+        "../scripts/table_stress.py"
+
+
 # The captions include this file, so that no number is typed twice.
 rule numbers:
     input:
-        tables=tables(),
+        fits=[name for model in moduli_tables() for name in chain(*fits(model, "json").values())],
+        meshes=expand("<results>/mesh/{sample}/{geometry}.json", sample=SHOWN, geometry=GEOMETRIES),
+        summary="<results>/tables/summary.csv",
+        stress="<results>/tables/stress_strain.csv",
         code=library("workflow/scripts/numbers.py"),
     output:
         numbers="<results>/tables/numbers.rst",
     log:
         "<logs>/numbers.log",
+    params:
+        cohort=COHORT,
+        shipped=SHIPPED,
+        shown=SHOWN,
+        samples=len(SAMPLES),
     message:
         "Numbers for the captions"
     script:
@@ -89,9 +130,8 @@ rule numbers:
 rule figure2:
     input:
         image=sample_file(SHOWN, "image"),
-        mask=f"<results>/segmentation/{SHOWN}.nii.gz",
-        report=f"<results>/segmentation/{SHOWN}.json",
-        cuboid=f"<results>/cuboid/{SHOWN}.json",
+        distance=f"<results>/segmentation/{SHOWN}_distance.nii.gz",
+        segmentation=f"<results>/segmentation/{SHOWN}.json",
         real=f"<results>/mesh/{SHOWN}/real.vtu",
         ideal=f"<results>/mesh/{SHOWN}/ideal.vtu",
         code=library("workflow/scripts/figure2.py"),
@@ -107,6 +147,7 @@ rule figure2:
         "<logs>/figure2.log",
     params:
         sample=SHOWN,
+        cohort=COHORT,
     message:
         "Figure 2: from image to meshes"
     script:
@@ -115,8 +156,7 @@ rule figure2:
 
 rule figure4:
     input:
-        records=[name for sample in SAMPLES for name in sample_file(sample, "record")],
-        cuboids=expand("<results>/cuboid/{sample}.json", sample=SAMPLES),
+        table="<results>/tables/stress_strain.csv",
         code=library("workflow/scripts/figure4.py"),
     output:
         png=report(
@@ -129,8 +169,7 @@ rule figure4:
     log:
         "<logs>/figure4.log",
     params:
-        samples=list(SAMPLES),
-        modes=[row["mode"] for row in SAMPLES.values()],
+        cohort=COHORT,
     message:
         "Figure 4: nominal stress against strain"
     script:
@@ -140,8 +179,8 @@ rule figure4:
 rule figure5:
     input:
         **fits("ogden2", "csv"),
-        **{f"{geometry}_fit": names for geometry, names in fits("ogden2", "json").items()},
-        code=library("workflow/scripts/figure5.py"),
+        table="<results>/tables/table1.csv",
+        code=library("workflow/scripts/figure_moduli.py"),
     output:
         png=report(
             "<results>/figures/figure5.png",
@@ -153,19 +192,18 @@ rule figure5:
     log:
         "<logs>/figure5.log",
     params:
-        groups=groups_with("ogden2"),
-        modes={name: row["mode"] for name, row in SAMPLES.items()},
+        title=f"Two-term Ogden model, {COHORT}",
     message:
         "Figure 5: fitted curves and moduli"
     script:
-        "../scripts/figure5.py"
+        "../scripts/figure_moduli.py"
 
 
-rule figure6:
+use rule figure5 as figure6 with:
     input:
         **fits("ogden1", "csv"),
-        **{f"{geometry}_fit": names for geometry, names in fits("ogden1", "json").items()},
-        code=library("workflow/scripts/figure6.py"),
+        table="<results>/tables/table2.csv",
+        code=library("workflow/scripts/figure_moduli.py"),
     output:
         png=report(
             "<results>/figures/figure6.png",
@@ -177,17 +215,19 @@ rule figure6:
     log:
         "<logs>/figure6.log",
     params:
-        groups=groups_with("ogden1"),
-        modes={name: row["mode"] for name, row in SAMPLES.items()},
+        title=f"One-term Ogden model in compression alone, {COHORT}",
     message:
         "Figure 6: compression alone"
-    script:
-        "../scripts/figure6.py"
 
 
 rule figure7:
     input:
-        images=[name for sample in EXAMPLES.values() for name in sample_file(sample, "image")],
+        distances=expand(
+            "<results>/segmentation/{sample}_distance.nii.gz", sample=EXAMPLES.values()
+        ),
+        segmentations=expand("<results>/segmentation/{sample}.json", sample=EXAMPLES.values()),
+        cuboids=expand("<results>/cuboid/{sample}.json", sample=EXAMPLES.values()),
+        runs=expand("<results>/fields/{sample}/real.json", sample=EXAMPLES.values()),
         real=expand("<results>/fields/{sample}/real.vtu", sample=EXAMPLES.values()),
         ideal=expand("<results>/fields/{sample}/ideal.vtu", sample=EXAMPLES.values()),
         code=library("workflow/scripts/figure7.py"),
@@ -204,6 +244,7 @@ rule figure7:
     params:
         samples=list(EXAMPLES.values()),
         modes=list(EXAMPLES),
+        cohort=COHORT,
     message:
         "Figure 7: strain on the real and the idealised geometry"
     script:

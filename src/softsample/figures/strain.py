@@ -4,6 +4,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from itertools import count
 from string import ascii_lowercase
+from typing import Self
 
 import numpy as np
 from matplotlib import colormaps
@@ -16,7 +17,8 @@ from numpy.typing import NDArray
 
 from softsample.figures.render import Look, Renderer, draw_surface
 from softsample.figures.style import MODE_NAMES, STRAIN_MAP, label_panel, page_figure, styled
-from softsample.figures.surface import FRONT, Surface, silhouette
+from softsample.figures.surface import FRONT, Surface, mesh_surface, silhouette
+from softsample.meshing.mesh import HexMesh
 
 Array = NDArray[np.float64]
 
@@ -40,6 +42,11 @@ class Deformed:
 
     before: Surface
     after: Surface
+
+    @classmethod
+    def of_run(cls, mesh: HexMesh, displacement_mm: Array, strain: Array) -> Self:
+        """Surfaces of a run: nodal displacement (n_nodes, 3), strain of elements (n_elements,)."""
+        return cls(mesh_surface(mesh), mesh_surface(mesh, displacement_mm, strain))
 
 
 @dataclass(frozen=True)

@@ -1,0 +1,32 @@
+"""Figure 7: deformed samples with their largest principal strain (rule `figure7`)."""
+
+from softsample.figures.render import available_renderer
+from softsample.figures.strain import Deformed, StrainRow, strain_figure
+from softsample.figures.style import save
+from softsample.figures.surface import level_surface
+from softsample.io import read_distance, read_json, read_mesh_with_data, written_aside
+from softsample.workflow import logged_to
+
+with logged_to(snakemake.log[0]):
+    given, shown, rows = snakemake.input, snakemake.params, []
+    for at, (sample, mode) in enumerate(zip(shown.samples, shown.modes, strict=True)):
+        travel = read_json(given.runs[at])["travel_mm"]
+        real, ideal = (
+            Deformed.of_run(mesh, points["displacement_mm"], cells["max_principal_hencky_strain"])
+            for mesh, points, cells in map(read_mesh_with_data, (given.real[at], given.ideal[at]))
+        )
+        rows.append(
+            StrainRow(
+                sample,
+                mode,
+                travel / read_json(given.cuboids[at])["height_mm"],
+                level_surface(*read_distance(given.distances[at], given.segmentations[at])),
+                real,
+                ideal,
+            )
+        )
+    title = f"Deformed samples at the calibrated moduli, {shown.cohort}"
+    figure = strain_figure(rows, title, available_renderer())
+    for path in snakemake.output:
+        with written_aside(path) as aside:
+            save(figure, aside)

@@ -1,0 +1,16 @@
+"""Numbers that the captions quote, as substitutions (rule `numbers`)."""
+
+from softsample.io import read_json, read_table, write_text
+from softsample.report.captions import caption_numbers, substitutions
+from softsample.workflow import logged_to
+
+with logged_to(snakemake.log[0]):
+    given = snakemake.input
+    numbers = caption_numbers(
+        summary=read_table(given.summary),
+        stress=read_table(given.stress),
+        fits=[read_json(name) for name in given.fits],
+        elements=[read_json(name)["elements"] for name in given.meshes],
+        **dict(snakemake.params.items()),
+    )
+    write_text(snakemake.output.numbers, substitutions(numbers))

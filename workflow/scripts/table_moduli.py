@@ -1,0 +1,20 @@
+"""Table 1 or 2: moduli on both geometries beside the paper's (rules `table_moduli...`)."""
+
+import logging
+from itertools import chain
+
+from softsample.io import read_json, read_table, write_table
+from softsample.report.tables import moduli_table
+from softsample.workflow import logged_to
+
+with logged_to(snakemake.log[0]):
+    given, paper = snakemake.input, snakemake.input.paper
+    names = chain.from_iterable(zip(given.real, given.ideal, strict=True))
+    table, notes = moduli_table(
+        (read_json(name) for name in names),
+        snakemake.params.model,
+        read_table(paper) if paper else None,
+    )
+    for note in notes:
+        logging.getLogger("table").warning(note)
+    write_table(snakemake.output.table, table)

@@ -5,8 +5,9 @@ from softsample.io import read_distance, write_json
 from softsample.workflow import logged_to, provenance
 
 with logged_to(snakemake.log[0]):
-    given = snakemake.params
-    settings = MeasurementSettings(**given.settings, preload_mm=given.preload_mm)
     grid = read_distance(snakemake.input.distance, snakemake.input.report)
-    record = measure(*grid, settings)
-    write_json(snakemake.output.cuboid, {**record, "provenance": provenance(snakemake)})
+    settings = MeasurementSettings(
+        **snakemake.params.settings, preload_mm=snakemake.params.preload_mm
+    )
+    cuboid = measure(*grid, settings)
+    write_json(snakemake.output.cuboid, {**cuboid, "provenance": provenance(snakemake)})

@@ -133,7 +133,7 @@ def continue_below(distance: Array, first: int, layers: int, blur: float) -> Arr
 
 def volume_above_base(distance: Array, origin: Array, spacing: float) -> float:
     """Volume inside the surface and above z = 0 [m3]; a grid layer must lie at z = 0."""
-    base = int(round(-origin[2] / spacing))
+    base = round(float(-origin[2] / spacing))
     share = np.clip(0.5 - distance[:, :, base:] / spacing, 0.0, 1.0)
     layers = share.sum(axis=(0, 1)) * spacing**3
     return float(layers.sum() - 0.5 * layers[0])
@@ -141,7 +141,7 @@ def volume_above_base(distance: Array, origin: Array, spacing: float) -> float:
 
 def base_centroid(distance: Array, origin: Array, spacing: float) -> Array:
     """Centroid of the section at z = 0, (3,) [m]."""
-    base = int(round(-origin[2] / spacing))
+    base = round(float(-origin[2] / spacing))
     share = np.clip(0.5 - distance[:, :, base] / spacing, 0.0, 1.0)
     x = origin[0] + spacing * np.arange(share.shape[0])
     y = origin[1] + spacing * np.arange(share.shape[1])

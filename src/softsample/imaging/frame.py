@@ -1,6 +1,7 @@
 """Sample frame: base plane, direction of the walls, rigid maps between sample and world."""
 
 from dataclasses import dataclass
+from typing import Literal
 
 import numpy as np
 from numpy.typing import NDArray
@@ -98,7 +99,8 @@ def fit_base(surface: Surface, up: Array, max_tilt: float) -> tuple[Array, Array
     # Overhangs of the walls also look down: start from the widest level, the base.
     height = points @ up
     start = _weighted_median(height, weight)
-    near = np.abs(height - start) < 2e-3 + np.tan(max_tilt) * np.ptp(points @ _across(up), axis=0)[0]
+    extent = float(np.max(np.ptp(points @ _across(up), axis=0)))
+    near = np.abs(height - start) < 1e-3 + 0.5 * np.tan(max_tilt) * extent
     point, normal, spread = _robust_plane(points[near], weight[near], up)
     tilt = float(np.arccos(np.clip(normal @ up, -1.0, 1.0)))
     if tilt > max_tilt:
@@ -190,7 +192,11 @@ def index_to_mm(affine: Array) -> Array:
 
 
 def sampled(
-    field: Array, to_index: Array, shape: tuple[int, ...], order: int, outside: float = 0.0
+    field: Array,
+    to_index: Array,
+    shape: tuple[int, ...],
+    order: Literal[1, 3],
+    outside: float = 0.0,
 ) -> Array:
     """Values of a field on another grid of `shape`, whose indices `to_index` (4, 4) maps."""
     return np.asarray(

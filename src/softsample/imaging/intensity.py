@@ -1,4 +1,4 @@
-"""Intensity of a sample image: noise, bias field, local tissue level, share of tissue in a voxel."""
+"""Intensity of a sample image: noise, bias field, local level of the tissue."""
 
 import numpy as np
 from numpy.typing import NDArray
@@ -42,7 +42,7 @@ def eroded(mask: Mask, spacing: Array, depth: float) -> Mask:
 
 def grown(mask: Mask) -> Mask:
     """Mask and all voxels that touch it."""
-    return np.asarray(ndimage.binary_dilation(mask, np.ones((3, 3, 3))), dtype=bool)
+    return np.asarray(ndimage.binary_dilation(mask, np.ones((3, 3, 3), dtype=bool)), dtype=np.bool_)
 
 
 def background_level(data: Array, mask: Mask, spacing: Array, margin: float) -> tuple[float, float]:

@@ -371,7 +371,7 @@ def _distance(
     grid = frame.grid_affine(origin, spacing)
     to_voxel = np.linalg.inv(to_world) @ sample_to_world @ grid
     local = frame.sampled(share, to_voxel, shape, order=3)
-    first = int(round((settings.base_clearance_mm * MM - origin[2]) / spacing))
+    first = round(float(settings.base_clearance_mm * MM - origin[2]) / spacing)
     walls = frame.iso_surface(local[:, :, first - 1 :], HALF, _raised(grid, first - 1))
     band = 1.5 * MM
     rough = sdf.signed_distance(local > HALF, walls, origin, spacing, band)
@@ -380,7 +380,7 @@ def _distance(
     if unknown.any():
         unknown = ndimage.distance_transform_edt(~unknown, sampling=spacing) < reach
     rough = sdf.fill_smoothly(rough, unknown)
-    layers = int(round(settings.continuation_mm * MM / spacing))
+    layers = round(settings.continuation_mm * MM / spacing)
     whole = sdf.continue_below(rough, first, layers, blur=2.0)
     boundary = frame.iso_surface(-whole, 0.0, grid)
     return sdf.signed_distance(whole < 0.0, boundary, origin, spacing, band), origin
@@ -469,7 +469,7 @@ def checked_axes(loading: ArrayLike, shear: ArrayLike) -> tuple[Array, Array]:
     """Unit loading axis and unit shear axis, the latter made perpendicular to the former."""
     up, x = np.array(loading, dtype=np.float64), np.array(shear, dtype=np.float64)
     if up.shape != (3,) or x.shape != (3,) or not (np.any(up) and np.any(x)):
-        raise InputError(f"loading_axis {loading} and shear_axis {shear} must be directions")
+        raise InputError(f"loading_axis {up} and shear_axis {x} must be directions")
     up /= np.linalg.norm(up)
     x = x - (x @ up) * up
     if np.linalg.norm(x) < 1e-6:

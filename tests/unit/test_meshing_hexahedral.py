@@ -189,3 +189,15 @@ def test_element_worse_than_allowed_is_refused_with_its_place():
 def test_each_surface_weight_needs_its_number_of_iterations():
     with pytest.raises(MeshError, match="2 surface_weights and 1 iterations"):
         MeshSettings(surface_weights=(5.0, 50.0), iterations=(60,))
+
+
+def test_spike_in_the_distance_is_meshed_with_a_warning_that_names_its_place(caplog):
+    distance, origin, spacing = grid("capped_block")
+    spoilt = distance.copy()
+    spoilt[30:44, 28, 20] = 0.2 * MM  # a needle of 3.5 mm from outside, at y = 0 and z = 2
+    mesh = mesh_solid(spoilt, origin, spacing, 0.5 * MM)
+    assert scaled_jacobian(mesh).min() > 0.2
+    assert "times as fast as a distance" in caplog.text
+    caplog.clear()
+    mesh_solid(distance, origin, spacing, 0.8 * MM)
+    assert caplog.text == ""

@@ -1,5 +1,6 @@
 """Hexahedral mesh of a solid that is given by a signed distance grid."""
 
+import logging
 from dataclasses import dataclass
 
 import numpy as np
@@ -14,6 +15,9 @@ from softsample.meshing.quality import check_topology, scaled_jacobian
 
 Array = NDArray[np.float64]
 Ids = NDArray[np.int64]
+
+
+LOGGER = logging.getLogger(__name__)
 
 
 @dataclass(frozen=True)
@@ -95,6 +99,7 @@ def mesh_solid(
     if not element_size > 0.0:
         raise MeshError(f"element size is {element_size} m: give a positive length")
     surface = LevelSet(distance, origin, spacing)
+    _warn_of_spikes(surface)
     low, high = surface.inside_box
     cells, corner = core_cells(
         lambda points: -surface(points), low, high, element_size, settings.core_depth
@@ -103,6 +108,18 @@ def mesh_solid(
     mesh = _fit(mesh, inner, surface, element_size, settings)
     _refuse_bad(mesh, element_size, settings)
     return mesh
+
+
+def _warn_of_spikes(surface: LevelSet) -> None:
+    """Log a warning where the signed distance changes faster than a distance can."""
+    slope, place = surface.steepest
+    if slope > 2.0:
+        x, y, z = 1e3 * place
+        LOGGER.warning(
+            "signed distance changes %.1f times as fast as a distance at (%.1f, %.1f, %.1f) mm: "
+            "look at the segmentation there",
+            slope, x, y, z,
+        )  # fmt: skip
 
 
 def _fit(

@@ -119,6 +119,18 @@ class LevelSet:
         return self.origin + low * self.spacing, self.origin + high * self.spacing
 
     @cached_property
+    def steepest(self) -> tuple[float, Array]:
+        """Largest gradient of the grid within 4 spacings of the surface, and its place (3,) [m].
+
+        About 1 for a distance; much more where something torn or misplaced is in the grid.
+        """
+        slopes = np.gradient(self.distance, self.spacing)
+        slope = np.sqrt(slopes[0] ** 2 + slopes[1] ** 2 + slopes[2] ** 2)
+        slope[np.abs(self.distance) > 4.0 * self.spacing] = 0.0
+        place = np.unravel_index(int(np.argmax(slope)), slope.shape)
+        return float(slope[place]), self.origin + self.spacing * np.array(place)
+
+    @cached_property
     def highest_point(self) -> Array:
         """(3,) highest point [m] of the surface: the highest grid column, then refined."""
         _ = self.inside_box  # refuses a surface that leaves the grid

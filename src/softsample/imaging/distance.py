@@ -70,7 +70,7 @@ def _squared_to_triangle(points: Array, corners: Array) -> Array:
         share = np.clip(_dot(offset, edge) / np.maximum(_dot(edge, edge), 1e-300), 0.0, 1.0)
         gap = offset - share[:, None] * edge
         squared = np.minimum(squared, _dot(gap, gap))
-    return np.where(over, height**2 / size, squared)
+    return np.where(over & (size > 1e-300), height**2 / size, squared)
 
 
 def _dot(a: Array, b: Array) -> Array:

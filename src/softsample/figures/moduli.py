@@ -13,12 +13,13 @@ from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 from matplotlib.patches import Patch
 
-from softsample.figures.style import colours, label_panel, lightened, page_figure, styled
+from softsample.figures.style import colours, darkened, label_panel, lightened, page_figure, styled
 
 EVERY = 50
 """Each how manieth measured point is drawn."""
 
 LINES = {"real": "-", "ideal": (0, (3.5, 1.8))}
+WIDTHS = {"real": 1.5, "ideal": 0.9}
 NAMES = {"real": "real geometry", "ideal": "idealised cuboid"}
 BAR = 0.38
 
@@ -72,7 +73,7 @@ def moduli_figure(groups: Sequence[GroupCurves], moduli: pd.DataFrame, title: st
         )
         draw_moduli(right, moduli[moduli["group"].isin(list(palette))], palette)
     handles = [*_keys_of_curves(), *_keys_of_moduli(moduli)]
-    figure.legend(handles=handles, loc="outside lower center", ncols=4, handlelength=2.4)
+    figure.legend(handles=handles, loc="outside lower center", ncols=3, handlelength=2.4)
     figure.suptitle(title)
     return figure
 
@@ -82,7 +83,10 @@ def _spoken(loading: str) -> str:
 
 
 def draw_curves(ax: Axes, groups: Sequence[GroupCurves], palette: dict[str, str]) -> None:
-    """Measured points and modelled lines of several groups, each in its colour."""
+    """Measured points and modelled lines of several groups, each in its colour.
+
+    The idealised model is drawn thinner, darker and on top, or the two would hide each other.
+    """
     for group in groups:
         colour = palette[group.label]
         for geometry, table in group.curves.items():
@@ -90,8 +94,9 @@ def draw_curves(ax: Axes, groups: Sequence[GroupCurves], palette: dict[str, str]
                 curve = curve.sort_values("displacement_mm", key=abs, kind="stable")
                 if geometry == "real":
                     _draw_measured(ax, curve, colour)
-                line: dict[str, Any] = {"color": colour, "linestyle": LINES[geometry], "zorder": 3}
-                ax.plot(curve["displacement_mm"], curve["model_N"], **line)
+                shade = darkened(colour) if geometry == "ideal" else colour
+                line: dict[str, Any] = {"color": shade, "lw": WIDTHS[geometry], "zorder": 3}
+                ax.plot(curve["displacement_mm"], curve["model_N"], ls=LINES[geometry], **line)
     ax.axhline(0.0, color="0.75", lw=0.5, zorder=0)
     ax.axvline(0.0, color="0.75", lw=0.5, zorder=0)
     ax.set(xlabel="Displacement of the platen [mm]", ylabel="Force [N]")
@@ -102,8 +107,8 @@ def draw_curves(ax: Axes, groups: Sequence[GroupCurves], palette: dict[str, str]
 def _draw_measured(ax: Axes, curve: pd.DataFrame, colour: str) -> None:
     shown = curve.iloc[::EVERY]
     ax.plot(
-        shown["displacement_mm"], shown["measured_N"], "o", ms=3.2, mfc="none", mec=colour,
-        mew=0.6, zorder=2,
+        shown["displacement_mm"], shown["measured_N"], "o", ms=3.8, mfc="none", mec=colour,
+        mew=0.6, zorder=4,
     )  # fmt: skip
 
 
@@ -139,7 +144,8 @@ def _keys_of_curves() -> list[Line2D]:
     return [
         Line2D([], [], ls="", marker="o", ms=3.2, mfc="none", mec="0.3", mew=0.6,
                label=f"experiment (every {EVERY}th point)"),
-        *(Line2D([], [], color="0.3", ls=LINES[g], label=f"model, {NAMES[g]}") for g in LINES),
+        *(Line2D([], [], color="0.3", ls=LINES[g], label=f"model, {NAMES[g]}", lw=w)
+          for g, w in WIDTHS.items()),
     ]  # fmt: skip
 
 
@@ -150,12 +156,12 @@ def _keys_of_moduli(moduli: pd.DataFrame) -> list[Patch | Line2D]:
     keys: list[Patch | Line2D] = []
     if "mu1_real_pa" in moduli:
         keys += [
-            Patch(facecolor=grey, label=r"$\mu_1$ (dark)", **edge),
-            Patch(facecolor=lightened(grey), label=r"$\mu_2$ (light)", **edge),
+            Patch(facecolor=grey, label=r"bar: $\mu_1$ (dark)", **edge),
+            Patch(facecolor=lightened(grey), label=r"bar: $\mu_2$ (light)", **edge),
         ]
     keys += [
-        Patch(facecolor=grey, label=f"modulus, {NAMES['real']}", **edge),
-        Patch(facecolor=grey, hatch="////", label=f"modulus, {NAMES['ideal']}", **edge),
+        Patch(facecolor=grey, label=f"bar: {NAMES['real']}", **edge),
+        Patch(facecolor=grey, hatch="////", label=f"bar: {NAMES['ideal']}", **edge),
     ]
     if moduli["paper_mu_real_pa"].notna().any():
         marker: dict[str, Any] = {

@@ -96,6 +96,12 @@ def lightened(colour: str, share: float = 0.6) -> str:
     return to_hex((red, green, blue))
 
 
+def darkened(colour: str, share: float = 0.45) -> str:
+    """`colour` mixed with black; `share` is the part of black."""
+    red, green, blue = ((1.0 - share) * part for part in to_rgb(colour))
+    return to_hex((red, green, blue))
+
+
 def label_panel(ax: Axes, letter: str, title: str = "") -> None:
     """Panel letter and title, left-aligned above the axes."""
     ax.set_title(f"({letter}) {title}".strip(), loc="left")

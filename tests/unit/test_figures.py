@@ -1,0 +1,301 @@
+"""Figures: axes with units, the lines that should be there, both ways of drawing surfaces."""
+
+import sys
+
+import numpy as np
+import pandas as pd
+import pytest
+from matplotlib.colors import to_hex
+from matplotlib.figure import Figure
+
+from softsample.figures import offscreen, render
+from softsample.figures.geometry import SegmentedImage, geometry_figure
+from softsample.figures.moduli import GroupCurves, moduli_figure
+from softsample.figures.strain import Deformed, StrainRow, strain_figure
+from softsample.figures.stress import stress_strain_figure
+from softsample.figures.style import PALETTE, colours, save
+from softsample.figures.surface import (
+    FRONT,
+    OBLIQUE,
+    Surface,
+    View,
+    level_surface,
+    mesh_surface,
+    nodal_mean,
+    silhouette,
+)
+from softsample.meshing.cuboid import mesh_cuboid
+
+MM = 1e-3
+
+
+@pytest.fixture
+def cuboid():
+    return mesh_cuboid(4 * MM, 3 * MM, 2 * MM, 0.5 * MM)
+
+
+@pytest.fixture
+def ball():
+    """Signed distance of a ball of 4 mm radius round (0, 0, 2) mm, cut by the base."""
+    origin, spacing = np.array([-6.0, -6.0, -2.0]) * MM, 0.5 * MM
+    x, y, z = (origin[i] + spacing * np.arange(n) for i, n in enumerate((25, 25, 21)))
+    radius = np.sqrt(x[:, None, None] ** 2 + y[None, :, None] ** 2 + (z - 2 * MM) ** 2)
+    return radius - 4 * MM, origin, spacing
+
+
+def labels(figure):
+    return [(ax.get_xlabel(), ax.get_ylabel()) for ax in figure.axes if ax.axison]
+
+
+def moduli(*groups, two_terms=True):
+    rows = []
+    for group, mode in groups:
+        row = {"group": group, "mode": mode, "mu_real_pa": 1000.0, "mu_ideal_pa": 800.0}
+        if two_terms:
+            row |= {"mu1_real_pa": 700.0, "mu1_ideal_pa": 500.0}
+        row |= {"difference_percent": -20.0}
+        row |= {"paper_mu_real_pa": 1100.0, "paper_mu_ideal_pa": np.nan}
+        rows.append(row)
+    return pd.DataFrame(rows)
+
+
+def curves(*samples):
+    n = 201
+    return pd.concat(
+        pd.DataFrame(
+            {
+                "sample": name,
+                "displacement_mm": np.linspace(0.0, 3.9, n),
+                "measured_N": np.linspace(0.0, 1.0, n),
+                "model_N": np.linspace(0.0, 1.1, n),
+            }
+        )
+        for name in samples
+    )
+
+
+def group(label, mode, *samples):
+    return GroupCurves(label, mode, {g: curves(*samples) for g in ("real", "ideal")})
+
+
+def test_moduli_figure_draws_every_sample_on_both_geometries():
+    groups = [
+        group("S1", "shear", "S1"),
+        group("S2", "shear", "S2"),
+        group("TC1", "tension+compression", "T1", "C1"),
+    ]
+    table = moduli(*((g.label, g.mode) for g in groups))
+    figure = moduli_figure(groups, table, "title")
+    shear, shear_bars, axial, axial_bars = figure.axes
+    for ax, samples in ((shear, 2), (axial, 2)):
+        points = [line for line in ax.lines if line.get_marker() == "o"]
+        model = [line for line in ax.lines if len(line.get_xdata()) == 201]
+        assert len(points) == samples
+        assert all(len(line.get_xdata()) == 5 for line in points), "every fiftieth of 201"
+        assert all(line.get_markerfacecolor() == "none" for line in points), "hollow"
+        assert sorted(line.is_dashed() for line in model) == [False] * samples + [True] * samples
+        assert (ax.get_xlabel(), ax.get_ylabel()) == (
+            "Displacement of the platen [mm]",
+            "Force [N]",
+        )
+    heights = [patch.get_height() for patch in axial_bars.patches]
+    assert heights == pytest.approx([0.7, 0.3, 0.5, 0.3])  # mu1, mu2 real; mu1, mu2 ideal [kPa]
+    assert [bool(p.get_hatch()) for p in axial_bars.patches] == [False, False, True, True]
+    assert axial_bars.get_ylabel() == "Shear modulus [kPa]"
+    assert [t.get_text() for t in axial_bars.texts] == ["−20.0 %"]
+    assert len([line for line in axial_bars.lines if line.get_marker() == "D"]) == 1, "NaN: none"
+    assert len(shear_bars.patches) == 8
+
+
+def test_one_term_figure_has_one_bar_a_geometry():
+    groups = [group("C1", "compression", "C1")]
+    figure = moduli_figure(groups, moduli(("C1", "compression"), two_terms=False), "title")
+    assert [p.get_height() for p in figure.axes[1].patches] == pytest.approx([1.0, 0.8])
+
+
+def test_stress_figure_has_a_line_and_a_band_for_each_mode():
+    strain = np.linspace(0.0, 0.3, 4)
+    table = pd.concat(
+        pd.DataFrame(
+            {"mode": mode, "strain": strain, "mean_stress_pa": 2000.0 * strain,
+             "sd_stress_pa": 100.0, "count": 5}
+        )
+        for mode in ("compression", "shear")
+    )  # fmt: skip
+    figure = stress_strain_figure(table, "virtual cohort")
+    (ax,) = figure.axes
+    assert [line.get_label() for line in ax.lines] == ["Shear (n = 5)", "Compression (n = 5)"]
+    assert len(ax.collections) == 2
+    np.testing.assert_allclose(ax.lines[0].get_ydata(), 2.0 * strain)
+    assert labels(figure) == [("Nominal strain, absolute [–]", "Nominal stress, absolute [kPa]")]
+    assert "virtual cohort" in ax.get_title(loc="left")
+
+
+@pytest.fixture
+def segmented(ball):
+    distance, origin, spacing = ball
+    to_world = np.eye(4)
+    to_world[:3, 3] = [10.0, 10.0, 3.0]
+    affine = np.diag([0.5, 0.5, 1.0, 1.0])
+    data = np.zeros((40, 40, 14), dtype=np.float32)
+    data[12:28, 12:28, 3:9] = 100.0
+    return SegmentedImage(data, affine, distance, origin, spacing, to_world)
+
+
+def test_contour_of_a_slice_lies_on_the_surface(segmented):
+    """Voxel (20, 20, 5) is the world point (10, 10, 5) mm, the middle of the ball."""
+    middle = np.array([20.0, 20.0, 5.0])
+    edge = np.array([28.0, 20.0, 5.0])  # 4 mm further along x
+    below = np.array([20.0, 20.0, 2.0])  # 1 mm below the base
+    distance = segmented.distance_at(np.array([middle, edge, below]))
+    np.testing.assert_allclose(distance, [-2.0, 0.0, 1.0], atol=0.06)
+
+
+@pytest.mark.parametrize("renderer", ["vtk", "matplotlib"])
+def test_geometry_figure(segmented, cuboid, renderer):
+    if renderer == "vtk" and not offscreen.rendering_works():
+        pytest.skip(offscreen.ADVICE)
+    mesh = mesh_surface(cuboid)
+    figure = geometry_figure(segmented, (mesh, 192), (mesh, 200), "title", renderer)
+    assert labels(figure) == [
+        ("image x [mm]", "image y [mm]"),
+        ("image x [mm]", "image z [mm]"),
+        ("image y [mm]", "image z [mm]"),
+    ]
+    titles = [ax.get_title(loc="left") for ax in figure.axes]
+    assert titles[4:] == ["(e) real mesh, 192 elements", "(f) idealised mesh, 200 elements"]
+    for ax in figure.axes[3:]:
+        assert bool(ax.images) == (renderer == "vtk")
+
+
+@pytest.mark.parametrize("renderer", ["vtk", "matplotlib"])
+def test_strain_figure(ball, cuboid, renderer):
+    if renderer == "vtk" and not offscreen.rendering_works():
+        pytest.skip(offscreen.ADVICE)
+    displacement = np.zeros_like(cuboid.points)
+    displacement[:, 0] = 0.3 * cuboid.points[:, 2] / MM
+    strain = cuboid.points[cuboid.hexes].mean(axis=1)[:, 2] / MM
+    shape = Deformed.of_run(cuboid, displacement, strain)
+    row = StrainRow("S1", "shear", 0.3, level_surface(*ball), shape, shape)
+    figure = strain_figure([row], "title", renderer)
+    before, real, ideal = figure.axes
+    (bar,) = ideal.child_axes
+    assert bar.get_ylabel() == "Max. principal\nHencky strain [–]"
+    assert before.get_ylabel() == "z [mm]"
+    assert real.get_xlabel() == "x [mm]"
+    assert "nominal strain 0.30" in ideal.get_title(loc="left")
+    outline = real.lines[0]
+    assert outline.is_dashed()
+    np.testing.assert_allclose(outline.get_xdata().max(), 2.0, atol=0.1)
+    platens = real.patches
+    assert platens[1].get_x() - platens[0].get_x() == pytest.approx(0.6)  # 0.3 of 2 mm
+    assert platens[1].get_y() == pytest.approx(2.0)
+
+
+def test_without_rendering_libraries_matplotlib_draws_and_says_what_to_install(monkeypatch, caplog):
+    """VTK would end the process; here the child that tries first does."""
+    crash = "import os, signal; os.kill(os.getpid(), signal.SIGSEGV)"
+    monkeypatch.setattr(offscreen, "PROBE", crash)
+    offscreen.rendering_works.cache_clear()
+    try:
+        assert render.available_renderer() == "matplotlib"
+    finally:
+        offscreen.rendering_works.cache_clear()
+    assert "libegl1 libgl1-mesa-dri" in caplog.text
+
+
+def test_painting_needs_no_vtk(cuboid, monkeypatch):
+    monkeypatch.setitem(sys.modules, "pyvista", None)
+    ax = Figure().add_subplot()
+    render.draw_surface(ax, mesh_surface(cuboid), FRONT, render.Look(), "matplotlib")
+    (faces,) = ax.collections
+    assert len(faces.get_paths()) == 8 * 4, "the front of the cuboid, nothing behind it"
+
+
+def test_painted_colours_are_those_of_the_colour_bar(cuboid):
+    """A surface at the upper limit is drawn in the map's last colour, but for a little shade."""
+    shape = mesh_surface(cuboid, element_values=np.full(len(cuboid.hexes), 0.5))
+    colour = render._face_colours(shape, render.Look(limits=(0.0, 0.5)))[0]
+    assert to_hex(colour) == "#fde725"  # the end of viridis
+
+
+def test_both_renderers_fill_the_same_area(cuboid, tmp_path):
+    """Page coordinates are in mm in either way: the dark pixels must coincide."""
+    if not offscreen.rendering_works():
+        pytest.skip(offscreen.ADVICE)
+    shape = mesh_surface(cuboid)
+    image = render.render(shape, OBLIQUE, render.Look(), *_page(shape))
+    inside = image[::-1, :, 3] > 127
+    outline = silhouette(shape, OBLIQUE, resolution_mm=0.02)
+    x, y = outline.T
+    area = 0.5 * abs(np.sum(x * np.roll(y, 1) - y * np.roll(x, 1)))
+    low, high = _page(shape)
+    pixel = np.prod(high - low) / inside.size
+    assert inside.sum() * pixel == pytest.approx(area, rel=0.02)
+    centre = low + (np.argwhere(inside).mean(axis=0)[::-1] + 0.5) * np.sqrt(pixel)
+    np.testing.assert_allclose(centre, OBLIQUE.project(shape.points).mean(axis=0), atol=0.05)
+
+
+def _page(shape):
+    page = OBLIQUE.project(shape.points)
+    return page.min(axis=0) - 0.2, page.max(axis=0) + 0.2
+
+
+def test_segmented_surface_faces_outward_and_ends_at_the_base(ball):
+    surface = level_surface(*ball)
+    corners = surface.points[surface.faces]
+    normal = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
+    outward = np.einsum("ij,ij->i", normal, corners.mean(axis=1) - [0.0, 0.0, 2.0])
+    assert (outward >= 0.0).all()
+    assert outward.sum() > 0.0
+    assert surface.points[:, 2].min() == 0.0
+    assert surface.points[:, 2].max() == pytest.approx(6.0, abs=0.05)
+
+
+def test_nodal_mean_is_the_mean_of_the_elements_around(cuboid):
+    values = cuboid.points[cuboid.hexes].mean(axis=1)[:, 2]
+    mean = nodal_mean(cuboid, values)
+    inner = (cuboid.points[:, 2] > 0.0) & (cuboid.points[:, 2] < 2 * MM)
+    np.testing.assert_allclose(mean[inner], cuboid.points[inner, 2], atol=1e-12)
+
+
+def test_silhouette_of_a_cuboid_is_its_front(cuboid):
+    outline = silhouette(mesh_surface(cuboid), FRONT, resolution_mm=0.02)
+    np.testing.assert_allclose(outline.min(axis=0), [-2.0, 0.0], atol=0.03)
+    np.testing.assert_allclose(outline.max(axis=0), [2.0, 2.0], atol=0.03)
+
+
+def test_views_are_orthonormal_and_look_from_the_front():
+    for view in (FRONT, OBLIQUE, View.from_angles(200.0, -40.0)):
+        frame = np.array([view.right, view.up, view.towards_eye])
+        np.testing.assert_allclose(frame @ frame.T, np.eye(3), atol=1e-12)
+    np.testing.assert_allclose(FRONT.towards_eye, [0.0, -1.0, 0.0])
+    np.testing.assert_allclose(
+        View.from_angles(0.0, 0.0).project(np.eye(3)), FRONT.project(np.eye(3))
+    )
+    assert OBLIQUE.towards_eye[2] > 0.0
+
+
+def test_groups_have_different_colours():
+    assert colours(5) == list(PALETTE[:5])
+    assert len(set(colours(20))) == 20
+
+
+@pytest.mark.parametrize("kind", ["png", "pdf"])
+def test_a_figure_is_written_with_the_same_bytes_every_time(tmp_path, kind):
+    groups = [group("C1", "compression", "C1")]
+    table = moduli(("C1", "compression"), two_terms=False)
+    for name in ("a", "b"):
+        save(moduli_figure(groups, table, "title"), tmp_path / f"{name}.{kind}")
+    first, second = ((tmp_path / f"{name}.{kind}").read_bytes() for name in ("a", "b"))
+    assert first == second
+    assert len(first) > 1000
+
+
+def test_a_surface_without_limits_spans_its_own_values():
+    square = np.array([[0.0, 0, 0], [1, 0, 0], [1, 0, 1], [0, 0, 1]])
+    both = np.vstack([square, square + np.array([2.0, 0.0, 0.0])])
+    faces = np.array([[0, 1, 2, 3], [4, 5, 6, 7]])
+    surface = Surface(both, faces, np.repeat([1.0, 3.0], 4))
+    ends = [to_hex(c) for c in render._face_colours(surface, render.Look())]
+    assert ends == ["#440154", "#fde725"]

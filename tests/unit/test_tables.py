@@ -1,0 +1,235 @@
+"""Tables and caption numbers against rows computed by hand, and the paper's values."""
+
+from pathlib import Path
+from types import SimpleNamespace
+
+import numpy as np
+import pandas as pd
+import pytest
+import yaml
+from docutils.core import publish_parts
+from jinja2 import StrictUndefined, Template
+
+from softsample.errors import InputError
+from softsample.report.captions import caption_numbers, substitutions
+from softsample.report.stress import mean_curve, nominal_curve, stress_strain_table
+from softsample.report.tables import geometry_table, loading, moduli_table, summary_table
+
+ROOT = Path(__file__).resolve().parents[2]
+PAPER = ROOT / "resources/paper"
+
+TABLE_1 = [
+    "group", "mode", "mu1_real_pa", "mu2_real_pa", "mu_real_pa",
+    "mu1_ideal_pa", "mu2_ideal_pa", "mu_ideal_pa", "difference_percent",
+    "paper_mu_real_pa", "paper_mu_ideal_pa", "paper_difference_percent",
+]  # fmt: skip
+TABLE_2 = [name for name in TABLE_1 if "mu1" not in name and "mu2" not in name]
+
+
+@pytest.fixture
+def paper():
+    return pd.read_csv(PAPER / "moduli.csv", comment="#")
+
+
+def fit(group, geometry, mu1, mu2, samples=("S1",), modes=("shear",), model="ogden2", **more):
+    return {
+        "group": group, "geometry": geometry, "model": model, "samples": list(samples),
+        "modes": list(modes), "mu1_pa": mu1, "mu2_pa": mu2, "mu_pa": mu1 + mu2, "success": True,
+        "verdict": "converged", "area_error_percent": dict.fromkeys(samples, 2.0), **more,
+    }  # fmt: skip
+
+
+def axial(group, geometry, mu1, mu2, model="ogden2"):
+    return fit(group, geometry, mu1, mu2, ("T1", "C1"), ("tension", "compression"), model)
+
+
+def test_row_of_table_1_by_hand(paper):
+    fits = [fit("S1", "real", 700.0, 300.0), fit("S1", "ideal", 500.0, 250.0)]
+    table, notes = moduli_table(fits, "ogden2", paper)
+    assert list(table.columns) == TABLE_1
+    assert notes == []
+    expected = ["S1", "shear", 700.0, 300.0, 1000.0, 500.0, 250.0, 750.0, -25.0]
+    assert list(table.iloc[0])[:9] == expected
+    assert list(table.iloc[0])[9:] == [1131.4, 1068.2, -5.6]
+
+
+def test_row_of_table_2_has_the_name_of_the_compression_sample(paper):
+    one = dict(samples=("C3",), modes=("compression",), model="ogden1")
+    fits = [fit("TC3", "real", 1600.0, 0.0, **one), fit("TC3", "ideal", 800.0, 0.0, **one)]
+    table, _ = moduli_table(fits, "ogden1", paper)
+    assert list(table.columns) == TABLE_2
+    assert list(table.iloc[0]) == [
+        "C3", "compression", 1600.0, 800.0, -50.0, 1543.9, 1013.5, -34.4
+    ]  # fmt: skip
+
+
+def test_loading_does_not_depend_on_the_order_of_samples():
+    assert loading(["compression", "tension"]) == loading(["tension", "compression"])
+    assert loading(["tension", "compression"]) == "tension+compression"
+    assert loading(["shear", "shear"]) == "shear"
+
+
+def test_a_group_that_lacks_a_geometry_is_left_out_with_a_note(paper):
+    fits = [
+        fit("S1", "real", 1.0, 1.0), fit("S1", "ideal", 1.0, 1.0), fit("S2", "ideal", 1.0, 1.0)
+    ]  # fmt: skip
+    table, notes = moduli_table(fits, "ogden2", paper)
+    assert list(table["group"]) == ["S1"]
+    assert notes == ["S2 is left out: no calibration on the real geometry"]
+
+
+def test_no_group_at_all_gives_an_empty_table_with_all_columns(paper):
+    table, _ = moduli_table([], "ogden2", paper)
+    assert list(table.columns) == TABLE_1
+    assert table.empty
+
+
+def test_a_fit_that_is_not_trusted_is_noted(paper):
+    bad = {"success": False, "verdict": "not trusted; mu at its maximum"}
+    fits = [fit("S1", "real", 1.0, 1.0, **bad), fit("S1", "ideal", 1.0, 1.0)]
+    assert moduli_table(fits, "ogden2", paper)[1] == [
+        "S1, real geometry: not trusted; mu at its maximum"
+    ]
+
+
+def test_the_same_result_twice_is_refused(paper):
+    with pytest.raises(InputError, match="two calibrations on the real geometry"):
+        moduli_table([fit("S1", "real", 1.0, 1.0)] * 2, "ogden2", paper)
+
+
+@pytest.mark.parametrize("known", [True, False], ids=["unknown group", "own study"])
+def test_a_group_that_the_paper_lacks_has_empty_columns(paper, known):
+    fits = [fit("liver7", "real", 1.0, 1.0), fit("liver7", "ideal", 1.0, 1.0)]
+    table, _ = moduli_table(fits, "ogden2", paper if known else None)
+    assert list(table.columns) == TABLE_1
+    assert table.filter(like="paper_").isna().all(axis=None)
+
+
+def cuboid(bottom, top):
+    return {
+        "length_mm": 20.0, "width_mm": 10.0, "height_mm": 12.0, "volume_real_mm3": 2300.0,
+        "bottom_area_mm2": bottom, "top_area_mm2": top,
+    }  # fmt: skip
+
+
+def test_row_of_geometry_by_hand():
+    table = geometry_table({"C1": cuboid(210.0, 150.0)}, {"C1": "compression"})
+    assert dict(table.iloc[0]) == {
+        "sample": "C1", "mode": "compression", "length_mm": 20.0, "width_mm": 10.0,
+        "height_mm": 12.0, "volume_real_mm3": 2300.0,
+        "bottom_area_real_mm2": 210.0, "bottom_area_ideal_mm2": 200.0,
+        "bottom_difference_percent": pytest.approx(5.0),
+        "top_area_real_mm2": 150.0, "top_area_ideal_mm2": 200.0,
+        "top_difference_percent": pytest.approx(-25.0),
+    }  # fmt: skip
+
+
+def two_samples():
+    cuboids = {"S1": cuboid(210.0, 150.0), "S2": cuboid(180.0, 170.0)}
+    return geometry_table(cuboids, {"S1": "shear", "S2": "shear"})
+
+
+def test_means_and_deviations_by_hand(paper):
+    fits = [
+        fit("S1", "real", 500.0, 500.0), fit("S1", "ideal", 500.0, 400.0),
+        fit("S2", "real", 500.0, 500.0), fit("S2", "ideal", 500.0, 200.0),
+    ]  # fmt: skip
+    moduli, _ = moduli_table(fits, "ogden2", paper)
+    table = summary_table(
+        {"ogden2": moduli}, two_samples(), pd.read_csv(PAPER / "summary.csv", comment="#")
+    ).set_index(["quantity", "mode"])
+    bias = table.loc[("modulus_two_term", "shear")]  # -10 and -30 percent
+    assert bias["count"] == 2
+    assert bias["mean_percent"] == pytest.approx(-20.0)
+    assert bias["sd_percent"] == pytest.approx(np.sqrt(200.0))  # n - 1
+    assert (bias["paper_mean_percent"], bias["paper_sd_percent"]) == (-10.0, 6.0)
+    bottom = table.loc[("bottom_area_absolute", "all")]  # +5 and -10 percent
+    assert bottom["mean_percent"] == pytest.approx(7.5)
+    assert bottom["paper_mean_percent"] == 6.5
+    assert table.loc[("bottom_area", "shear"), "mean_percent"] == pytest.approx(-2.5)
+    assert table.loc[("top_area", "shear"), "mean_percent"] == pytest.approx(-20.0)
+
+
+def test_printed_moduli_of_the_paper_agree_with_each_other(paper):
+    """Typing errors show: mu = mu1 + mu2 and the difference follow within the last digit."""
+    assert len(paper) == 15
+    for side in ("real", "ideal"):
+        two = paper[paper["table"] == 1]
+        total = two[f"mu1_{side}_pa"] + two[f"mu2_{side}_pa"]
+        np.testing.assert_allclose(total, two[f"mu_{side}_pa"], atol=0.1001)
+    computed = 100.0 * (paper["mu_ideal_pa"] / paper["mu_real_pa"] - 1.0)
+    np.testing.assert_allclose(computed, paper["difference_percent"], atol=0.0501)
+
+
+def test_printed_means_of_the_paper_follow_from_its_tables(paper):
+    """The text rounds to a whole or half percent."""
+    summary = pd.read_csv(PAPER / "summary.csv", comment="#").set_index(["quantity", "mode"])
+    shear = paper["group"].str.startswith("S")
+    parts = {
+        ("modulus_two_term", "shear"): paper[shear],
+        ("modulus_two_term", "tension+compression"): paper[paper["group"].str.startswith("TC")],
+        ("modulus_one_term", "compression"): paper[paper["table"] == 2],
+    }
+    for key, rows in parts.items():
+        difference = rows["difference_percent"]
+        assert len(difference) == 5
+        assert summary.loc[key, "mean_percent"] == pytest.approx(difference.mean(), abs=0.1)
+        assert summary.loc[key, "sd_percent"] == pytest.approx(difference.std(), abs=0.2)
+
+
+def test_nominal_stress_by_hand():
+    strain, stress = nominal_curve(np.array([2e-3, 0.0]), np.array([0.8, 0.0]), 20e-3, 10e-3, 1e-2)
+    np.testing.assert_allclose(strain, [0.0, 0.2])
+    np.testing.assert_allclose(stress, [0.0, 4000.0])
+
+
+def test_mean_curve_ends_with_the_shortest_and_has_the_deviation():
+    steep = (np.array([0.0, 0.2]), np.array([0.0, 40.0]))
+    flat = (np.array([0.0, 0.1]), np.array([0.0, 10.0]))
+    table = mean_curve([steep, flat], points=3)
+    np.testing.assert_allclose(table["strain"], [0.0, 0.05, 0.1])
+    np.testing.assert_allclose(table["mean_stress_pa"], [0.0, 7.5, 15.0])
+    np.testing.assert_allclose(table["sd_stress_pa"], np.array([0.0, 5.0, 10.0]) / np.sqrt(2.0))
+    assert mean_curve([flat], points=3)["sd_stress_pa"].isna().all()
+
+
+def study_numbers(shipped=True, **changes):
+    fits = [fit("S1", "real", 500.0, 500.0, **changes), fit("S1", "ideal", 500.0, 400.0)]
+    moduli, _ = moduli_table(fits, "ogden2")
+    stress = stress_strain_table([("shear", np.array([0.0, 0.3]), np.array([0.0, 500.0]))])
+    return caption_numbers(
+        summary_table({"ogden2": moduli}, two_samples()), stress, fits, [40633, 36244],
+        cohort="virtual cohort", shipped=shipped, shown="S1", samples=2,
+    )  # fmt: skip
+
+
+def test_caption_numbers():
+    numbers = study_numbers()
+    assert numbers["bias_two_term"] == "−10.0 % in shear (n = 1)"
+    assert numbers["bias_one_term"] == "no such sample in this study"
+    assert numbers["stress_at_end"] == "0.50 kPa at strain 0.30 in shear"
+    assert "recovered" in numbers["materials"]
+    assert "recovered" not in study_numbers(shipped=False)["materials"]
+
+
+def test_a_doubtful_fit_is_named_in_the_captions():
+    bad = {"success": False, "verdict": "not trusted; mu at its maximum"}
+    assert "converged" in study_numbers()["trust"]
+    assert "S1 (ogden2, real geometry: not trusted" in study_numbers(**bad)["trust"]
+
+
+@pytest.mark.parametrize(
+    "caption", sorted((ROOT / "workflow/report").glob("*.rst")), ids=lambda p: p.stem
+)
+def test_captions_quote_only_numbers_and_settings_that_exist(caption, tmp_path):
+    (tmp_path / "tables").mkdir()
+    (tmp_path / "tables/numbers.rst").write_text(substitutions(study_numbers()), encoding="utf-8")
+    (tmp_path / "failures.rst").write_text("- ``mesh/S3``: no surface\n", encoding="utf-8")
+    config = yaml.safe_load((ROOT / "config/config.yaml").read_text(encoding="utf-8"))
+    job = SimpleNamespace(config={**config, "results": str(tmp_path)})
+    template = Template(caption.read_text(encoding="utf-8"), undefined=StrictUndefined)
+    page = template.render(snakemake=job)
+    html = publish_parts(page, writer="html", settings_overrides={"halt_level": 2})["html_body"]
+    assert "virtual cohort" in html
+    assert "|" not in html
+    assert ("no surface" in html) == (caption.stem == "workflow")

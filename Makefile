@@ -19,7 +19,7 @@ export OPENBLAS_NUM_THREADS ?= 1
 export PYTHONPATH := src
 unexport VIRTUAL_ENV
 
-.PHONY: help env run quick test test-long check format clean clean-env
+.PHONY: help env run quick test test-long check bench format clean clean-env
 
 help:
 	@echo "make run        the study: every sample at 0.5 mm, tables, figures, results/report.html"
@@ -27,6 +27,7 @@ help:
 	echo "make test       unit, verification, regression and workflow tests"
 	echo "make test-long  also the tests that take minutes each"
 	echo "make check      ruff, snakefmt, mypy, snakemake --lint"
+	echo "make bench      speed of the solver on this machine, into results/bench/"
 	echo "make format     let ruff and snakefmt rewrite the sources"
 	echo "make clean      remove results (clean-env: the environment)"
 
@@ -80,6 +81,9 @@ check: $(stamp)
 	$(bin)/snakefmt --check Snakefile workflow/rules
 	$(bin)/mypy
 	$(bin)/python tests/workflow/lint.py
+
+bench: $(stamp)
+	$(bin)/python benchmarks/solver.py results/bench/solver.json
 
 format: $(stamp)
 	$(bin)/ruff check --fix .

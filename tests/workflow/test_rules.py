@@ -101,7 +101,7 @@ def test_only_what_depends_on_an_edit_reruns(project):
     (source / "records.py").touch()
     edit(source / "scoring.py")
     config = project.folder / "config/test.yaml"
-    config.write_text(config.read_text().replace("element_size_mm: 1.25", "element_size_mm: 1.5"))
+    config.write_text(config.read_text().replace("element_size_mm: 1.0", "element_size_mm: 1.5"))
     assert NOTHING in project.run(*targets, *DRY)[1]
 
     edit(source / "protocol.py")  # imported by records.py, which the script imports

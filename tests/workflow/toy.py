@@ -43,7 +43,7 @@ def record(mode, seed):
     sign, travel = (1.0, 1.6) if mode == "tension" else (-1.0, 2.0)
     time = np.round(np.arange(0.0, 0.5 + travel / 0.3, 0.02), 2)
     moved = 0.3 * np.clip(time - 0.5, 0.0, None)
-    share = 1.0 if mode == "tension" else 0.9 * np.clip(moved / 1.0, 0.0, 1.0) ** 0.5
+    share = 1.0 if mode == "tension" else 0.54 * np.clip(moved / 1.0, 0.0, 1.0) ** 0.5
     noise = np.random.default_rng(100 + seed).normal(size=(2, len(time)))
     pull = force(1.0 + sign * moved / HEIGHT, share)
     return time, sign * moved + 1e-3 * noise[0], pull + 5e-4 * noise[1]

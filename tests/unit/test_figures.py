@@ -212,6 +212,20 @@ def test_painting_needs_no_vtk(cuboid, monkeypatch):
     assert len(faces.get_paths()) == 8 * 4, "the front of the cuboid, nothing behind it"
 
 
+def test_painting_hides_what_is_behind():
+    """Two squares that face the reader at y = 0 and 1, and one that faces away."""
+    square = np.array([[0.0, 0, 0], [1, 0, 0], [1, 0, 1], [0, 0, 1]])
+    points = np.vstack([square, square + np.array([0, 1, 0]), square + np.array([0, 2, 0])])
+    faces = np.array([[0, 1, 2, 3], [4, 5, 6, 7], [11, 10, 9, 8]])
+    ax = Figure().add_subplot()
+    look = render.Look(limits=(0.0, 1.0))
+    surface = Surface(points, faces, np.repeat([0.0, 1.0, 1.0], 4))
+    render.draw_surface(ax, surface, FRONT, look, "matplotlib")
+    far, near = ax.collections[0].get_facecolors()
+    assert far[1] > far[0], "the map's yellow, drawn first"
+    assert near[1] < near[0], "the map's violet, drawn over it"
+
+
 def test_painted_colours_are_those_of_the_colour_bar(cuboid):
     """A surface at the upper limit is drawn in the map's last colour, but for a little shade."""
     shape = mesh_surface(cuboid, element_values=np.full(len(cuboid.hexes), 0.5))

@@ -13,11 +13,9 @@ from io import StringIO
 from pathlib import Path
 from typing import Any
 
-import nibabel
 import numpy as np
 import pandas as pd
 import yaml
-from nibabel.filebasedimages import ImageFileError
 from numpy.typing import ArrayLike, NDArray
 
 from softsample.errors import InputError
@@ -185,6 +183,9 @@ def read_image(path: PathLike) -> tuple[NDArray[np.float32], NDArray[np.float64]
     affine : (4, 4) float64
         From voxel index to world RAS+ [mm].
     """
+    import nibabel  # a third of a second that only the jobs with images spend
+    from nibabel.filebasedimages import ImageFileError
+
     try:
         image = nibabel.load(path)
         data = np.asarray(image.dataobj, dtype=np.float32)
@@ -211,6 +212,8 @@ def write_image(path: PathLike, data: NDArray[Any], affine: ArrayLike) -> None:
     affine : (4, 4)
         From voxel index to world RAS+ [mm].
     """
+    import nibabel
+
     image = nibabel.Nifti1Image(data, np.asarray(affine, dtype=np.float64))
     image.header.set_xyzt_units("mm", "sec")
     with written_aside(path) as aside:

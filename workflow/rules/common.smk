@@ -99,9 +99,12 @@ def library(script):
 
 
 # A compiled kernel that calls another file's kernel keeps the old callee after an edit, so each
-# state of the sources has a cache of its own. Kernels do without threads: jobs run side by side.
-state_of_sources = sha256_of_files(sorted((ROOT / "src").rglob("*.py")))[:16]
-os.environ.update(NUMBA_CACHE_DIR=os.path.abspath(f".snakemake/numba/{state_of_sources}"))
+# state of the compiled sources has a cache of its own. Kernels do without threads: jobs run side by side.
+kernels = [
+    path for path in sorted((ROOT / "src").rglob("*.py")) if "numba" in path.read_text("utf-8")
+]
+state_of_kernels = sha256_of_files(kernels)[:16]
+os.environ.update(NUMBA_CACHE_DIR=os.path.abspath(f".snakemake/numba/{state_of_kernels}"))
 for variable in ("NUMBA_NUM_THREADS", "OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS"):
     os.environ.setdefault(variable, "1")
 

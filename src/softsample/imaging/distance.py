@@ -31,7 +31,7 @@ def signed_distance(
     spacing : float
         Grid spacing [m].
     band : float
-        Exact up to this distance [m]; beyond, correct to about a tenth of the spacing.
+        Exact up to this distance [m]; beyond, correct to about a spacing.
     """
     outer = ndimage.distance_transform_edt(~inside)
     inner = ndimage.distance_transform_edt(inside)

@@ -40,6 +40,10 @@ class Surface:
         edge2 = self.corners[:, 2] - self.corners[:, 0]
         return np.asarray(0.5 * np.cross(edge1, edge2))
 
+    def where(self, chosen: NDArray[np.bool_]) -> "Surface":
+        """The part of the surface whose triangles are `chosen`, (n,)."""
+        return Surface(self.corners[chosen])
+
 
 def iso_surface(field: Array, level: float, affine: Array) -> Surface:
     """Surface ``field == level``, normals pointing to smaller values of the field.
@@ -209,3 +213,11 @@ def sampled(
             cval=outside,
         )
     )
+
+
+def values_at(field: Array, grid: Array, points: Array) -> Array:
+    """Values of a field at the grid points nearest to `points` (n, 3), (n,)."""
+    inverse = np.linalg.inv(grid)
+    index = np.rint(points @ inverse[:3, :3].T + inverse[:3, 3]).astype(np.int64)
+    index = np.clip(index, 0, np.array(field.shape) - 1)
+    return np.asarray(field[tuple(index.T)])

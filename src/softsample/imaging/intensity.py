@@ -13,6 +13,9 @@ Mask = NDArray[np.bool_]
 RAYLEIGH_SD = np.sqrt(2.0 - np.pi / 2.0)
 """Standard deviation of a Rayleigh variable of unit scale: noise in the magnitude of nothing."""
 
+RICIAN = 1.6954
+"""``E[sign(x) sqrt(abs(x))] = 0`` with ``x = r**2 - RICIAN`` for a Rayleigh variable r."""
+
 
 def smooth(data: Array, sigma: float | Array, spacing: Array) -> Array:
     """Gaussian smoothing with a standard deviation `sigma` [m] on voxels of `spacing` [m]."""
@@ -45,38 +48,43 @@ def grown(mask: Mask) -> Mask:
     return np.asarray(ndimage.binary_dilation(mask, np.ones((3, 3, 3), dtype=bool)), dtype=np.bool_)
 
 
-def background_level(data: Array, mask: Mask, spacing: Array, margin: float) -> tuple[float, float]:
-    """Signal and noise of the surroundings of the sample (air, platen).
-
-    The magnitude of noise alone is Rayleigh distributed: its mean is not signal. With mean square
-    ``s**2 + 2 sigma**2`` and spread ``0.655 sigma`` (no signal), the signal is what is left over.
+def noise_level(data: Array, mask: Mask, spacing: Array, margin: float) -> float:
+    """Standard deviation of the noise, from the spread of the sample's surroundings.
 
     Parameters
     ----------
     data : (nx, ny, nz) float64
-        Intensities.
+        Magnitude image; noise alone is Rayleigh distributed.
     mask : (nx, ny, nz) bool
         Rough sample.
     spacing : (3,) float64
         Voxel edges [m].
     margin : float
         Voxels closer to the sample than this [m] are left out.
-
-    Returns
-    -------
-    level, noise : float
-        Signal of the surroundings and standard deviation of the noise, in units of `data`.
     """
+    low, high = np.percentile(surroundings(data, mask, spacing, margin), [15.87, 84.13])
+    return float(0.5 * (high - low) / RAYLEIGH_SD)
+
+
+def surroundings(data: Array, mask: Mask, spacing: Array, margin: float) -> Array:
+    """Values of `data` farther than `margin` [m] from a mask, (n,)."""
     outside = data[ndimage.distance_transform_edt(~mask, sampling=spacing) > margin]
     if outside.size < 100:
         raise SegmentationError(
             "fewer than 100 voxels lie outside the sample; give an image with a rim of background"
         )
-    low, middle, high = np.percentile(outside, [15.87, 50.0, 84.13])
-    noise = 0.5 * (high - low) / RAYLEIGH_SD
-    inliers = outside[np.abs(outside - middle) < 4.0 * (high - low) + 1e-12]
-    level = np.sqrt(max(np.mean(inliers**2) - 2.0 * noise**2, 0.0))
-    return float(level), float(noise)
+    return np.asarray(outside)
+
+
+def without_noise_floor(data: Array, noise: float) -> Array:
+    """Magnitudes with the mean that noise gives to darkness taken out.
+
+    The magnitude of noise alone has a mean of 1.25 standard deviations, which would move the
+    half-maximum outward. Darkness becomes zero in the mean, tissue is hardly changed (second
+    order of noise over signal). Values may be negative, as noise about zero is.
+    """
+    square = data**2 - RICIAN * noise**2
+    return np.asarray(np.sign(square) * np.sqrt(np.abs(square)))
 
 
 def bias_field(data: Array, interior: Mask, order: int) -> Array:

@@ -269,9 +269,12 @@ def tissue_share(image: Array, spacing: Array, settings: SegmentationSettings) -
     interior = intensity.eroded(rough, spacing, margin)
     if np.count_nonzero(interior) < 100:
         raise SegmentationError(
-            "the bright region is too thin to have an interior; check the image and voxel size"
+            "no sample found: the largest bright region has no interior; check the image and"
+            " its scale"
         )
-    floor, noise = intensity.background_level(image, rough, spacing, 2.0 * margin)
+    noise = intensity.noise_level(image, rough, spacing, 2.0 * margin)
+    image = intensity.without_noise_floor(image, noise)
+    floor = float(np.mean(intensity.surroundings(image, rough, spacing, 2.0 * margin)))
     level = float(np.median(image[interior]))
     if level - floor < settings.min_contrast * noise:
         raise SegmentationError(
@@ -374,16 +377,23 @@ def _distance(
     first = round(float(settings.base_clearance_mm * MM - origin[2]) / spacing)
     walls = frame.iso_surface(local[:, :, first - 1 :], HALF, _raised(grid, first - 1))
     band = 1.5 * MM
-    rough = sdf.signed_distance(local > HALF, walls, origin, spacing, band)
-    unknown = frame.sampled(fluid.astype(np.float64), to_voxel, shape, order=1) > 0.01
+    wet = frame.sampled(fluid.astype(np.float64), to_voxel, shape, order=1) > 0.01
     reach = settings.fluid_reach_mm * MM
-    if unknown.any():
-        unknown = ndimage.distance_transform_edt(~unknown, sampling=spacing) < reach
-    rough = sdf.fill_smoothly(rough, unknown)
+    away = _away(wet, spacing)
+    walls = walls.where(frame.values_at(away, grid, walls.centres) > 0.75 * reach)
+    rough = sdf.signed_distance(local > HALF, walls, origin, spacing, band)
+    rough = sdf.fill_smoothly(rough, away < reach)
     layers = round(settings.continuation_mm * MM / spacing)
     whole = sdf.continue_below(rough, first, layers, blur=2.0)
     boundary = frame.iso_surface(-whole, 0.0, grid)
     return sdf.signed_distance(whole < 0.0, boundary, origin, spacing, band), origin
+
+
+def _away(marked: Mask, spacing: float) -> Array:
+    """Distance to the nearest marked grid point [m]; infinite if there is none."""
+    if not marked.any():
+        return np.full(marked.shape, np.inf)
+    return np.asarray(ndimage.distance_transform_edt(~marked, sampling=spacing))
 
 
 def _raised(grid: Array, layers: int) -> Array:

@@ -1,0 +1,254 @@
+"""Segmentation of made-up images whose shape is known."""
+
+from dataclasses import replace
+from functools import cache
+
+import numpy as np
+import pytest
+
+from phantom import Cuboid, Scan, turned
+from softsample.errors import InputError, SegmentationError
+from softsample.imaging import distance as sdf
+from softsample.imaging import frame, intensity
+from softsample.imaging.segment import segment, segmentation_from_mask
+
+SHAPE = Cuboid()
+SCANS = {
+    "plain": Scan(),
+    "tilted": Scan(rotation=turned(4.0, 3.0, 50.0)),
+    "shear": Scan(voxel=(0.6, 0.6, 0.6)),
+    "noisy": Scan(snr=12.0, bias=0.3, flip=True),
+    "film": Scan(voxel=(0.25, 0.25, 0.5), film=0.03),
+    "drop": Scan(voxel=(0.25, 0.25, 0.25), drop=(7.1, 0.5, 4.0, 0.5)),
+}
+
+
+@cache
+def found(name):
+    return segment(*SCANS[name].image(SHAPE))
+
+
+@cache
+def truth():
+    return SHAPE.volume(), SHAPE.highest()
+
+
+# A film of 0.03 mm, 2.2 times as bright, moves the boundary by up to 0.07 mm: 3 % of this volume.
+@pytest.mark.parametrize(
+    ("name", "percent"),
+    [("plain", 0.6), ("tilted", 0.6), ("shear", 1.0), ("noisy", 0.8), ("film", 3.5), ("drop", 0.6)],
+)
+def test_volume(name, percent):
+    assert 1e9 * found(name).volume == pytest.approx(truth()[0], rel=0.01 * percent)
+
+
+@pytest.mark.parametrize("name", ["plain", "tilted", "noisy", "drop", "shear"])
+def test_highest_point(name):
+    assert 1e3 * found(name).highest_point[2] == pytest.approx(truth()[1], abs=0.1)
+
+
+@pytest.mark.parametrize("name", SCANS)
+def test_sample_frame(name):
+    """Base normal within 0.15 degrees, base plane within 0.05 mm, walls within 1.5 degrees."""
+    true, got = SCANS[name].matrix(), found(name).sample_to_world
+    between = true[:3, :3].T @ got[:3, :3]
+    assert np.degrees(np.arccos(between[2, 2])) < 0.15
+    assert abs(np.degrees(np.arctan2(between[1, 0], between[0, 0]))) < 1.5
+    offset = true[:3, :3].T @ (1e3 * got[:3, 3] - true[:3, 3])
+    assert abs(offset[2]) < 0.05
+    assert np.linalg.norm(offset[:2]) < 0.3  # the base's centroid is not the cuboid's middle
+    assert np.linalg.det(got[:3, :3]) == pytest.approx(1.0)
+
+
+def test_tilt_is_the_angle_between_base_and_loading_axis():
+    assert np.degrees(found("tilted").tilt) == pytest.approx(3.0, abs=0.15)
+    assert np.degrees(found("plain").tilt) < 0.15
+
+
+@pytest.mark.parametrize("name", ["plain", "tilted", "shear"])
+def test_surface_lies_on_the_true_surface_within_its_sigma(name):
+    """The implicit function is nearly the distance: its spread on the surface found."""
+    scan, result = SCANS[name], found(name)
+    grid = frame.grid_affine(result.origin, result.spacing)
+    surface = frame.iso_surface(-result.distance, 0.0, grid)
+    points = surface.centres[surface.centres[:, 2] > 0.3e-3]
+    world = points @ result.sample_to_world[:3, :3].T + result.sample_to_world[:3, 3]
+    own = np.linalg.inv(scan.matrix())
+    error = SHAPE.value(*(own[:3, :3] @ (1e3 * world.T) + own[:3, 3:]))
+    assert abs(np.mean(error)) < 0.03
+    assert np.sqrt(np.mean(error**2)) < 1.5e3 * result.boundary_sigma
+
+
+def test_distance_is_a_distance_with_walls_going_on_below_the_base():
+    result = found("tilted")
+    base = round(-result.origin[2] / result.spacing)
+    band = np.abs(result.distance) < 1e-3
+    slope = np.linalg.norm(np.gradient(result.distance, result.spacing), axis=0)
+    assert np.median(np.abs(slope[band] - 1.0)) < 0.02
+    below, above = (result.distance[:, :, base + k] < 0.0 for k in (-6, 2))
+    assert np.mean(below ^ above) < 0.1 * np.mean(above)  # nearly the same section, 2 mm apart
+    # transversal at z = 0: the surface there is a wall, no floor
+    rise = np.gradient(result.distance, result.spacing, axis=2)[:, :, base]
+    assert np.abs(rise[np.abs(result.distance[:, :, base]) < 0.5e-3]).max() < 0.5
+
+
+def test_mask_on_the_image_is_the_sample_above_its_base():
+    scan = SCANS["tilted"]
+    image, affine = scan.image(SHAPE)
+    own = np.linalg.inv(scan.matrix()) @ affine
+    points = np.indices(image.shape).reshape(3, -1)
+    x, y, z = own[:3, :3] @ points + own[:3, 3:]
+    true = ((SHAPE.value(x, y, z) < 0.0) & (z > 0.0)).reshape(image.shape)
+    mask = found("tilted").mask
+    assert mask.shape == image.shape
+    assert 2.0 * np.sum(mask & true) / (np.sum(mask) + np.sum(true)) > 0.985
+
+
+def test_affine_of_the_distance_maps_its_grid_to_world():
+    result = found("tilted")
+    index = np.array([5.0, 9.0, 20.0, 1.0])
+    sample = np.append(result.origin + result.spacing * index[:3], 1.0)
+    world = result.sample_to_world @ sample
+    np.testing.assert_allclose((result.distance_affine_mm @ index)[:3], 1e3 * world[:3])
+
+
+def test_drop_on_a_wall_is_left_out_and_told():
+    """A drop of 1 mm across would stand out by 0.6 mm; the wall is carried on beneath it."""
+    result = found("drop")
+    assert any("fluid" in flag for flag in result.flags)
+    assert not any("fluid" in flag for flag in found("plain").flags)
+    at = np.linalg.inv(result.sample_to_world) @ np.append(1e-3 * np.array([7.8, 0.1, 5.1]), 1.0)
+    _, j, k = np.round((at[:3] - result.origin) / result.spacing).astype(int)
+    line = result.distance[:, j, k]
+    wall = np.flatnonzero(line < 0.0)[-1]
+    edge = result.origin[0] + result.spacing * (wall + line[wall] / (line[wall] - line[wall + 1]))
+    x, z = np.linspace(5.0, 8.0, 3001), 4.0
+    true = x[np.flatnonzero(SHAPE.value(x, 0.5, z) < 0.0)[-1]]
+    offset = result.sample_to_world[0, 3] * 1e3 - SCANS["drop"].place[0]
+    assert 1e3 * edge + offset == pytest.approx(true, abs=0.15)
+
+
+def test_summary_is_in_mm_and_matches_the_result():
+    result = found("plain")
+    summary = result.summary()
+    assert summary["volume_mm3"] == pytest.approx(1e9 * result.volume)
+    assert summary["grid_spacing_mm"] == pytest.approx(0.25)
+    assert summary["snr"] == pytest.approx(SCANS["plain"].snr, rel=0.15)
+    assert summary["threshold"] == pytest.approx(150.0, rel=0.1)
+    matrix = np.array(summary["sample_to_world"])
+    np.testing.assert_allclose(matrix[:3, 3], 1e3 * result.sample_to_world[:3, 3])
+
+
+def test_the_same_image_gives_the_same_numbers():
+    again = segment(*SCANS["shear"].image(SHAPE))
+    np.testing.assert_array_equal(again.distance, found("shear").distance)
+    assert again.summary() == found("shear").summary()
+
+
+def test_axes_of_the_machine_may_be_other_image_axes():
+    """The same volume with world y as loading and world z as shear axis."""
+    image, affine = SCANS["shear"].image(SHAPE)
+    cycle = np.eye(4)[[1, 2, 0, 3]]  # world (x, y, z) -> (y, z, x): the loading axis z becomes y
+    turned_affine = cycle @ affine
+    up, shear = cycle[:3, :3] @ [0.0, 0.0, 1.0], cycle[:3, :3] @ [1.0, 0.0, 0.0]
+    result = segment(image, turned_affine, loading_axis=up, shear_axis=shear)
+    np.testing.assert_allclose(result.distance, found("shear").distance, atol=1e-9)
+    np.testing.assert_allclose(result.sample_to_world[:3, 2], up, atol=0.01)
+
+
+def test_a_given_mask_takes_the_place_of_the_segmentation():
+    scan = SCANS["tilted"]
+    image, affine = scan.image(SHAPE)
+    own = np.linalg.inv(scan.matrix()) @ affine
+    x, y, z = own[:3, :3] @ np.indices(image.shape).reshape(3, -1) + own[:3, 3:]
+    mask = ((SHAPE.value(x, y, z) < 0.0) & (z > 0.0)).reshape(image.shape)
+    result = segmentation_from_mask(mask, affine)
+    assert 1e9 * result.volume == pytest.approx(truth()[0], rel=0.01)
+    assert result.summary()["snr"] is None
+    assert np.degrees(result.tilt) == pytest.approx(3.0, abs=0.3)
+
+
+def bad_images():
+    image, affine = SCANS["shear"].image(SHAPE)
+    image = image.astype(np.float64)
+    broken = np.where(np.arange(image.size).reshape(image.shape) == 7, np.nan, image)
+    in_metres = affine * [1e-3, 1e-3, 1e-3, 1.0]
+    noise = np.abs(np.random.default_rng(0).normal(0.0, 10.0, image.shape))
+    small = np.zeros_like(image)
+    small[15:19, 15:19, 10:14] = 300.0
+    return {
+        "not 3-D": (image[0], affine, InputError, r"shape \(30, 25\).*one volume"),
+        "zero": (0.0 * image, affine, InputError, "image is 0 everywhere"),
+        "NaN": (broken, affine, InputError, "image has 1 NaN or infinite voxels"),
+        "metres": (image, in_metres, InputError, "voxel size .* outside 0.05 to 2 mm"),
+        "affine": (image, np.eye(3), InputError, "finite 4 x 4 matrix"),
+        "noise": (noise, affine, SegmentationError, "no sample found"),
+        "small": (small + noise, affine, SegmentationError, "no sample found"),
+        "cut": (image[:, 6:, :], affine, SegmentationError, r"edge.*first slice along j"),
+        "platen cut": (image[:, :, 8:], affine, SegmentationError, r"edge.*first slice along k"),
+    }
+
+
+@pytest.mark.parametrize("name", list(bad_images()))
+def test_a_bad_image_is_refused_with_the_cure(name):
+    image, affine, error, message = bad_images()[name]
+    with pytest.raises(error, match=message):
+        segment(image, affine)
+
+
+def test_too_much_tilt_and_senseless_axes_are_refused():
+    image, affine = replace(SCANS["shear"], rotation=turned(0.0, 14.0, 0.0)).image(SHAPE)
+    with pytest.raises(SegmentationError, match=r"tilted by 1[34]\.\d degrees"):
+        segment(image, affine)
+    with pytest.raises(InputError, match="parallel"):
+        segment(image, affine, loading_axis=(0.0, 0.0, 1.0), shear_axis=(0.0, 0.0, 2.0))
+
+
+def test_noise_of_a_dark_background_is_no_signal():
+    """Rayleigh noise alone has a mean of 1.25 sigma, which must not raise the threshold."""
+    noise = np.random.default_rng(1).normal(0.0, 10.0, (2, 40, 40, 40))
+    mask = np.zeros((40, 40, 40), dtype=bool)
+    mask[18:22, 18:22, 18:22] = True
+    sigma = intensity.noise_level(np.hypot(*noise), mask, np.full(3, 1e-3), 1e-3)
+    assert sigma == pytest.approx(10.0, rel=0.03)
+    for signal in (0.0, 60.0, 150.0):
+        image = intensity.without_noise_floor(np.hypot(noise[0] + signal, noise[1]), sigma)
+        assert np.mean(image) == pytest.approx(signal, abs=0.9)  # 0.35 sigma**2 / signal
+
+
+def test_bias_field_is_found_to_a_factor():
+    u, v, w = np.meshgrid(*(np.linspace(-1.0, 1.0, 24),) * 3, indexing="ij")
+    bias = np.exp(0.2 * u - 0.1 * v * w + 0.05 * w**2)
+    interior = np.maximum(np.maximum(abs(u), abs(v)), abs(w)) < 0.8
+    texture = 1.0 + 0.1 * np.sign(np.sin(9.0 * u) * np.sin(8.0 * v))
+    field = intensity.bias_field(200.0 * bias * texture, interior, 2)
+    ratio = (field / bias)[interior]
+    assert np.std(ratio) / np.mean(ratio) < 0.01
+
+
+def test_distance_to_a_ball_is_exact_near_its_surface():
+    spacing, radius = 0.25e-3, 3e-3
+    origin = np.full(3, -5.1e-3)
+    grid = np.indices((42, 42, 42)) * spacing + origin[0]
+    exact = np.linalg.norm(grid, axis=0) - radius
+    ball = frame.iso_surface(-exact, 0.0, frame.grid_affine(origin, spacing))
+    got = sdf.signed_distance(exact < 0.0, ball, origin, spacing, 1.5e-3)
+    # chords of the facets: (2 spacing**2) / (8 radius), 5 um, and a nearer facet missed
+    assert np.abs(got - exact)[np.abs(exact) < 1.4e-3].max() < 1e-5
+    assert np.abs(got - exact).max() < spacing
+
+
+def test_a_hole_in_a_plane_wall_is_filled_exactly():
+    x = np.indices((20, 20, 20)).astype(np.float64)
+    plane = 0.6 * x[0] + 0.8 * x[1] - 12.0
+    hole = np.linalg.norm(x - 10.0, axis=0) < 5.0
+    filled = sdf.fill_smoothly(np.where(hole, 99.0, plane), hole)
+    np.testing.assert_allclose(filled, plane, atol=1e-9)
+
+
+def test_walls_are_continued_with_their_slope():
+    z = np.arange(30.0)
+    field = np.broadcast_to(np.arange(12.0)[:, None, None] + 0.1 * z, (12, 12, 30)).copy()
+    spoiled = field.copy()
+    spoiled[:, :, :8] = 5.0
+    np.testing.assert_allclose(sdf.continue_below(spoiled, 8, 6, 1.0), field, atol=0.05)

@@ -163,7 +163,7 @@ def test_geometry_figure(segmented, cuboid, renderer):
         ("image y [mm]", "image z [mm]"),
     ]
     titles = [ax.get_title(loc="left") for ax in figure.axes]
-    assert titles[4:] == ["(e) real mesh, 192 elements", "(f) idealised mesh, 200 elements"]
+    assert titles[4:] == ["(e) Real mesh, 192 elements", "(f) Idealised mesh, 200 elements"]
     for ax in figure.axes[3:]:
         assert bool(ax.images) == (renderer == "vtk")
 

@@ -101,8 +101,8 @@ def geometry_figure(
     renderer
         `vtk` or `matplotlib`.
     """
-    figure = page_figure(height_mm=125.0)
-    parts: Any = figure.subfigures(2, 1, height_ratios=[1.0, 1.02])
+    figure = page_figure(height_mm=130.0)
+    parts: Any = figure.subfigures(2, 1, height_ratios=[1.0, 1.0], hspace=0.04)
     upper, lower = parts
     widths = [_extent(image, axis)[0] for axis, _ in PLANES]
     slices = upper.subplots(1, 3, width_ratios=widths)
@@ -110,9 +110,9 @@ def geometry_figure(
         _draw_slice(ax, image, axis)
         label_panel(ax, letter, name)
     shapes = (
-        (image.surface(), "segmented surface", False),
-        (real[0], f"real mesh, {real[1]} elements", True),
-        (ideal[0], f"idealised mesh, {ideal[1]} elements", True),
+        (image.surface(), "Segmented surface", False),
+        (real[0], f"Real mesh, {real[1]} elements", True),
+        (ideal[0], f"Idealised mesh, {ideal[1]} elements", True),
     )
     limits = _page_limits([surface for surface, _, _ in shapes])
     for ax, letter, (surface, name, edges) in zip(lower.subplots(1, 3), "def", shapes, strict=True):

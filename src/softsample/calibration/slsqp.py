@@ -165,10 +165,13 @@ def fit_ogden(
     def unpack(x: Array) -> tuple[float, float]:
         return float(np.exp(x[0])), float(x[1]) if len(x) > 1 else low
 
+    def area(x: Array, *_: Any) -> float:
+        return objective(*unpack(x))
+
     starts, best = [], None
     for start in _starts(objective, bounds, low, settings):
         result = minimize(
-            lambda x: objective(*unpack(x)),
+            area,
             start,
             method="SLSQP",
             bounds=bounds,

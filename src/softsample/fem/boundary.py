@@ -87,7 +87,9 @@ def glued_boundary(mesh: HexMesh, mode: str, glued: NDArray[np.int64]) -> Bounda
     )
 
 
-def platen_boundary(mesh: HexMesh, contact: ContactSettings, start: float | None = None) -> Boundary:
+def platen_boundary(
+    mesh: HexMesh, contact: ContactSettings, start: float | None = None
+) -> Boundary:
     """Base fixed, a rigid flat platen coming down from height `start` [m]: compression tests.
 
     By default the platen starts at the highest node. Nodes it starts on stick from the first step.

@@ -91,4 +91,5 @@ def hex_geometry(mesh: HexMesh) -> HexGeometry:
 def lumped_mass(mesh: HexMesh, geometry: HexGeometry, density: float) -> Array:
     """Nodal masses (n_nodes,) [kg]: an eighth of each element to each of its corners."""
     share = np.repeat(density * geometry.volume / 8.0, 8)
-    return np.bincount(mesh.hexes.ravel(), weights=share, minlength=len(mesh.points))
+    mass = np.bincount(mesh.hexes.ravel(), weights=share, minlength=len(mesh.points))
+    return np.asarray(mass, dtype=np.float64)

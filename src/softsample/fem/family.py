@@ -108,9 +108,9 @@ def simulate_family(
         for (r, slowdown), run, cpu in zip(jobs, runs, seconds, strict=True)
     ]
     doubled, same = runs[-1], runs[list(fractions).index(middle)]
-    error = 4.0 / 3.0 * np.abs(doubled.force - same.force).max() / np.abs(doubled.force).max()
+    bound = 4.0 / 3.0 * np.abs(doubled.force - same.force).max() / np.abs(doubled.force).max()
     return _curves(fractions, runs[:-1], modulus), {
-        "error_bound_percent": 100.0 * float(error),
+        "error_bound_percent": 100.0 * float(bound),
         "elements": len(model.mesh.hexes),
         "travel_mm": 1e3 * travel,
         "cpu_s": round(sum(seconds), 2),

@@ -100,9 +100,7 @@ def platen_boundary(
     candidates = touchable[held[touchable] == FREE].astype(np.int32)
     base_offset = 0.0 if contact.base_platen else np.inf
     planes = np.array([[0.0, 0.0, -1.0, base_offset], [0.0, 0.0, 1.0, start]])
-    return Boundary(
-        held, candidates, planes, np.array(DIRECTIONS["compression"]), contact.release
-    )
+    return Boundary(held, candidates, planes, np.array(DIRECTIONS["compression"]), contact.release)
 
 
 def _upward_nodes(mesh: HexMesh, cosine: float = 0.2) -> NDArray[np.int64]:

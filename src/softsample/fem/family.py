@@ -97,9 +97,7 @@ def simulate_family(
 
         start = time.process_time()
         try:
-            runs.append(
-                model.run(material, boundary, travel, slowdown=slowdown, progress=tell)
-            )
+            runs.append(model.run(material, boundary, travel, slowdown=slowdown, progress=tell))
         except SimulationError as error:
             raise SimulationError(f"{label}: {error}") from error
         seconds.append(time.process_time() - start)

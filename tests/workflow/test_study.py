@@ -1,0 +1,150 @@
+"""A whole study of two small samples, from images and records to the report."""
+
+import json
+import os
+import subprocess
+import sys
+from pathlib import Path
+
+import numpy as np
+import pandas as pd
+import pytest
+import toy
+
+ROOT = Path(__file__).resolve().parents[2]
+
+
+@pytest.fixture(scope="module")
+def study(tmp_path_factory):
+    """Runs the workflow in this checkout, so that compiled kernels are shared."""
+    folder = tmp_path_factory.mktemp("toy study")  # with a space in its name
+    settings = [f"samples={toy.write_study(folder)}", f"results={folder / 'results'}"]
+    command = [sys.executable, "-m", "snakemake", "--cores", "2"]
+    options = ["--configfile", "config/test.yaml", "--config", *settings]
+
+    def run(*arguments):
+        done = subprocess.run(
+            [*command, *arguments, *options],
+            cwd=ROOT,
+            stdout=subprocess.PIPE,
+            stderr=subprocess.STDOUT,
+            text=True,
+            check=False,
+        )
+        assert done.returncode == 0, done.stdout[-5000:]
+        return done.stdout
+
+    run()
+    return folder / "results", run
+
+
+def load(results, name):
+    return json.loads((results / name).read_text())
+
+
+def test_all_checks_passed(study):
+    results, _ = study
+    passed = load(results, "checks/passed.json")
+    assert passed["passed"] is True
+    assert passed["checks"] == 4 * 9 + 2 * 4
+    assert (results / "failures.rst").read_text() == ""
+
+
+def test_the_cuboid_has_the_size_that_was_drawn(study):
+    results, _ = study
+    for sample in "AB":
+        cuboid = load(results, f"cuboid/{sample}.json")
+        # edges are rounded, so the mean widths are below the extent and above it less the radius
+        assert toy.LENGTH - 1.0 < cuboid["length_mm"] < toy.LENGTH + 0.1
+        assert toy.WIDTH - 1.0 < cuboid["width_mm"] < toy.WIDTH + 0.1
+        # the top waves by half a millimetre about the height
+        assert cuboid["height_mm"] == pytest.approx(toy.HEIGHT, abs=0.35)
+        assert cuboid["highest_point_mm"] == pytest.approx(toy.HEIGHT + 0.5, abs=0.25)
+
+
+def test_calibrated_curves_follow_the_records(study):
+    results, _ = study
+    for geometry in ("real", "ideal"):
+        fit = load(results, f"calibration/AB/{geometry}/ogden2.json")
+        assert fit["samples"] == ["A", "B"]
+        assert fit["mu_pa"] == pytest.approx(fit["mu1_pa"] + fit["mu2_pa"])
+        curve = pd.read_csv(results / f"calibration/AB/{geometry}/ogden2.csv")
+        for sample, part in curve.groupby("sample"):
+            area = np.trapezoid(abs(part.measured_N - part.model_N), abs(part.displacement_mm))
+            under = np.trapezoid(abs(part.measured_N), abs(part.displacement_mm))
+            # noisy displacements are sorted before the fit integrates, hence the loose match
+            assert 100.0 * area / under == pytest.approx(
+                fit["area_error_percent"][sample], rel=0.3, abs=0.5
+            )
+            assert area < 0.25 * under
+
+
+def test_the_tables_hold_the_calibrated_moduli_and_no_value_of_the_paper(study):
+    results, _ = study
+    table = pd.read_csv(results / "tables/table1.csv").set_index("group")
+    real, ideal = (
+        load(results, f"calibration/AB/{geometry}/ogden2.json")["mu_pa"]
+        for geometry in ("real", "ideal")
+    )
+    assert table.loc["AB", "mu_real_pa"] == pytest.approx(real)
+    assert table.loc["AB", "difference_percent"] == pytest.approx(100.0 * (ideal / real - 1.0))
+    assert table.filter(like="paper").isna().all(axis=None)
+    assert pd.read_csv(results / "tables/table2.csv")["group"].tolist() == ["B"]
+
+
+def test_every_json_result_says_where_it_comes_from(study):
+    results, _ = study
+    files = sorted(results.rglob("*.json"))
+    assert len(files) > 25
+    for path in files:
+        record = load(results, path)["provenance"]
+        assert record["versions"]["softsample"]
+        assert len(record["code_sha256"]) == 64
+        assert record["inputs"]
+
+
+def test_every_log_is_written_and_no_file_is_half_written(study):
+    results, _ = study
+    assert all(path.stat().st_size >= 0 for path in (results / "logs").rglob("*.log"))
+    assert not [path for path in results.rglob(".partial-*")]
+
+
+def test_figures_are_drawn_in_both_formats(study):
+    results, _ = study
+    for number in (2, 4, 5, 6, 7):
+        assert (results / f"figures/figure{number}.png").read_bytes()[:4] == b"\x89PNG"
+        assert (results / f"figures/figure{number}.pdf").read_bytes()[:4] == b"%PDF"
+
+
+def test_a_second_run_does_nothing_and_the_report_can_be_made(study):
+    results, run = study
+    assert "Nothing to be done" in run("-n")
+    run("--report", str(results / "report.html"))
+    page = (results / "report.html").read_text(encoding="utf-8")
+    assert "two-term model" in page
+    assert "System Message" not in page  # docutils would complain of a missing number
+
+
+@pytest.mark.parametrize(
+    ("name", "picture", "shown"),
+    [
+        ("cuboid/A.json", False, "length_mm: "),
+        ("tables/table1.csv", False, "mu_real_pa"),
+        ("calibration/AB/real/ogden2.csv", True, "measured_N"),
+        ("curves/A/real/ogden2.csv", True, "force_per_mu_mm2"),
+        ("segmentation/A.nii.gz", True, "50 x 46 x 36 voxels"),
+        ("mesh/A/real.vtu", True, "element data scaled_jacobian: 0."),
+        ("fields/B/real.vtu", True, "max_principal_hencky_strain"),
+    ],
+)
+def test_every_kind_of_result_can_be_shown(study, tmp_path, name, picture, shown):
+    results, _ = study
+    output = tmp_path / "picture.png"
+    show = [sys.executable, "-m", "softsample", "show", str(results / name), "-o", str(output)]
+    environment = {**os.environ, "PYTHONPATH": str(ROOT / "src")}
+    done = subprocess.run(show, capture_output=True, text=True, env=environment, check=False)
+    assert done.returncode == 0, done.stderr
+    assert shown in done.stdout
+    assert output.exists() == picture
+    if picture:
+        assert output.read_bytes()[:4] == b"\x89PNG"

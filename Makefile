@@ -50,7 +50,9 @@ define study
 	exec 9> .snakemake/run.lock
 	if command -v flock > /dev/null; then
 	  flock -n 9 || { echo "Another run is working in this folder; wait for it, or stop it." >&2; exit 1; }
-	  $(bin)/snakemake --unlock --quiet all $(1) > /dev/null 2>&1 9>&- || true
+	  if [ -n "$$(ls -A .snakemake/locks 2> /dev/null)" ]; then
+	    $(bin)/snakemake --unlock --quiet all $(1) > /dev/null 2>&1 9>&- || true
+	  fi
 	fi
 	status=0
 	$(bin)/snakemake --cores $(CORES) $(1) 9>&- || status=$$?
@@ -58,8 +60,11 @@ define study
 	  export SOFTSAMPLE_PARTIAL=1
 	  $(bin)/snakemake --cores $(CORES) reported $(1) 9>&- || exit $$status
 	fi
-	$(bin)/snakemake --cores 1 reported $(1) --quiet all --report $(2)/report.html 9>&-
-	echo "Report: $(2)/report.html"
+	page=$(2)/report.html
+	if [ ! -e $$page ] || [ -n "$$(find $(2)/tables $(2)/figures $(2)/failures.rst workflow/report -newer $$page -print -quit)" ]; then
+	  $(bin)/snakemake --cores 1 reported $(1) --quiet all --report $$page 9>&-
+	fi
+	echo "Report: $$page"
 	exit $$status
 endef
 

@@ -253,8 +253,10 @@ SHOWN = EXAMPLES.get("compression") or next(iter(EXAMPLES.values()))
 def closing_words(complete):
     """What to look at, or what failed and why; the failures are kept for the report."""
     failed = failed_jobs(f"{config['results']}/logs")
-    rows = [f"- ``{job}``: {' '.join(reason.split())}\n" for job, reason in failed]
-    write_text(f"{config['results']}/failures.rst", "".join(rows))
+    text = "".join(f"- ``{job}``: {' '.join(reason.split())}\n" for job, reason in failed)
+    listed = Path(config["results"], "failures.rst")
+    if not listed.is_file() or listed.read_text(encoding="utf-8") != text:
+        write_text(listed, text)
     if complete:
         return f"Done. Results are below {config['results']}/ (tables, figures, checks)."
     if not failed:

@@ -76,6 +76,7 @@ quick: $(stamp)
 
 test: $(stamp)
 	$(bin)/python -m pytest -m "not long"
+	NUMBA_DISABLE_JIT=1 $(bin)/python -m pytest -q -m nojit tests/verification
 
 test-long: $(stamp)
 	$(bin)/python -m pytest

@@ -7,13 +7,13 @@ from pathlib import Path
 import pandas as pd
 import pytest
 from jsonschema import Draft202012Validator
-from softsample.imaging.measure import MeasurementSettings
 
 from softsample.calibration.slsqp import CalibrationSettings
 from softsample.errors import InputError
 from softsample.fem.boundary import ContactSettings
 from softsample.fem.explicit import SolverSettings
 from softsample.fem.family import FamilySettings
+from softsample.imaging.measure import MeasurementSettings
 from softsample.imaging.segment import SegmentationSettings
 from softsample.io import read_samples, read_yaml
 from softsample.meshing.hexahedral import MeshSettings

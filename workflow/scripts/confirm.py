@@ -26,7 +26,9 @@ with logged_to(snakemake.log[0]):
     mesh, point_data, _ = read_mesh_with_data(snakemake.input.mesh)
     contact = ContactSettings(**given.contact)
     measured = MeasuredCurve.of_record(read_record(snakemake.input.record), given.mode)
-    material = OgdenMaterial((fit["mu1_pa"], fit["mu2_pa"]), tuple(fit["alpha"]), fit["poisson_ratio"])
+    material = OgdenMaterial(
+        (fit["mu1_pa"], fit["mu2_pa"]), tuple(fit["alpha"]), fit["poisson_ratio"]
+    )
     bar = progress_bar()
     run = ExplicitModel(mesh, SolverSettings(**given.solver)).run(
         material,
@@ -50,7 +52,8 @@ with logged_to(snakemake.log[0]):
     report = {
         "travel_mm": 1e3 * measured.travel,
         "nominal_strain": measured.travel / mesh.highest,
-        "against_calibrated_curve_percent": 100 * float(abs(direct - model).max() / abs(model).max()),
+        "against_calibrated_curve_percent": 100
+        * float(abs(direct - model).max() / abs(model).max()),
         **run_report(run),
         "provenance": provenance(snakemake),
     }

@@ -80,7 +80,7 @@ wildcard_constraints:
 
 def library(script):
     """Files of src/ that a script imports, directly or not: its hidden inputs."""
-    seen, todo = set(), [ROOT / script] if (ROOT / script).is_file() else []
+    seen, todo = set(), [ROOT / script]
     while todo:
         for node in ast.walk(ast.parse(todo.pop().read_text(encoding="utf-8"))):
             if isinstance(node, ast.ImportFrom):

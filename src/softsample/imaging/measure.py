@@ -1,7 +1,8 @@
 """Idealised cuboid and areas of a sample, from its signed distance.
 
-The definitions are in ``docs/geometry.md``; they follow section 2.2 and 3.1 of the study
-doi:10.1016/j.jmbbm.2023.105716 as far as it states them.
+The definitions are in ``docs/geometry.md``; they follow sections 2.4.1 and 3.1 of the study
+as far as it states them (S. Arzemanzadeh, K. Miller, A. Wittek, On the validity of using idealised
+sample geometries for interpreting mechanical tests of very soft tissues).
 """
 
 from dataclasses import dataclass

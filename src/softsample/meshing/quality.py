@@ -104,7 +104,7 @@ def characteristic_lengths(mesh: HexMesh) -> Array:
 
     References
     ----------
-    .. [1] D. P. Flanagan, T. Belytschko, J. Appl. Mech. 51 (1984) 35, doi:10.1115/1.3167592.
+    .. [1] D. P. Flanagan, T. Belytschko, J. Appl. Mech. 51 (1984) 35.
     """
     corner = mesh.points[mesh.hexes]
     jacobian = np.einsum("an,eni->eai", _SIGNS, corner) / 8.0

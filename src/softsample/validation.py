@@ -144,14 +144,16 @@ def _in_order(error: ValidationError) -> list[str]:
 def _explain(error: ValidationError) -> Iterator[tuple[str, str]]:
     place = [str(part) for part in error.absolute_path]
     assert isinstance(error.schema, Mapping)
+    given: Any = error.instance
+    wanted: Any = error.validator_value
     cure = error.schema.get("cure") or error.schema.get("description")
     if error.validator == "additionalProperties":
         known = error.schema.get("properties", {})
-        for name in sorted(set(error.instance) - set(known)):
+        for name in sorted(set(given) - set(known)):
             yield ".".join([*place, name]), _unknown(name, known)
     elif error.validator == "required":
         properties = error.schema.get("properties", {})
-        for name in (n for n in error.validator_value if n not in error.instance):
+        for name in (n for n in wanted if n not in given):
             meaning = properties.get(name, {}).get("description", "see config/README.md")
             yield ".".join([*place, name]), f"is missing; give {meaning}"
     else:
@@ -165,11 +167,12 @@ def _unknown(name: str, known: Mapping[str, Any]) -> str:
 
 
 def _reason(error: ValidationError) -> str:
-    value = error.instance
+    value: Any = error.instance
+    wanted: Any = error.validator_value
     if error.validator == "type" and isinstance(value, str) and _is_number(value):
         return f"{value!r} is read as text; write a number with a decimal point, such as 1.0e-3"
     if error.validator == "enum":
-        return f"{value!r} is not one of {', '.join(map(str, error.validator_value))}"
+        return f"{value!r} is not one of {', '.join(map(str, wanted))}"
     if error.validator == "pattern":
         return f"{value!r} has another form"
     return str(error.message)

@@ -39,7 +39,7 @@ class Cuboid:
         rounded = np.sqrt(sum(part**2 for part in outside)) - self.edge
         return np.where(rounded > -self.edge, rounded, np.max(walls, axis=0))
 
-    def volume(self, step=0.05):
+    def volume(self, step=0.1):
         """Volume above the base by counting points of a fine grid [mm3]."""
         x, y = np.meshgrid(*(np.arange(-9.0, 9.0, step) for _ in "xy"), indexing="ij")
         layers = np.arange(0.5 * step, 12.0, step)

@@ -39,21 +39,20 @@ class Project:
             *("--configfile", "config/test.yaml", "--config", *settings),
         ]
 
-    def environment(self) -> dict[str, str]:
+    def environment(self, **more: str) -> dict[str, str]:
         """Environment without this checkout's sources on the path."""
         kept = {name: value for name, value in os.environ.items() if name != "PYTHONPATH"}
-        return {**kept, "NO_COLOR": "1"}
+        return {**kept, "NO_COLOR": "1", **more}
 
-    def run(self, *arguments: str, config: tuple[str, ...] = (), timeout: float = 300.0):
+    def run(self, *arguments: str, config: tuple[str, ...] = (), **environment: str):
         """Run Snakemake; returns exit status and everything that it printed."""
         run = subprocess.run(
             self.command(*arguments, config=config),
             cwd=self.folder,
-            env=self.environment(),
+            env=self.environment(**environment),
             stdout=subprocess.PIPE,
             stderr=subprocess.STDOUT,
             text=True,
-            timeout=timeout,
             check=False,
         )
         return run.returncode, run.stdout

@@ -131,6 +131,20 @@ def test_a_bad_sample_stops_itself_alone(project):
     assert re.search(rf"check_inputs/A: .*{message}", text.split("Some jobs failed")[1])
 
 
+def test_after_a_failure_the_report_holds_the_groups_that_came_through(project):
+    project.table.write_text(project.table.read_text() + "C\tCC\tshear\tA.nii.gz\tA.csv\n")
+    for sample in "AB":
+        for geometry in ("real", "ideal"):
+            file = project.results / f"fields/{sample}/{geometry}.json"
+            file.parent.mkdir(parents=True, exist_ok=True)
+            file.write_text("{}")
+    whole = jobs(project.run("reported", *DRY)[1])
+    partial = jobs(project.run("reported", *DRY, SOFTSAMPLE_PARTIAL="1")[1])
+    assert whole["check_inputs"] == 3
+    assert partial["check_inputs"] == 2
+    assert partial["table_moduli"] == partial["numbers"] == 1
+
+
 def test_a_killed_run_leaves_no_half_file_and_resumes(project):
     script = project.folder / "workflow/scripts/check_inputs.py"
     whole = script.read_text()

@@ -3,6 +3,7 @@
 import ast
 import os
 import sys
+from functools import cache
 from itertools import accumulate, chain
 from pathlib import Path
 
@@ -78,23 +79,31 @@ wildcard_constraints:
     model="ogden1|ogden2",
 
 
+@cache
+def imported(path):
+    """Files of src/ that a file imports directly."""
+    found = []
+    for node in ast.walk(ast.parse(path.read_text(encoding="utf-8"))):
+        if isinstance(node, ast.ImportFrom):
+            names = [node.module, *(f"{node.module}.{a.name}" for a in node.names)]
+        elif isinstance(node, ast.Import):
+            names = [a.name for a in node.names]
+        else:
+            continue
+        parts = (accumulate(name.split("."), "{}/{}".format) for name in names)
+        for name in chain.from_iterable(parts):
+            files = (ROOT / f"src/{name}.py", ROOT / f"src/{name}/__init__.py")
+            found += [file for file in files if file.is_file()]
+    return found
+
+
 def library(script):
     """Files of src/ that a script imports, directly or not: its hidden inputs."""
     seen, todo = set(), [ROOT / script]
     while todo:
-        for node in ast.walk(ast.parse(todo.pop().read_text(encoding="utf-8"))):
-            if isinstance(node, ast.ImportFrom):
-                names = [node.module, *(f"{node.module}.{a.name}" for a in node.names)]
-            elif isinstance(node, ast.Import):
-                names = [a.name for a in node.names]
-            else:
-                continue
-            parts = (accumulate(name.split("."), "{}/{}".format) for name in names)
-            for path in chain.from_iterable(parts):
-                for file in (ROOT / f"src/{path}.py", ROOT / f"src/{path}/__init__.py"):
-                    if file.is_file() and file not in seen:
-                        seen.add(file)
-                        todo.append(file)
+        new = set(imported(todo.pop())) - seen
+        seen |= new
+        todo += new
     return sorted(os.path.relpath(file) for file in seen)
 
 

@@ -179,6 +179,7 @@ rule figure4:
 rule figure5:
     input:
         **fits("ogden2", "csv"),
+        **{f"{geometry}_fit": names for geometry, names in fits("ogden2", "json").items()},
         table="<results>/tables/table1.csv",
         code=library("workflow/scripts/figure_moduli.py"),
     output:
@@ -202,6 +203,7 @@ rule figure5:
 use rule figure5 as figure6 with:
     input:
         **fits("ogden1", "csv"),
+        **{f"{geometry}_fit": names for geometry, names in fits("ogden1", "json").items()},
         table="<results>/tables/table2.csv",
         code=library("workflow/scripts/figure_moduli.py"),
     output:

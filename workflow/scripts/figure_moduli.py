@@ -2,15 +2,20 @@
 
 from softsample.figures.moduli import GroupCurves, moduli_figure
 from softsample.figures.style import save
-from softsample.io import read_table, written_aside
+from softsample.io import read_json, read_table, written_aside
 from softsample.workflow import logged_to
 
 with logged_to(snakemake.log[0]):
     given = snakemake.input
     moduli = read_table(given.table, text_columns=("group",))
     groups = [
-        GroupCurves(row.group, row.mode, {"real": read_table(real), "ideal": read_table(ideal)})
-        for row, real, ideal in zip(moduli.itertuples(), given.real, given.ideal, strict=True)
+        GroupCurves(
+            row.group,
+            row.mode,
+            {"real": read_table(given.real[at]), "ideal": read_table(given.ideal[at])},
+            all(read_json(fits[at])["success"] for fits in (given.real_fit, given.ideal_fit)),
+        )
+        for at, row in enumerate(moduli.itertuples())
     ]
     figure = moduli_figure(groups, moduli, snakemake.params.title)
     for path in snakemake.output:

@@ -1,6 +1,7 @@
 """Figures: axes with units, the lines that should be there, both ways of drawing surfaces."""
 
 import sys
+from dataclasses import replace
 
 import numpy as np
 import pandas as pd
@@ -107,6 +108,15 @@ def test_moduli_figure_draws_every_sample_on_both_geometries():
     assert len(shear_bars.patches) == 8
 
 
+def test_a_fit_that_is_not_trusted_is_marked():
+    groups = [group("S1", "shear", "S1"), group("S2", "shear", "S2")]
+    groups[1] = replace(groups[1], trusted=False)
+    figure = moduli_figure(groups, moduli(("S1", "shear"), ("S2", "shear")), "title")
+    assert [t.get_text() for t in figure.axes[1].texts] == ["−20.0 %", "−20.0 % *"]
+    keys = [text.get_text() for text in figure.legends[0].get_texts()]
+    assert "* fit not to be trusted, see the caption" in keys
+
+
 def test_one_term_figure_has_one_bar_a_geometry():
     groups = [group("C1", "compression", "C1")]
     figure = moduli_figure(groups, moduli(("C1", "compression"), two_terms=False), "title")
@@ -187,9 +197,11 @@ def test_strain_figure(ball, cuboid, renderer):
     outline = real.lines[0]
     assert outline.is_dashed()
     np.testing.assert_allclose(outline.get_xdata().max(), 2.0, atol=0.1)
-    platens = real.patches
-    assert platens[1].get_x() - platens[0].get_x() == pytest.approx(0.6)  # 0.3 of 2 mm
-    assert platens[1].get_y() == pytest.approx(2.0)
+    base, moving = real.patches
+    assert base.get_x() == pytest.approx(-2.5)
+    assert moving.get_x() + moving.get_width() == pytest.approx(3.1)  # 2 mm, sheared by 0.6 mm
+    assert moving.get_x() > base.get_x()
+    assert moving.get_y() == pytest.approx(2.0)
 
 
 def test_without_rendering_libraries_matplotlib_draws_and_says_what_to_install(monkeypatch, caplog):

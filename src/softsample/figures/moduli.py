@@ -1,6 +1,6 @@
 """Figures 5 and 6: measured and modelled curves, and the calibrated moduli."""
 
-from collections.abc import Sequence
+from collections.abc import Container, Sequence
 from dataclasses import dataclass
 from itertools import count
 from string import ascii_lowercase
@@ -36,11 +36,14 @@ class GroupCurves:
         Loading in the table of moduli (`shear`, `tension+compression`...).
     curves : dict of DataFrame
         By geometry: `sample`, `displacement_mm`, `measured_N`, `model_N`.
+    trusted : bool
+        Whether the fits on both geometries converged away from their bounds.
     """
 
     label: str
     mode: str
     curves: dict[str, pd.DataFrame]
+    trusted: bool = True
 
 
 @styled
@@ -71,8 +74,11 @@ def moduli_figure(groups: Sequence[GroupCurves], moduli: pd.DataFrame, title: st
             ascii_lowercase[next(letters)],
             f"{_spoken(loading)}: modulus",
         )
-        draw_moduli(right, moduli[moduli["group"].isin(list(palette))], palette)
+        doubtful = {group.label for group in members if not group.trusted}
+        draw_moduli(right, moduli[moduli["group"].isin(list(palette))], palette, doubtful)
     handles = [*_keys_of_curves(), *_keys_of_moduli(moduli)]
+    if not all(group.trusted for group in groups):
+        handles.append(Line2D([], [], ls="", label="* fit not to be trusted, see the caption"))
     figure.legend(handles=handles, loc="outside lower center", ncols=3, handlelength=2.4)
     figure.suptitle(title)
     return figure
@@ -112,8 +118,13 @@ def _draw_measured(ax: Axes, curve: pd.DataFrame, colour: str) -> None:
     )  # fmt: skip
 
 
-def draw_moduli(ax: Axes, moduli: pd.DataFrame, palette: dict[str, str]) -> None:
-    """Bars of mu1 (dark) and mu2 (light), real beside ideal, with the difference above."""
+def draw_moduli(
+    ax: Axes, moduli: pd.DataFrame, palette: dict[str, str], doubtful: Container[str] = ()
+) -> None:
+    """Bars of mu1 (dark) and mu2 (light), real beside ideal, with the difference above.
+
+    The difference of a group in `doubtful` has an asterisk.
+    """
     two_terms = "mu1_real_pa" in moduli
     for at, row in enumerate(moduli.to_dict("records")):
         colour = palette[row["group"]]
@@ -130,6 +141,7 @@ def draw_moduli(ax: Axes, moduli: pd.DataFrame, palette: dict[str, str]) -> None
                 ax.plot(x, paper, "D", ms=3.4, mfc="white", mec="black", mew=0.8, zorder=4)
         tallest = 1e-3 * np.nanmax([row[f"{p}mu_{g}_pa"] for p in ("", "paper_") for g in LINES])
         text = f"{row['difference_percent']:+.1f} %".replace("-", "−")
+        text += " *" if row["group"] in doubtful else ""
         ax.annotate(
             text, (at, tallest), xytext=(0, 4), textcoords="offset points", ha="center", size=7
         )

@@ -111,10 +111,10 @@ def _draw_row(line: Sequence[Axes], row: StrainRow, renderer: Renderer) -> None:
     """Three front views of one sample and the colour bar of the row."""
     limits = _limits(row)
     draw_surface(line[0], row.surface, FRONT, Look(), renderer)
-    _draw_platens(line[0], row.surface, row.surface)
+    _draw_platens(line[0], row.surface)
     for ax, shape in zip(line[1:], (row.real, row.ideal), strict=True):
         draw_surface(ax, shape.after, FRONT, Look(limits=limits), renderer)
-        _draw_platens(ax, shape.before, shape.after)
+        _draw_platens(ax, shape.after)
         outline = silhouette(shape.before, FRONT)
         ax.plot(outline[:, 0], outline[:, 1], color="black", lw=0.7, ls=(0, (4, 2)), zorder=3)
     line[0].set_ylabel("z [mm]")
@@ -151,10 +151,10 @@ def _frame(row: StrainRow) -> tuple[Array, Array]:
     return page.min(axis=0) - margin, page.max(axis=0) + margin
 
 
-def _draw_platens(ax: Axes, before: Surface, after: Surface) -> None:
-    """Base and moving platen as grey bars; the moving one lies on the highest point."""
-    low, high = before.points[:, 0].min(), before.points[:, 0].max()
-    top = before.points[:, 2].argmax()
-    shift = after.points[top, 0] - before.points[top, 0]
-    for x, z in ((low, -PLATEN_MM), (low + shift, after.points[:, 2].max())):
-        ax.add_patch(Rectangle((x, z), high - low, PLATEN_MM, color="0.6", lw=0, zorder=1))
+def _draw_platens(ax: Axes, surface: Surface) -> None:
+    """Base and moving platen as grey bars that cover the sample; the moving one touches its top."""
+    x, z = surface.points[:, 0], surface.points[:, 2]
+    top = float(z.max())
+    for part, at in ((x[z <= 0.5 * top], -PLATEN_MM), (x[z >= 0.5 * top], top)):
+        low, high = float(part.min()) - 0.5, float(part.max()) + 0.5
+        ax.add_patch(Rectangle((low, at), high - low, PLATEN_MM, color="0.6", lw=0, zorder=1))

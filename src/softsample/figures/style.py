@@ -1,5 +1,6 @@
 """One look for all figures: page width, fonts, colours that the colour-blind can tell apart."""
 
+import logging
 import os
 from collections.abc import Callable
 from functools import wraps
@@ -77,6 +78,7 @@ def page_figure(height_mm: float, width_mm: float = PAGE_WIDTH_MM) -> Figure:
 @styled
 def save(figure: Figure, path: str | os.PathLike[str]) -> Figure:
     """Write a figure in the format of the path's suffix, the same bytes every time."""
+    logging.getLogger("fontTools").setLevel(logging.WARNING)  # else each glyph is in the log
     name = os.fspath(path)
     metadata = {"CreationDate": None} if name.endswith(".pdf") else {"Software": None}
     figure.savefig(name, dpi=DOTS_PER_INCH, metadata=metadata)

@@ -12,6 +12,13 @@ EXTENT_MM = (3.0, 500.0)
 FEWEST_VOXELS = 12
 
 
+def world_axis(name: str) -> NDArray[np.float64]:
+    """(3,) unit vector of an image world axis named as `+z` or `-x`."""
+    vector = np.zeros(3)
+    vector["xyz".index(name[1])] = {"+": 1.0, "-": -1.0}[name[0]]
+    return vector
+
+
 def check_image(
     data: NDArray[np.float32], affine: NDArray[np.float64], source: str
 ) -> dict[str, Any]:

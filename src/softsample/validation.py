@@ -20,11 +20,11 @@ NOT_SUPPORTED = {
     "width_mm": "the geometry has to come from an image",
     "height_mm": "the geometry has to come from an image",
     "diameter_mm": "the geometry has to come from an image",
-    "segmentation": "samples are segmented by this workflow itself",
 }
 """Columns of the study table that are planned and not built yet, with what holds meanwhile."""
 
 DEFAULT_AXES = {"loading_axis": "+z", "shear_axis": "+x"}
+"""Image world axes of the test where the table does not name others."""
 
 
 def check_config(config: Mapping[str, Any], schema: Schema, source: str) -> None:
@@ -107,13 +107,12 @@ def _wrong_cells(rows: Sequence[Mapping[str, str]], schema: Schema) -> Iterator[
                 f"  row {number} ({row.get('sample', '?')}), column {column!r}: not supported "
                 f"yet ({NOT_SUPPORTED[column]}); leave the cell empty"
             )
-        for column, default in DEFAULT_AXES.items():
-            if row.get(column, default) != default:
-                yield (
-                    f"  row {number} ({row.get('sample', '?')}), column {column!r}: "
-                    f"{row[column]!r} is not supported yet; turn the image so that this axis is "
-                    f"{default}, or leave the cell empty if it is"
-                )
+        loading, shear = (row.get(name, default) for name, default in DEFAULT_AXES.items())
+        if loading[-1] == shear[-1]:
+            yield (
+                f"  row {number} ({row.get('sample', '?')}), column 'shear_axis': {shear!r} is "
+                f"parallel to the loading axis {loading!r}; give two different axes"
+            )
 
 
 def _wrong_together(rows: Sequence[Mapping[str, str]]) -> Iterator[str]:

@@ -12,7 +12,7 @@ from softsample.checks import (
     simulation_checks,
 )
 from softsample.errors import InputError, SimulationError
-from softsample.images import check_image
+from softsample.images import check_image, world_axis
 from softsample.manifest import check_files
 from softsample.meshing.mesh import HexMesh
 from softsample.scoring import score_summary, score_table
@@ -167,6 +167,11 @@ def test_facts_of_a_good_image():
 def test_a_bad_image_is_refused_with_value_and_cure(given, message):
     with pytest.raises(InputError, match=f"a.nii.gz: {message}"):
         check_image(*given, "a.nii.gz")
+
+
+def test_world_axes_are_signed_unit_vectors():
+    assert world_axis("+z").tolist() == [0.0, 0.0, 1.0]
+    assert world_axis("-x").tolist() == [-1.0, 0.0, 0.0]
 
 
 def test_an_image_with_nan_is_refused():

@@ -157,11 +157,11 @@ def test_the_shipped_table_is_accepted():
     assert rows[0]["sample"] == "S1"
 
 
-def test_empty_optional_cells_and_default_axes_are_accepted():
+def test_empty_optional_cells_and_axes_are_accepted():
     rows = check_samples(
-        table({"loading_axis": "+z", "shear_axis": "", "labels": ""}), SCHEMAS["samples"], "t"
+        table({"loading_axis": "-y", "shear_axis": "", "labels": ""}), SCHEMAS["samples"], "t"
     )
-    assert rows == [{**ROW, "loading_axis": "+z"}]
+    assert rows == [{**ROW, "loading_axis": "-y"}]
 
 
 BAD_TABLES = {
@@ -175,6 +175,10 @@ BAD_TABLES = {
     "twice but for case": ([{}, {"sample": "a1"}], "row 3, column 'sample': 'a1' stands in row 2"),
     "unknown column": ([{"imgae": "a.nii"}], "column 'imgae': unknown name; did you mean 'image'"),
     "length in words": ([{"length_mm": "20 mm"}], "column 'length_mm': '20 mm' has another form"),
+    "parallel axes": (
+        [{"loading_axis": "-x"}],
+        "row 2 .A1., column 'shear_axis': '.x' is parallel to the loading axis '-x'",
+    ),
     "axis": ([{"loading_axis": "z"}], "column 'loading_axis': 'z' is not one of .x, -x"),
 }
 
@@ -190,12 +194,9 @@ def test_a_bad_table_is_refused_with_row_column_and_cure(name):
     ("column", "value"),
     [
         ("bond_mask", "b.nii.gz"),
-        ("segmentation", "s.nii.gz"),
         ("labels", "l.nii.gz"),
         ("shape", "cylinder"),
         ("diameter_mm", "20.0"),
-        ("loading_axis", "-y"),
-        ("shear_axis", "+y"),
     ],
 )
 def test_columns_that_are_planned_are_refused_with_words(column, value):

@@ -1,5 +1,6 @@
 """What the workflow refuses, reruns, resumes and leaves alone; checked on its cheapest stage."""
 
+import json
 import os
 import re
 import subprocess
@@ -7,7 +8,10 @@ import sys
 import time
 from pathlib import Path
 
+import nibabel
+import numpy as np
 import pytest
+import toy
 
 ROOT = Path(__file__).resolve().parents[2]
 DRY = ("-n", "--quiet", "host")  # with the table of jobs
@@ -129,6 +133,30 @@ def test_a_bad_sample_stops_itself_alone(project):
     assert checked(project, "B").exists()
     message = "A.csv, line 41, column 'displacement_mm': 'oops' is not a number"
     assert re.search(rf"check_inputs/A: .*{message}", text.split("Some jobs failed")[1])
+
+
+def test_other_axes_and_a_segmentation_made_elsewhere(project):
+    """A is imaged lying on its side; B comes with a mask, and an image that shows nothing."""
+    lying = np.array([[1, 0, 0, 0], [0, 0, -1, 0], [0, 1, 0, 0], [0, 0, 0, 1]], dtype=float)
+    data, affine = toy.image(0)
+    nibabel.save(nibabel.Nifti1Image(data, lying @ affine), project.study / "A.nii.gz")
+    data, affine = toy.image(1)
+    nibabel.save(
+        nibabel.Nifti1Image((data > 150).astype(np.uint8), affine), project.study / "mask.nii.gz"
+    )
+    noise = np.random.default_rng(0).normal(100.0, 5.0, data.shape).astype(np.int16)
+    nibabel.save(nibabel.Nifti1Image(noise, affine), project.study / "B.nii.gz")
+    header, first, second = project.table.read_text().splitlines()
+    rows = [f"{header}\tloading_axis\tsegmentation", f"{first}\t-y\t", f"{second}\t\tmask.nii.gz"]
+    project.table.write_text("\n".join(rows) + "\n")
+    targets = [str(project.results / f"cuboid/{sample}.json") for sample in "AB"]
+    status, text = project.run(*targets)
+    assert status == 0, text
+    for target in targets:
+        cuboid = json.loads(Path(target).read_text())
+        assert cuboid["height_mm"] == pytest.approx(toy.HEIGHT, abs=0.35)
+        assert toy.LENGTH - 1.0 < cuboid["length_mm"] < toy.LENGTH + 0.1
+        assert toy.WIDTH - 1.0 < cuboid["width_mm"] < toy.WIDTH + 0.1
 
 
 def test_after_a_failure_the_report_holds_the_groups_that_came_through(project):

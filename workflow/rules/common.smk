@@ -16,7 +16,7 @@ os.environ.update(PYTHONPATH=os.pathsep.join(dict.fromkeys(search_path)))
 
 from softsample.errors import SoftsampleError
 from softsample.io import read_samples, read_yaml, write_text
-from softsample.validation import check_config, check_samples
+from softsample.validation import DEFAULT_AXES, check_config, check_samples
 from softsample.workflow import failed_jobs, sha256_of_files
 
 
@@ -151,6 +151,12 @@ def known(sample):
 def row_value(column):
     """Params function: one value of the sample's row."""
     return lambda wildcards: SAMPLES[known(wildcards.sample)][column]
+
+
+def test_axes(wildcards):
+    """Params function: image world axes of loading and shear."""
+    row = SAMPLES[known(wildcards.sample)]
+    return {name: row.get(name, default) for name, default in DEFAULT_AXES.items()}
 
 
 def members(group, model):

@@ -4,6 +4,7 @@
 rule segment:
     input:
         image=study_file("image"),
+        segmentation=study_file("segmentation"),
         checked="<results>/inputs/{sample}.json",
         code=library("workflow/scripts/segment.py"),
     output:
@@ -16,6 +17,7 @@ rule segment:
         "<benchmarks>/segment/{sample}.tsv"
     params:
         settings=config["segmentation"],
+        axes=test_axes,
     message:
         "Segment the image: {wildcards.sample}"
     script:

@@ -46,6 +46,49 @@ def smooth_step_rate(fraction: ArrayLike) -> Array:
 
 
 @dataclass(frozen=True)
+class History:
+    """Any travel of the moving platen over time, as a polygon: ramps, holds, unloading.
+
+    Parameters
+    ----------
+    time : (n,) float64
+        Time of the corners [s], ascending, from zero.
+    travel : (n,) float64
+        Travel along the direction of loading at the corners [m], from zero.
+
+    Raises
+    ------
+    InputError
+        If the corners are fewer than two, out of order, or do not start at zero and move.
+    """
+
+    time: Array
+    travel: Array
+
+    def __post_init__(self) -> None:
+        if len(self.time) != len(self.travel) or len(self.time) < 2:
+            raise InputError("a loading history needs at least two corners of time and travel")
+        if not np.all(np.diff(self.time) > 0.0):
+            raise InputError(f"times of a loading history must ascend, got {self.time} s")
+        if self.time[0] != 0.0 or self.travel[0] != 0.0 or not self.reach > 0.0:
+            raise InputError(
+                f"a loading history must start at zero and move, got {1e3 * self.travel} mm"
+            )
+
+    @classmethod
+    def ramp(cls, travel: float, duration: float = 1.0) -> "History":
+        """A single ramp to `travel` > 0 [m] in `duration` [s]."""
+        if not travel > 0.0:
+            raise InputError(f"the platen must travel, got {travel:g} m; check the record")
+        return cls(np.array([0.0, duration]), np.array([0.0, travel]))
+
+    @property
+    def reach(self) -> float:
+        """Largest travel either way [m]."""
+        return float(np.abs(self.travel).max())
+
+
+@dataclass(frozen=True)
 class Phase:
     """Part of a record in which the platen does one thing.
 

@@ -30,6 +30,7 @@ rule confirm:
     input:
         mesh="<results>/mesh/{sample}/{geometry}.vtu",
         record=study_file("record"),
+        family="<results>/curves/{sample}/{geometry}/ogden2.json",
         fit=optimum("json"),
         fit_curve=optimum("csv"),
         code=library("workflow/scripts/confirm.py"),

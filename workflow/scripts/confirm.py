@@ -34,6 +34,7 @@ with logged_to(snakemake.log[0]):
         material,
         mode_boundary(mesh, given.mode, np.flatnonzero(point_data["glued"]), contact),
         measured.travel,
+        loading_time=read_json(snakemake.input.family)["loading_time_s"],
         progress=lambda fraction: bar("run at the optimum", fraction),
     )
     sign = travel_sign(given.mode)

@@ -10,6 +10,69 @@ Array = NDArray[np.float64]
 
 
 @dataclass(frozen=True)
+class Fibres:
+    """One family of fibres, ``W = k1 (I4bar - 1)^2`` with ``I4bar = a . Cbar a``.
+
+    Parameters
+    ----------
+    modulus : float
+        k1 [Pa], not negative; small stretch along the fibres meets 8 k1 more stiffness.
+    direction : tuple of float
+        a in the sample frame; normalised here.
+
+    Raises
+    ------
+    ValueError
+        If the modulus is negative or the direction has no length.
+    """
+
+    modulus: float
+    direction: tuple[float, float, float]
+
+    def __post_init__(self) -> None:
+        length = float(np.linalg.norm(self.direction))
+        if not (self.modulus >= 0.0 and length > 0.0):
+            raise ValueError(
+                f"fibres need a modulus >= 0 and a direction, got {self.modulus} Pa "
+                f"along {self.direction}"
+            )
+        unit = tuple(float(a) / length for a in self.direction)
+        object.__setattr__(self, "direction", unit)
+
+
+@dataclass(frozen=True)
+class Relaxation:
+    """Prony series of the isochoric stress, ``G(t) = 1 - sum g (1 - exp(-t/tau))``.
+
+    Parameters
+    ----------
+    g : tuple of float
+        Relaxing parts, positive, sum below one.
+    tau_s : tuple of float
+        Relaxation times [s], positive.
+
+    Raises
+    ------
+    ValueError
+        On lengths that disagree or a value out of range.
+
+    References
+    ----------
+    J. C. Simo, Comput. Methods Appl. Mech. Engng 60 (1987) 153,
+    doi:10.1016/0045-7825(87)90107-1.
+    """
+
+    g: tuple[float, ...]
+    tau_s: tuple[float, ...]
+
+    def __post_init__(self) -> None:
+        if len(self.g) != len(self.tau_s) or min(self.g + self.tau_s, default=1.0) <= 0.0:
+            raise ValueError(f"one time > 0 per part > 0 is needed, got {self.g}, {self.tau_s} s")
+        if sum(self.g) >= 1.0:
+            raise ValueError(f"relaxing parts must sum to less than one, got {self.g}")
+
+
+@dataclass(frozen=True)
 class OgdenMaterial:
     """Parameters of ``W = sum 2 mu_i/alpha_i^2 (sum_a lbar_a^alpha_i - 3) + K/2 (J - 1)^2``.
 
@@ -25,6 +88,10 @@ class OgdenMaterial:
         Exponents, dimensionless, none zero, one per modulus.
     poisson_ratio : float
         Initial Poisson's ratio, in (0, 0.5).
+    fibres : Fibres, optional
+        One family of fibres in addition.
+    relaxation : Relaxation, optional
+        Stress relaxation; the moduli are then the instantaneous ones.
 
     Raises
     ------
@@ -39,6 +106,8 @@ class OgdenMaterial:
     mu: tuple[float, ...]
     alpha: tuple[float, ...]
     poisson_ratio: float = 0.49
+    fibres: Fibres | None = None
+    relaxation: Relaxation | None = None
 
     def __post_init__(self) -> None:
         if len(self.mu) != len(self.alpha) or not self.mu:

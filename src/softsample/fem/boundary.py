@@ -5,7 +5,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from softsample.fem.kernels import BASE, FREE, PLATEN
+from softsample.fem.kernels import BASE, FREE, PLATEN, Platens
 from softsample.meshing.mesh import HexMesh
 from softsample.protocol import DIRECTIONS
 
@@ -23,11 +23,17 @@ class ContactSettings:
         faces that look up (normal z above 0.2) can.
     base_platen : bool
         Whether nodes of the side walls can fold onto the base platen.
+    friction : float, optional
+        Coefficient of Coulomb friction at the moving platen; none (default) for no slip.
+    base_friction : float, optional
+        Coefficient at the base, on which the sample then lies; none (default) if it is glued.
     """
 
     release: bool = True
     side_walls: bool = True
     base_platen: bool = True
+    friction: float | None = None
+    base_friction: float | None = None
 
 
 @dataclass(frozen=True)
@@ -46,6 +52,9 @@ class Boundary:
         Unit vector of the moving platen's travel.
     release : bool
         Whether touching nodes can let go.
+    friction : tuple of float
+        Coefficients of Coulomb friction in contact with base and moving platen; infinite for
+        no slip. Nodes held from the start do not slip.
     """
 
     held: NDArray[np.int8]
@@ -53,11 +62,20 @@ class Boundary:
     planes: NDArray[np.float64]
     direction: NDArray[np.float64]
     release: bool = False
+    friction: tuple[float, float] = (np.inf, np.inf)
+
+    def platens(self) -> Platens:
+        """Kernel argument `platens`."""
+        return Platens(
+            self.glued, self.candidates, self.planes, np.array(self.friction), self.direction,
+            self.release,
+        )  # fmt: skip
 
     @property
     def glued(self) -> NDArray[np.int32]:
-        """Nodes held from the start."""
-        return np.flatnonzero(self.held != FREE).astype(np.int32)
+        """Nodes held for good: those held from the start that no platen can let go."""
+        held = np.flatnonzero(self.held != FREE)
+        return np.setdiff1d(held, self.candidates).astype(np.int32)
 
 
 def _held(mesh: HexMesh, glued: NDArray[np.int64]) -> NDArray[np.int8]:
@@ -88,19 +106,63 @@ def glued_boundary(mesh: HexMesh, mode: str, glued: NDArray[np.int64]) -> Bounda
 
 
 def platen_boundary(
-    mesh: HexMesh, contact: ContactSettings, start: float | None = None
+    mesh: HexMesh,
+    contact: ContactSettings,
+    start: float | None = None,
+    *,
+    tilt_deg: tuple[float, float] = (0.0, 0.0),
+    gap: float = 0.0,
 ) -> Boundary:
-    """Base fixed, a rigid flat platen coming down from height `start` [m]: compression tests.
+    """A rigid flat platen coming down: compression tests.
 
-    By default the platen starts at the highest node. Nodes it starts on stick from the first step.
+    Parameters
+    ----------
+    mesh : HexMesh
+        The sample on its base.
+    contact : ContactSettings
+        Rules of contact.
+    start : float, optional
+        Height [m] at which the platen's plane crosses the z axis; by default it touches the
+        first node. Nodes it starts on are held from the first step.
+    tilt_deg : tuple of float
+        Rotation of the platen about x and y [degrees], in this order.
+    gap : float
+        Way of the platen before it gets there [m]; negative if it starts inside the sample.
     """
-    start = mesh.highest if start is None else start
+    base_glued = contact.base_friction is None
     held = _held(mesh, np.empty(0, dtype=np.int64))
     touchable = mesh.boundary if contact.side_walls else _upward_nodes(mesh)
-    candidates = touchable[held[touchable] == FREE].astype(np.int32)
-    base_offset = 0.0 if contact.base_platen else np.inf
-    planes = np.array([[0.0, 0.0, -1.0, base_offset], [0.0, 0.0, 1.0, start]])
-    return Boundary(held, candidates, planes, np.array(DIRECTIONS["compression"]), contact.release)
+    candidates = touchable[held[touchable] == FREE]
+    if not base_glued:
+        candidates = np.union1d(candidates, mesh.bottom)
+    normal = _tilted(tilt_deg)
+    top = (mesh.points[candidates] @ normal).max() if start is None else start * normal[2]
+    base_offset = 0.0 if contact.base_platen or not base_glued else np.inf
+    planes = np.array([[0.0, 0.0, -1.0, base_offset], [*normal, top + gap * normal[2]]])
+    return Boundary(
+        held,
+        candidates.astype(np.int32),
+        planes,
+        np.array(DIRECTIONS["compression"]),
+        contact.release,
+        (_coefficient(contact.base_friction), _coefficient(contact.friction)),
+    )
+
+
+def _coefficient(friction: float | None) -> float:
+    return np.inf if friction is None else friction
+
+
+def _tilted(angles_deg: tuple[float, float]) -> NDArray[np.float64]:
+    """Unit normal of a plane z = const. after rotations about x and y [degrees]."""
+    about_x, about_y = np.deg2rad(angles_deg)
+    return np.array(
+        [
+            np.sin(about_y) * np.cos(about_x),
+            -np.sin(about_x),
+            np.cos(about_y) * np.cos(about_x),
+        ]
+    )
 
 
 def _upward_nodes(mesh: HexMesh, cosine: float = 0.2) -> NDArray[np.int64]:

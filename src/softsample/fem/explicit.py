@@ -1,11 +1,10 @@
 """Explicit total-Lagrangian dynamics of one test: public face of the solver."""
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.linalg import eigh_tridiagonal
 
 from softsample.constitutive.ogden import OgdenMaterial
 from softsample.errors import SimulationError
@@ -13,14 +12,20 @@ from softsample.fem import kernels
 from softsample.fem.boundary import Boundary
 from softsample.fem.denormals import flushed_denormals
 from softsample.fem.element import hex_geometry, lumped_mass
+from softsample.fem.lanes import LANES
+from softsample.fem.schedule import Schedule
+from softsample.fem.stability import largest_eigenvalue
 from softsample.meshing.mesh import HexMesh
-from softsample.protocol import smooth_step
+from softsample.protocol import History
 
 Array = NDArray[np.float64]
 Progress = Callable[[float], None]
 
-LANCZOS_STEPS = 16
-"""Enough for the largest eigenvalue within some percent, which the safety factor covers."""
+JACOBI_SWEEPS = {"float32": 3, "float64": 4}
+"""Sweeps that bring a 3x3 matrix to diagonal form within rounding; they converge quadratically."""
+
+BACKENDS = {"vector": None, "scalar": 0}
+"""Kernel argument `lane` of each backend."""
 
 
 @dataclass(frozen=True)
@@ -29,11 +34,16 @@ class SolverSettings:
 
     Parameters
     ----------
+    backend : str
+        `vector` for explicit vector code, `scalar` for the same kernels one element at a time.
     precision : str
         `float32` or `float64` for displacements, velocities and element data.
     loading_time_s : float
-        Duration of the smooth-step loading [s] for a shear modulus of `reference_modulus_pa` and
-        a density of `density_kg_m3`. Only the ratio to the shear wave's transit time matters.
+        Duration of the smooth-step loading over the whole reach [s] for a shear modulus of
+        `reference_modulus_pa` and a density of `density_kg_m3`; only the ratio to the shear
+        wave's transit time matters. A family of curves starts its search for the time here.
+    curve_error_percent : float
+        Error of the finite loading time that a family of curves may have [% of peak force].
     reference_modulus_pa : float
         Shear modulus of the unit-modulus runs [Pa].
     density_kg_m3 : float
@@ -41,19 +51,21 @@ class SolverSettings:
     safety_factor : float
         Fraction of the critical time step that is used, in (0, 1).
     step_updates : int
-        How often the critical step is estimated again while the mesh deforms.
+        How often per loading time the critical step is estimated again.
     hourglass_coefficient : float
         Hourglass stiffness in units of ``mu V (B:B) / 64``.
     curve_points : int
-        Evenly spaced displacements of the output curve, zero not counted.
+        Evenly spaced points of the output curve in each leg of the history, its start not counted.
     """
 
+    backend: str = "vector"
     precision: str = "float32"
-    loading_time_s: float = 0.13
+    loading_time_s: float = 0.06
+    curve_error_percent: float = 0.5
     reference_modulus_pa: float = 1000.0
     density_kg_m3: float = 1000.0
-    safety_factor: float = 0.85
-    step_updates: int = 20
+    safety_factor: float = 0.9
+    step_updates: int = 12
     hourglass_coefficient: float = 0.5
     curve_points: int = 60
 
@@ -64,55 +76,93 @@ class SolverSettings:
 
 
 @dataclass(frozen=True)
+class Gravity:
+    """The sample's own weight.
+
+    Parameters
+    ----------
+    density_kg_m3 : float
+        Mass density of the tissue [kg/m3].
+    acceleration : (3,) tuple of float
+        In the sample frame [m/s2].
+    settle_first : bool
+        Whether the sample settles freely on the base before the platen is glued to it or brought
+        to its highest point. If not, what holds it at the start does so from the beginning.
+    """
+
+    density_kg_m3: float = 1040.0
+    acceleration: tuple[float, float, float] = (0.0, 0.0, -9.81)
+    settle_first: bool = True
+
+
+@dataclass(frozen=True)
+class Snapshot:
+    """The sample at one instant.
+
+    Parameters
+    ----------
+    travel : float
+        Travel of the moving platen [m].
+    displacement : (n_nodes, 3) float64
+        Nodal displacements [m].
+    held : (n_nodes,) int8
+        What holds each node (FREE, BASE, PLATEN).
+    contact_force : (n_nodes, 3) float64
+        Force of the moving platen on each node [N].
+    """
+
+    travel: float
+    displacement: Array
+    held: NDArray[np.int8]
+    contact_force: Array
+
+
+@dataclass(frozen=True)
 class Run:
     """Result of one explicit run.
 
     Parameters
     ----------
-    displacement : (n_points,) float64
-        Travel of the moving platen along its direction [m], evenly spaced from zero.
+    time, displacement : (n_points,) float64
+        Time of the test [s] and travel of the moving platen along its direction [m], evenly
+        spaced in each leg of the history.
     force, platen_force, base_force : (n_points,) float64
         Component of the force on the sample along the direction of travel [N]: quasi-static
-        estimate ``(platen - 2 base) / 3``, by the moving platen, by the base.
+        estimate ``(platen - 2 base) / 3``, by the moving platen, by the base. Own weight is
+        borne by both; its part at zero travel is what a taring afterwards takes off.
+    force_vector : (n_points, 3) float64
+        The quasi-static estimate in the sample frame [N].
     displacement_field : (n_nodes, 3) float64
         Nodal displacements at the end [m].
     held : (n_nodes,) int8
         What holds each node at the end (FREE, BASE, PLATEN).
     energy : dict of float
         At the end [J]: `strain`, `hourglass`, `kinetic`, `work`, and the largest `imbalance`
-        and `hourglass_ratio` along the way, relative to the final strain energy.
+        and `hourglass_ratio` along the way, relative to the largest strain energy. With
+        relaxation `strain` is that of an elastic solid and `imbalance` means nothing (nan).
+    energies : dict of (n_slices,) float64
+        `displacement` [m], `strain`, `hourglass`, `kinetic`, `work` [J] along the way.
+    snapshots : tuple of Snapshot
+        In the order they were asked for.
     steps : int
         Number of time steps.
     smallest_step_s : float
         Smallest time step [s].
     """
 
+    time: Array
     displacement: Array
     force: Array
     platen_force: Array
     base_force: Array
+    force_vector: Array
     displacement_field: Array
     held: NDArray[np.int8]
     energy: dict[str, float]
+    energies: dict[str, Array]
+    snapshots: tuple[Snapshot, ...]
     steps: int
     smallest_step_s: float
-
-
-@dataclass
-class _State:
-    """Everything that moves; `history` grows by one row per time step."""
-
-    u: NDArray
-    v: NDArray
-    force: NDArray
-    element: NDArray
-    held: NDArray[np.int8]
-    mobility: NDArray
-    history: list[Array] = field(default_factory=list)
-    energies: list[Array] = field(default_factory=list)
-    work: float = 0.0
-    dt: float = 0.0
-    smallest_dt: float = np.inf
 
 
 class ExplicitModel:
@@ -124,6 +174,8 @@ class ExplicitModel:
         Reference configuration [m].
     settings : SolverSettings
         Numerical choices.
+    relative_stiffness : (n_elements,) float64, optional
+        Factors on all moduli, element by element, for regions of different stiffness.
 
     Raises
     ------
@@ -141,37 +193,52 @@ class ExplicitModel:
     doi:10.1002/nme.1620170504.
     """
 
-    def __init__(self, mesh: HexMesh, settings: SolverSettings) -> None:
+    def __init__(
+        self,
+        mesh: HexMesh,
+        settings: SolverSettings,
+        relative_stiffness: Array | None = None,
+    ) -> None:
         self.mesh = mesh
         self.settings = settings
         geometry = hex_geometry(mesh)
         self.mass = lumped_mass(mesh, geometry, settings.density_kg_m3)
-        n = len(mesh.hexes)
-        lanes = kernels.LANES
-        blocks = np.minimum(np.arange(-(-n // lanes) * lanes), n - 1).reshape(-1, lanes)
-
-        def pack(values: NDArray, dtype: np.dtype) -> NDArray:
-            return np.ascontiguousarray(np.moveaxis(values[blocks], 1, -1), dtype=dtype)
-
-        dtype = settings.dtype
-        self._connectivity = pack(mesh.hexes, np.dtype(np.int32))
-        self._gradient = pack(geometry.gradient, dtype)
-        self._hourglass = pack(geometry.hourglass, dtype)
-        self._volume = pack(geometry.volume, dtype)
+        factor = np.ones(len(mesh.hexes)) if relative_stiffness is None else relative_stiffness
         squared = np.einsum("nai,nai->n", geometry.gradient, geometry.gradient)
-        self._unit_stiffness = pack(geometry.volume * squared / 64.0, dtype)
+        weight = factor * geometry.volume
+        self._unit_elements = kernels.Elements(
+            self._pack(mesh.hexes, np.dtype(np.int32)),
+            self._pack(geometry.gradient),
+            self._pack(geometry.hourglass),
+            self._pack(weight, padding=0.0),
+            self._pack(weight * squared / 64.0, padding=0.0),
+        )
 
-    def elements(self, shear_modulus: float) -> tuple:
+    def _pack(
+        self, values: NDArray, dtype: np.dtype | None = None, padding: float | None = None
+    ) -> NDArray:
+        """Blocks of lanes of per-element values; the last block repeats the last element."""
+        count = LANES[self.settings.dtype]
+        n = len(values)
+        index = np.arange(-(-n // count) * count)
+        filled = values[np.minimum(index, n - 1)]
+        if padding is not None:
+            filled[n:] = padding
+        blocks = np.moveaxis(filled.reshape(-1, count, *values.shape[1:]), 1, -1)
+        packed = _aligned(blocks.shape, dtype or self.settings.dtype)
+        packed[:] = blocks
+        return packed
+
+    def elements(self, shear_modulus: float) -> kernels.Elements:
         """Kernel argument `elements` for a material of `shear_modulus` [Pa]."""
         scale = self.settings.dtype.type(self.settings.hourglass_coefficient * shear_modulus)
-        return (
-            self._connectivity,
-            self._gradient,
-            self._hourglass,
-            self._volume,
-            self._unit_stiffness * scale,
-            len(self.mesh.hexes),
-        )
+        stiffness = _aligned(self._unit_elements.stiffness.shape, self.settings.dtype)
+        stiffness[:] = self._unit_elements.stiffness * scale
+        return self._unit_elements._replace(stiffness=stiffness)
+
+    def flat(self, state: NDArray) -> NDArray:
+        """Element values (..., n_elements) of blocks (..., n_blocks, n) without their padding."""
+        return state.reshape(*state.shape[:-2], -1)[..., : len(self.mesh.hexes)]
 
     def internal_force(
         self, displacement: Array, material: OgdenMaterial, spectral: bool | None = None
@@ -180,38 +247,93 @@ class ExplicitModel:
 
         The element state (3, n_elements) holds strain energy [J], hourglass energy [J] and J - 1.
         `spectral` forces the path by eigenvalues (default: only for exponents that need it).
+        Relaxation has no part in it.
         """
-        u = np.ascontiguousarray(displacement, dtype=self.settings.dtype)
-        force = np.empty_like(u)
-        state = np.empty((3, *self._volume.shape), dtype=u.dtype)
+        u = self.nodal(displacement)
+        force, state = np.empty_like(u), self.blank_state()
+        solid = _instantaneous(self.solid(material, spectral))
         elements = self.elements(material.shear_modulus)
-        kernels.internal_force(u, elements, _kernel_material(material, spectral), force, state)
-        flat = state.reshape(3, -1)[:, : len(self.mesh.hexes)]
-        return force.astype(np.float64), flat.astype(np.float64)
+        self.add_up(u, elements, solid, force, state)
+        return force[:, :3].astype(np.float64), self.flat(state).astype(np.float64)
+
+    def add_up(
+        self,
+        u: NDArray,
+        elements: kernels.Elements,
+        solid: kernels.Solid,
+        force: NDArray,
+        state: NDArray,
+    ) -> None:
+        """Internal force of a solid without relaxation."""
+        none = np.empty((2, 0)), np.empty((0, 1, 6, state.shape[-1]), u.dtype)
+        lane = BACKENDS[self.settings.backend]
+        kernels.internal_force(u, elements, solid, *none, force, state, True, lane)
+
+    def nodal(self, values: Array | None = None) -> NDArray:
+        """Rows of four for the kernels, zero or filled with values (n_nodes, 3)."""
+        rows = _aligned((len(self.mesh.points), 4), self.settings.dtype)
+        if values is not None:
+            rows[:, :3] = values
+        return rows
+
+    def blank_state(self) -> NDArray:
+        """Zeros for the state of the elements."""
+        return _aligned((3, *self._unit_elements.volume.shape), self.settings.dtype)
+
+    def solid(self, material: OgdenMaterial, spectral: bool | None = None) -> kernels.Solid:
+        """Kernel argument `solid`.
+
+        Raises
+        ------
+        SimulationError
+            If the path by products is asked for with exponents that are not even integers.
+        """
+        by_eigenvalues = (not material.even) if spectral is None else spectral
+        if not by_eigenvalues and not material.even:
+            raise SimulationError(
+                f"exponents {material.alpha} are not all even integers: use the spectral path"
+            )
+        order = np.argsort(np.abs(material.alpha), kind="stable")
+        fibres, relaxation = material.fibres, material.relaxation
+        return kernels.Solid(
+            np.array(material.mu, float)[order],
+            np.array(material.alpha, float)[order],
+            material.bulk_modulus,
+            JACOBI_SWEEPS[self.settings.precision] if by_eigenvalues else 0,
+            np.array([fibres.modulus, *fibres.direction] if fibres else [0.0, 0.0, 0.0, 1.0]),
+            np.array(relaxation.g if relaxation else (), float),
+        )
 
     def run(
         self,
         material: OgdenMaterial,
         boundary: Boundary,
-        travel: float,
+        loading: float | History,
         *,
-        slowdown: float = 1.0,
+        loading_time: float | None = None,
+        gravity: Gravity | None = None,
+        snapshots: Sequence[float] = (),
         spectral: bool | None = None,
         progress: Progress | None = None,
     ) -> Run:
-        """Load the sample by `travel` [m] of the moving platen and record the forces.
+        """Move the platen and record the forces.
 
         Parameters
         ----------
         material : OgdenMaterial
             Its shear modulus scales the loading time with the wave speed, so that curves of
-            ``k mu`` are ``k`` times those of ``mu``.
+            ``k mu`` are ``k`` times those of ``mu`` (without gravity).
         boundary : Boundary
             What holds and moves the sample.
-        travel : float
-            Travel along the boundary's direction [m], > 0.
-        slowdown : float
-            Factor on the loading time (two for the error bound).
+        loading : float or History
+            Travel of a single ramp along the boundary's direction [m], or any history.
+        loading_time : float, optional
+            Solver time of a ramp over the whole reach for the reference modulus [s]; default is
+            that of the settings.
+        gravity : Gravity, optional
+            The sample's own weight.
+        snapshots : sequence of float
+            Times of the test [s] at which to keep the deformed shape; a single ramp lasts 1 s.
         spectral : bool, optional
             Force the path by eigenvalues.
         progress : callable, optional
@@ -219,27 +341,47 @@ class ExplicitModel:
 
         Raises
         ------
+        InputError
+            If the platen does not travel.
         SimulationError
             When an element inverts or the solution stops being finite.
         """
-        if not travel > 0.0:
-            raise SimulationError(f"the platen must travel, got {travel:g} m; check the record")
-        loading = _Loading(self, material, boundary, travel, slowdown, spectral)
+        history = loading if isinstance(loading, History) else History.ramp(loading)
+        pace = np.sqrt(self.settings.reference_modulus_pa / material.shear_modulus)
+        duration = float(pace) * (loading_time or self.settings.loading_time_s)
+        schedule = Schedule(history, duration, duration if gravity else 0.0)
+        march = _March(self, material, boundary, schedule, gravity, spectral)
         with flushed_denormals():
-            loading.march(progress)
-        return loading.result()
+            march.go(np.asarray(snapshots, float), progress)
+        return march.result()
 
 
-def _kernel_material(material: OgdenMaterial, spectral: bool | None) -> tuple:
-    path = (not material.even) if spectral is None else spectral
-    if not path and not material.even:
-        raise SimulationError(
-            f"exponents {material.alpha} are not all even integers: use the spectral path"
-        )
-    return np.array(material.mu), np.array(material.alpha, float), material.bulk_modulus, path
+def _aligned(shape: tuple[int, ...], dtype: np.dtype) -> NDArray:
+    """Zeros that start at a cache line, so that no vector load crosses two."""
+    size = int(np.prod(shape)) * dtype.itemsize
+    raw = np.zeros(size + 64, np.uint8)
+    start = -raw.ctypes.data % 64
+    return raw[start : start + size].view(dtype).reshape(shape)
 
 
-class _Loading:
+def _instantaneous(solid: kernels.Solid) -> kernels.Solid:
+    return solid._replace(prony=np.empty(0))
+
+
+@dataclass
+class _Records:
+    """What a march has noted: rows per time step, rows per slice."""
+
+    clock: list[Array] = field(default_factory=list)
+    forces: list[Array] = field(default_factory=list)
+    weight: list[Array] = field(default_factory=list)
+    energies: list[Array] = field(default_factory=list)
+    snapshots: list[Snapshot] = field(default_factory=list)
+    work: float = 0.0
+    smallest_dt: float = np.inf
+
+
+class _March:
     """One run in progress."""
 
     def __init__(
@@ -247,139 +389,205 @@ class _Loading:
         model: ExplicitModel,
         material: OgdenMaterial,
         boundary: Boundary,
-        travel: float,
-        slowdown: float,
+        schedule: Schedule,
+        gravity: Gravity | None,
         spectral: bool | None,
     ) -> None:
-        settings = model.settings
-        self.model, self.boundary, self.travel = model, boundary, travel
+        self.model, self.boundary, self.schedule = model, boundary, schedule
+        self.relaxation, self.gravity = material.relaxation, gravity
         self.elements = model.elements(material.shear_modulus)
-        self.material = _kernel_material(material, spectral)
-        speed_up = np.sqrt(settings.reference_modulus_pa / material.shear_modulus)
-        self.duration = settings.loading_time_s * slowdown * float(speed_up)
-        shape, dtype = model.mesh.points.shape, settings.dtype
+        self.solid = model.solid(material, spectral)
+        self.platens = boundary.platens()
+        self.dt = self.clock = self.critical = 0.0
         self.rng = np.random.default_rng(0)
-        self.critical = 0.0
-        self.state = _State(
-            u=np.zeros(shape, dtype),
-            v=np.zeros(shape, dtype),
-            force=np.zeros(shape, dtype),
-            element=np.zeros((3, *model._volume.shape), dtype),
-            held=boundary.held.copy(),
-            mobility=np.where(boundary.held == kernels.FREE, 1.0 / model.mass, 0.0)[:, None]
-            .repeat(3, axis=1)
-            .astype(dtype),
-        )
-
-    def march(self, progress: Progress | None) -> None:
-        """Go through the loading in slices of constant step, then record the final state."""
-        slices = self.model.settings.step_updates
-        for k in range(slices):
-            allowed = self.model.settings.safety_factor * self._critical_step()
-            n = int(np.ceil(self.duration / slices / allowed))
-            times = (k + np.arange(n + 1) / n) / slices
-            self._advance(self.travel * smooth_step(times), self.duration / slices / n)
-            self._check((k + 1) / slices)
-            if progress is not None:
-                progress((k + 1) / slices)
-        self._advance(np.full(2, self.travel), self.state.dt)
-
-    def _advance(self, path: Array, dt: float) -> None:
-        s, b, model = self.state, self.boundary, self.model
-        history = np.empty((len(path) - 1, 7))
-        kernels.advance(
-            path, dt, s.dt or dt, s.u, s.v, s.force, s.element, self.elements, self.material,
-            model.mass, s.mobility, model.mesh.points, s.held, (b.glued, b.candidates), b.planes,
-            b.direction, b.release, history,
+        self.records = _Records()
+        state, terms = model.blank_state(), self.solid.prony.size
+        blocks, count = state.shape[1:] if terms else (0, state.shape[2])
+        self.motion = kernels.Motion(
+            model.nodal(), model.nodal(), model.nodal(),
+            np.zeros(len(model.mass), model.settings.dtype), boundary.held.copy(), model.mass, model.mesh.points, state,
+            _aligned((blocks, terms + 1, 6, count), model.settings.dtype),
         )  # fmt: skip
-        s.dt, s.smallest_dt = dt, min(s.smallest_dt, dt)
-        # trapezoidal rule up to the last forces, the instant of the strain energy below
-        rows = np.concatenate([s.history[-1][-1:], history]) if s.history else history
-        s.work += float(np.trapezoid(rows[:, 1:4] @ b.direction, rows[:, 0]))
-        s.history.append(history)
-        kinetic = 0.5 * float(model.mass @ np.einsum("ni,ni->n", s.v, s.v, dtype=np.float64))
-        flat = s.element.reshape(3, -1)[:, : self.elements[5]]
-        s.energies.append(np.array([*flat[:2].sum(axis=1, dtype=np.float64), kinetic, s.work]))
+        if gravity and gravity.settle_first:
+            self._lift_platen()
+        self._free()
+
+    def _lift_platen(self) -> None:
+        """Take the moving platen off while the sample settles."""
+        self.motion.held[self.motion.held == kernels.PLATEN] = kernels.FREE
+        planes = self.platens.planes.copy()
+        planes[1, 3] = np.inf
+        glued = np.flatnonzero(self.motion.held != kernels.FREE).astype(np.int32)
+        self.platens = self.platens._replace(planes=planes, glued=glued)
+
+    def _lower_platen(self) -> None:
+        """Glue the platen to the settled sample, or bring it to the highest point."""
+        self.platens = self.boundary.platens()
+        glued = self.boundary.held == kernels.PLATEN
+        self.motion.held[glued] = kernels.PLATEN
+        if np.isfinite(self.platens.planes[1, 3]):
+            ids = self.platens.candidates
+            place = self.model.mesh.points[ids] + self.motion.u[ids, :3]
+            planes = self.platens.planes.copy()
+            planes[1, 3] = (place @ planes[1, :3]).max()
+            self.platens = self.platens._replace(planes=planes)
+        self._free()
+
+    def _free(self) -> None:
+        """Inverse masses of the nodes that nothing holds."""
+        free = self.motion.held == kernels.FREE
+        self.motion.mobility[:] = np.where(free, 1.0 / self.model.mass, 0.0)
+
+    def go(self, snapshots: Array, progress: Progress | None) -> None:
+        """March through the schedule in slices of constant step, then record the final state."""
+        stops = self.schedule.solver_time(snapshots)
+        ends = self.schedule.slices(self.model.settings.step_updates, stops)
+        for start, end in zip(ends[:-1], ends[1:], strict=True):
+            if self.gravity and self.gravity.settle_first and start == self.schedule.settling:
+                self._lower_platen()
+            allowed = self.model.settings.safety_factor * self._critical_step()
+            n = int(np.ceil((end - start) / allowed))
+            self._advance(np.linspace(start, end, n + 1), (end - start) / n)
+            self._check(end / ends[-1])
+            if np.any(np.isclose(stops, end, rtol=0.0, atol=1e-9)):
+                self._take_snapshot()
+            if progress is not None:
+                progress(end / ends[-1])
+        self._advance(np.full(2, ends[-1]), self.dt)
+
+    def _advance(self, times: Array, dt: float) -> None:
+        clock = self.schedule.clock(times)
+        share = self.schedule.gravity(times[:-1])[:, None] * self._body_acceleration()
+        history = np.empty((len(times) - 1, 7))
+        ticks = np.diff(clock[:-1], prepend=self.clock)
+        kernels.advance(
+            self.schedule.travel(clock), share, self._relax(ticks), dt, self.dt or dt, self.motion,
+            self.elements, self.solid, self.platens, history,
+            BACKENDS[self.model.settings.backend],
+        )  # fmt: skip
+        self.dt, self.clock = dt, clock[-2]
+        self._note(clock[:-1], history, share)
+
+    def _body_acceleration(self) -> Array:
+        """Acceleration [m/s2] that gives the tissue's weight to the solver's masses."""
+        if self.gravity is None:
+            return np.zeros(3)
+        ratio = self.gravity.density_kg_m3 / self.model.settings.density_kg_m3
+        return ratio * np.asarray(self.gravity.acceleration)
+
+    def _relax(self, ticks: Array) -> Array:
+        """Decay and gain of every Prony term in steps of the test's clock [s]."""
+        if self.relaxation is None:
+            return np.empty((len(ticks), 2, 0))
+        x = ticks[:, None] / np.array(self.relaxation.tau_s)
+        gain = np.divide(-np.expm1(-x), x, out=np.ones_like(x), where=x > 0.0)
+        return np.stack([np.exp(-x), np.array(self.relaxation.g) * gain], axis=1)
+
+    def _note(self, clock: Array, history: Array, share: Array) -> None:
+        """Append to the records; work is that of platen and body force."""
+        r, motion, mass = self.records, self.motion, self.model.mass
+        direction = self.boundary.direction
+        force, travel = history[:, :3] @ direction, self.schedule.travel(clock)
+        if r.forces:  # trapezoidal rule up to the last forces, the instant of the strain energy
+            force = np.concatenate([r.forces[-1][-1:, :3] @ direction, force])
+            travel = np.concatenate([self.schedule.travel(r.clock[-1][-1:]), travel])
+        r.work += float(np.trapezoid(force, travel)) + float(history[:, 6].sum())
+        r.clock.append(clock)
+        r.forces.append(history[:, :6])
+        r.weight.append(share * mass.sum())
+        r.smallest_dt = min(r.smallest_dt, self.dt)
+        v = motion.v[:, :3]
+        kinetic = 0.5 * float(mass @ np.einsum("ni,ni->n", v, v, dtype=np.float64))
+        strain, hourglass = self.model.flat(motion.state)[:2].sum(axis=1, dtype=np.float64)
+        r.energies.append(np.array([travel[-1], strain, hourglass, kinetic, r.work]))
+
+    def _take_snapshot(self) -> None:
+        motion = self.motion
+        touched = (motion.held == kernels.PLATEN)[:, None]
+        self.records.snapshots.append(
+            Snapshot(
+                float(self.schedule.travel(self.clock)),
+                motion.u[:, :3].astype(np.float64),
+                motion.held.copy(),
+                np.where(touched, motion.force[:, :3], 0.0).astype(np.float64),
+            )
+        )
 
     def _critical_step(self) -> float:
         """``2 / omega_max`` of the current tangent, extrapolated to the end of the next slice."""
-        critical = 2.0 / np.sqrt(self._largest_eigenvalue())
-        before, self.critical = self.critical, critical
-        return critical * min(1.0, critical / (before or critical))
+        model, motion = self.model, self.motion
+        solid = _instantaneous(self.solid)
+        rest, bent = model.nodal(), model.nodal()
+        state = model.blank_state()
+        model.add_up(motion.u, self.elements, solid, rest, state)
+        reach = 1e-3 * model.mesh.edge_length
 
-    def _largest_eigenvalue(self) -> float:
-        """Largest eigenvalue of ``M^-1 K`` [1/s2] by Lanczos on differences of forces.
-
-        A fresh random start lets the estimate find a local mode that has just become the stiffest;
-        the residual is added, so that the value errs on the safe side.
-        """
-        s, steps = self.state, LANCZOS_STEPS
-        mass = np.where(s.held == kernels.FREE, self.model.mass, 0.0)[:, None].astype(s.u.dtype)
-        kernels.internal_force(s.u, self.elements, self.material, s.force, s.element)
-        reach = 1e-3 * self.model.mesh.edge_length
-        q = self.rng.standard_normal(s.u.shape, dtype=s.u.dtype) * (mass > 0.0)
-        q /= np.sqrt(np.vdot(q, q * mass))
-        before, beta = np.zeros_like(q), 0.0
-        force = np.empty_like(q)
-        diagonal, off = np.empty(steps), np.empty(steps)
-        for k in range(steps):
+        def stiffness(q: NDArray) -> NDArray:
             scale = q.dtype.type(reach / np.abs(q).max())
-            kernels.internal_force(s.u + scale * q, self.elements, self.material, force, s.element)
-            w = (force - s.force) / scale * s.mobility
-            diagonal[k] = np.vdot(w, q * mass)
-            w -= diagonal[k] * q + beta * before
-            beta = off[k] = np.sqrt(np.vdot(w, w * mass))
-            before, q = q, w / beta
-        values, vectors = eigh_tridiagonal(diagonal, off[:-1])
-        bound = float(values[-1] + abs(off[-1] * vectors[-1, -1]))
-        if not (np.isfinite(bound) and values[-1] > 0.0):
-            raise SimulationError(
-                "the stiffness of the mesh is not positive; check the mesh quality report "
-                "and lower solver: safety_factor"
-            )
-        return bound
+            model.add_up(motion.u + scale * q, self.elements, solid, bent, state)
+            return (bent - rest) / scale
+
+        free = np.where(motion.held == kernels.FREE, model.mass, 0.0)
+        start = model.nodal(self.rng.standard_normal((len(free), 3)))
+        value = largest_eigenvalue(stiffness, free[:, None].astype(start.dtype), start)
+        before, self.critical = self.critical, 2.0 / float(np.sqrt(value))
+        return self.critical * min(1.0, self.critical / (before or self.critical))
 
     def _check(self, fraction: float) -> None:
         """Refuse inverted elements and numbers that are not finite."""
-        dilatation = self.state.element.reshape(3, -1)[2, : self.elements[5]]
+        dilatation = self.model.flat(self.motion.state)[2]
         worst = int(np.argmin(np.nan_to_num(dilatation, nan=-np.inf)))
         if not dilatation[worst] > -0.9:
-            centre = 1e3 * self.model.mesh.points[self.model.mesh.hexes[worst]].mean(axis=0)
+            mesh = self.model.mesh
+            centre = 1e3 * mesh.points[mesh.hexes[worst]].mean(axis=0)
+            travel = 1e3 * float(self.schedule.travel(self.clock))
             raise SimulationError(
                 f"element {worst} near {np.round(centre, 2).tolist()} mm has J = "
                 f"{1.0 + float(dilatation[worst]):.3g} at {100 * fraction:.0f} % of the loading "
-                f"time; lower solver: safety_factor, raise solver: hourglass_coefficient, "
-                "or end the record at a smaller strain"
+                f"time ({travel:.2f} mm of travel); lower solver: safety_factor, raise "
+                "solver: hourglass_coefficient, or end the record at a smaller strain"
             )
 
     def result(self) -> Run:
-        """Interpolate the history at even displacements and sum the energies up."""
-        s, direction = self.state, self.boundary.direction
-        history = np.concatenate(s.history)
-        displacement = np.linspace(0.0, self.travel, self.model.settings.curve_points + 1)
-        platen, base = (
-            np.interp(displacement, history[:, 0], history[:, k : k + 3] @ direction)
-            for k in (1, 4)
-        )
-        energies = np.array(s.energies)
-        strain, hourglass, kinetic, work = energies.T
-        imbalance = np.abs(strain + hourglass + kinetic - work).max() / strain[-1]
-        loaded = strain > 0.01 * strain[-1]
+        """Interpolate the records at even times and sum the energies up."""
+        r, direction = self.records, self.boundary.direction
+        clock, first = np.concatenate(r.clock), 0
+        if self.schedule.settling:
+            first = int(np.searchsorted(clock, 0.0, side="right")) - 1
+        time = self.schedule.times(self.model.settings.curve_points)
+
+        def sampled(rows: list[Array]) -> Array:
+            columns = np.concatenate(rows)[first:].T
+            return np.stack([np.interp(time, clock[first:], column) for column in columns], axis=1)
+
+        forces, weight = sampled(r.forces), sampled(r.weight)
+        platen, base = forces[:, :3], forces[:, 3:]
+        force = (platen - 2.0 * (base + weight)) / 3.0
+        energy, energies = self._energies()
         return Run(
-            displacement=displacement,
-            force=(platen - 2.0 * base) / 3.0,
-            platen_force=platen,
-            base_force=base,
-            displacement_field=s.u.astype(np.float64),
-            held=s.held,
-            energy={
-                "strain": strain[-1],
-                "hourglass": hourglass[-1],
-                "kinetic": kinetic[-1],
-                "work": work[-1],
-                "imbalance": float(imbalance),
-                "hourglass_ratio": float((hourglass[loaded] / strain[loaded]).max()),
-            },
-            steps=len(history),
-            smallest_step_s=s.smallest_dt,
+            time=time,
+            displacement=self.schedule.travel(time),
+            force=force @ direction,
+            platen_force=platen @ direction,
+            base_force=base @ direction,
+            force_vector=force,
+            displacement_field=self.motion.u[:, :3].astype(np.float64),
+            held=self.motion.held,
+            energy=energy,
+            energies=energies,
+            snapshots=tuple(r.snapshots),
+            steps=len(clock),
+            smallest_step_s=r.smallest_dt,
         )
+
+    def _energies(self) -> tuple[dict[str, float], dict[str, Array]]:
+        columns = ("displacement", "strain", "hourglass", "kinetic", "work")
+        along = dict(zip(columns, np.array(self.records.energies).T, strict=True))
+        strain, hourglass = along["strain"], along["hourglass"]
+        imbalance = np.abs(strain + hourglass + along["kinetic"] - along["work"]).max()
+        loaded = strain > 0.01 * strain.max()
+        return {
+            **{name: float(along[name][-1]) for name in columns[1:]},
+            "imbalance": np.nan if self.relaxation else float(imbalance / strain.max()),
+            "hourglass_ratio": float((hourglass[loaded] / strain[loaded]).max()),
+        }, along

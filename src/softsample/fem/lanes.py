@@ -1,0 +1,462 @@
+"""Vector lanes for Numba: one value per element of a block, held in one register.
+
+The functions of this file take a `lane`. With an integer they work on that element of a block, as
+plain Numba (or Python) does. With `None` they work on the whole block: values are of the type
+`Lanes`, LLVM's ``<n x float>``, and arithmetic on them is vector code on any processor. So one
+text of a kernel is both the fast version and its scalar twin.
+"""
+
+import math
+import operator
+from typing import Any
+
+import numba
+import numpy as np
+from llvmlite import ir
+from numba import types
+from numba.core.cgutils import get_or_insert_function
+from numba.core.datamodel import models
+from numba.core.typing.templates import AbstractTemplate, infer_global, signature
+from numba.extending import intrinsic, lower_builtin, lower_cast, overload, register_model
+from numba.np.arrayobj import make_array
+
+LANES = {np.dtype(np.float32): 16, np.dtype(np.float64): 8}
+"""Elements per block: one 512-bit register; narrower machines take several."""
+
+FUSED = ("contract",)
+"""Let the compiler fuse multiplication and addition, nothing else."""
+
+
+class Lanes(types.Type):
+    """`count` numbers of type `dtype` in one LLVM vector."""
+
+    def __init__(self, dtype: types.Float) -> None:
+        self.dtype = dtype
+        self.count = LANES[np.dtype(str(dtype))]
+        super().__init__(name=f"Lanes({dtype} x {self.count})")
+
+
+@register_model(Lanes)
+class _LanesModel(models.PrimitiveModel):
+    def __init__(self, manager: Any, kind: Lanes) -> None:
+        element = manager.lookup(kind.dtype).get_value_type()
+        super().__init__(manager, kind, ir.VectorType(element, kind.count))
+
+
+def _indices(values):
+    """Constant vector of int32."""
+    return ir.Constant(ir.VectorType(ir.IntType(32), len(values)), list(values))
+
+
+def _splat(builder, scalar, count):
+    """Repeat a scalar in all lanes."""
+    undefined = ir.Constant(ir.VectorType(scalar.type, count), ir.Undefined)
+    first = builder.insert_element(undefined, scalar, ir.Constant(ir.IntType(32), 0))
+    return builder.shuffle_vector(first, undefined, _indices([0] * count))
+
+
+@lower_cast(types.Float, Lanes)
+@lower_cast(types.Integer, Lanes)
+def _cast_scalar(context, builder, source, target, value):
+    return _splat(builder, context.cast(builder, value, source, target.dtype), target.count)
+
+
+def _teach(function, instruction):
+    """Let Numba apply a binary operator to lanes, and to lanes and scalars."""
+
+    @infer_global(function)
+    class _Operator(AbstractTemplate):
+        def generic(self, args, keywords):
+            lanes = [kind for kind in args if isinstance(kind, Lanes)]
+            if lanes and all(isinstance(kind, (Lanes, types.Number)) for kind in args):
+                return signature(lanes[0], lanes[0], lanes[0])
+            return None
+
+    @lower_builtin(function, Lanes, Lanes)
+    def _lower(context, builder, sig, args):
+        return getattr(builder, instruction)(*args, flags=FUSED)
+
+
+for _function, _instruction in (
+    (operator.add, "fadd"),
+    (operator.sub, "fsub"),
+    (operator.mul, "fmul"),
+    (operator.truediv, "fdiv"),
+):
+    _teach(_function, _instruction)
+
+
+# --- memory -------------------------------------------------------------------------------------
+
+
+def _pointer(context, builder, kind, array, index):
+    """Pointer to array[index + (0, 0, ...)] of a C-contiguous array."""
+    struct = make_array(kind)(context, builder, array)
+    lengths = [builder.extract_value(struct.shape, axis) for axis in range(kind.ndim)]
+    offset = ir.Constant(lengths[0].type, 0)
+    for axis, length in enumerate(lengths):
+        offset = builder.mul(offset, length)
+        if axis < len(index):
+            offset = builder.add(offset, index[axis])
+    return builder.gep(struct.data, [offset])
+
+
+def _vector_pointer(context, builder, array_kind, array, index_kind, index, count):
+    parts = [
+        context.cast(builder, builder.extract_value(index, k), kind, types.intp)
+        for k, kind in enumerate(index_kind)
+    ]
+    pointer = _pointer(context, builder, array_kind, array, parts)
+    element = context.get_data_type(array_kind.dtype)
+    return builder.bitcast(pointer, ir.VectorType(element, count).as_pointer())
+
+
+@intrinsic
+def _load_lanes(typing_context, array, index):
+    lanes = Lanes(array.dtype)
+
+    def codegen(context, builder, sig, args):
+        pointer = _vector_pointer(context, builder, array, args[0], index, args[1], lanes.count)
+        return builder.load(pointer, align=array.dtype.bitwidth // 8)
+
+    return lanes(array, index), codegen
+
+
+@intrinsic
+def _store_lanes(typing_context, array, index, value):
+    def codegen(context, builder, sig, args):
+        pointer = _vector_pointer(context, builder, array, args[0], index, args[1], value.count)
+        builder.store(args[2], pointer, align=array.dtype.bitwidth // 8)
+        return context.get_dummy_value()
+
+    return types.void(array, index, value), codegen
+
+
+def _rows(context, builder, array_kind, array, nodes_kind, nodes, index_kind, index, count):
+    """Pointers to the rows of four that the nodes of a block occupy in a nodal array."""
+    parts = [
+        context.cast(builder, builder.extract_value(index, k), kind, types.intp)
+        for k, kind in enumerate(index_kind)
+    ]
+    first = _pointer(context, builder, nodes_kind, nodes, parts)
+    four = ir.VectorType(context.get_data_type(array_kind.dtype), 4).as_pointer()
+    base = builder.bitcast(make_array(array_kind)(context, builder, array).data, four)
+    for lane in range(count):
+        node = builder.load(builder.gep(first, [ir.Constant(ir.IntType(64), lane)]))
+        yield builder.gep(base, [builder.sext(node, ir.IntType(64))])
+
+
+def _shuffle(builder, first, second, indices):
+    return builder.shuffle_vector(first, second, _indices(indices))
+
+
+@intrinsic
+def _gather_lanes(typing_context, array, nodes, index):
+    """Load whole rows and transpose them in registers, four registers of n/4 rows each."""
+    lanes = Lanes(array.dtype)
+    n, quarter = lanes.count, lanes.count // 4
+
+    def columns(builder, first, second, i):
+        """Columns i and i + 1 of two registers, one after the other."""
+        column = [[4 * k + c for k in range(quarter)] for c in (i, i + 1)]
+        return _shuffle(
+            builder, first, second, [k + side for c in column for side in (0, n) for k in c]
+        )  # fmt: skip
+
+    def codegen(context, builder, sig, args):
+        parts = [
+            builder.load(pointer, align=array.dtype.bitwidth // 8)
+            for pointer in _rows(
+                context, builder, array, args[0], nodes, args[1], index, args[2], n
+            )
+        ]
+        while len(parts) > 4:
+            both = range(2 * parts[0].type.count)
+            parts = [_shuffle(builder, *parts[k : k + 2], both) for k in range(0, len(parts), 2)]
+        low, high = range(n // 2), range(n // 2, n)
+        components = []
+        for i, halves in ((0, (low, high)), (2, (low,))):
+            first = columns(builder, *parts[:2], i)
+            second = columns(builder, *parts[2:], i)
+            for half in halves:
+                both = [*half, *(n + k for k in half)]
+                components.append(_shuffle(builder, first, second, both))
+        return context.make_tuple(builder, sig.return_type, components)
+
+    return types.UniTuple(lanes, 3)(array, nodes, index), codegen
+
+
+@intrinsic
+def _scatter_lanes(typing_context, array, nodes, index, x, y, z):
+    """Transpose back to rows, then add them one by one."""
+    n = Lanes(array.dtype).count
+
+    def interleaved(builder, first, second, start, width):
+        """Groups of `width` numbers of two registers by turns, from `start` on, n in all."""
+        groups = range(start, start + n // 2, width)
+        order = [k + i + side for k in groups for side in (0, n) for i in range(width)]
+        return _shuffle(builder, first, second, order)
+
+    def codegen(context, builder, sig, args):
+        x, y, z = args[3:]
+        zero = ir.Constant(z.type, [ir.Constant(z.type.element, 0.0)] * n)
+        parts = []
+        for half in (0, n // 2):
+            xy = interleaved(builder, x, y, half, 1)
+            zw = interleaved(builder, z, zero, half, 1)
+            parts += [interleaved(builder, xy, zw, start, 2) for start in (0, n // 2)]
+        rows = _rows(context, builder, array, args[0], nodes, args[1], index, args[2], n)
+        align = array.dtype.bitwidth // 8
+        for k, pointer in enumerate(rows):
+            part, first = parts[4 * k // n], 4 * k % n
+            row = _shuffle(builder, part, part, range(first, first + 4))
+            total = builder.fadd(builder.load(pointer, align=align), row)
+            builder.store(total, pointer, align=align)
+        return context.get_dummy_value()
+
+    return types.void(array, nodes, index, x, y, z), codegen
+
+
+def load(array, index, lane):
+    """``array[*index, lane]``, or the whole block if `lane` is None."""
+    return array[(*index, lane)]
+
+
+def store(array, index, lane, value):
+    """``array[*index, lane] = value``, or of the whole block if `lane` is None."""
+    array[(*index, lane)] = value
+
+
+def gather(array, nodes, index, lane):
+    """First three entries of the row ``nodes[*index, lane]`` of a nodal array (n_nodes, 4)."""
+    node = nodes[(*index, lane)]
+    return array[node, 0], array[node, 1], array[node, 2]
+
+
+def scatter_add(array, nodes, index, lane, x, y, z):
+    """Add to that row; lanes of a block one after the other, so that shared nodes come right."""
+    node = nodes[(*index, lane)]
+    array[node, 0] += x
+    array[node, 1] += y
+    array[node, 2] += z
+
+
+@overload(load, inline="always")
+def _load(array, index, lane):
+    if isinstance(lane, types.NoneType):
+        return lambda array, index, lane: _load_lanes(array, index)
+    return lambda array, index, lane: array[index + (lane,)]
+
+
+@overload(store, inline="always")
+def _store(array, index, lane, value):
+    if isinstance(lane, types.NoneType):
+        return lambda array, index, lane, value: _store_lanes(array, index, value)
+
+    def scalar(array, index, lane, value):
+        array[index + (lane,)] = value
+
+    return scalar
+
+
+@overload(gather, inline="always")
+def _gather(array, nodes, index, lane):
+    if isinstance(lane, types.NoneType):
+        return lambda array, nodes, index, lane: _gather_lanes(array, nodes, index)
+
+    def scalar(array, nodes, index, lane):
+        node = nodes[index + (lane,)]
+        return array[node, 0], array[node, 1], array[node, 2]
+
+    return scalar
+
+
+@overload(scatter_add, inline="always")
+def _scatter_add(array, nodes, index, lane, x, y, z):
+    if isinstance(lane, types.NoneType):
+
+        def vector(array, nodes, index, lane, x, y, z):
+            _scatter_lanes(array, nodes, index, x, y, z)
+
+        return vector
+
+    def scalar(array, nodes, index, lane, x, y, z):
+        node = nodes[index + (lane,)]
+        array[node, 0] += x
+        array[node, 1] += y
+        array[node, 2] += z
+
+    return scalar
+
+
+# --- functions ----------------------------------------------------------------------------------
+
+
+def like(x, value):
+    """`value` as a number of the type of `x`."""
+    return type(x)(value)
+
+
+def maximum(x, y):
+    """The larger of two numbers."""
+    return x if x > y else y
+
+
+def copysign(x, y):
+    """|x| with the sign of y."""
+    return math.copysign(x, y)
+
+
+def reciprocal_sqrt(x):
+    """1 / sqrt(x) of x > 0."""
+    return 1.0 / math.sqrt(x)
+
+
+def exp(x):
+    """Exponential; on lanes for results in the range of normal numbers."""
+    return math.exp(x)
+
+
+def log(x):
+    """Natural logarithm of normal x > 0."""
+    return math.log(x)
+
+
+class _Code:
+    """Code generation on lanes: constants, arithmetic and reinterpretation."""
+
+    def __init__(self, builder: ir.IRBuilder, lanes: Lanes) -> None:
+        self.builder, self.double = builder, lanes.dtype.bitwidth == 64
+        self.vector = ir.VectorType(ir.DoubleType() if self.double else ir.FloatType(), lanes.count)
+        self.integers = ir.VectorType(ir.IntType(lanes.dtype.bitwidth), lanes.count)
+        self.mantissa_bits, self.bias = (52, 1023) if self.double else (23, 127)
+
+    def number(self, value):
+        return ir.Constant(
+            self.vector, [ir.Constant(self.vector.element, value)] * self.vector.count
+        )
+
+    def integer(self, value):
+        return ir.Constant(self.integers, [value] * self.vector.count)
+
+    def bits(self, x):
+        return self.builder.bitcast(x, self.integers)
+
+    def from_bits(self, i):
+        return self.builder.bitcast(i, self.vector)
+
+    def call(self, name, *args):
+        """An intrinsic of LLVM, by its name without the type."""
+        kind = ir.FunctionType(self.vector, [self.vector] * len(args))
+        name += f".v{self.vector.count}f{64 if self.double else 32}"
+        return self.builder.call(get_or_insert_function(self.builder.module, kind, name), args)
+
+    def multiply_add(self, x, y, z):
+        return self.builder.fadd(self.builder.fmul(x, y, flags=FUSED), z, flags=FUSED)
+
+    def polynomial(self, x, coefficients):
+        """Horner's rule, highest power first."""
+        value = self.number(coefficients[0])
+        for c in coefficients[1:]:
+            value = self.multiply_add(value, x, self.number(c))
+        return value
+
+
+def _maximum_code(code, x, y):
+    return code.builder.select(code.builder.fcmp_ordered(">", x, y), x, y)
+
+
+def _copysign_code(code, x, y):
+    return code.call("llvm.copysign", x, y)
+
+
+def _reciprocal_sqrt_code(code, x):
+    """Newton's iteration from the usual guess by halving the exponent: no slow root, no division."""
+    b = code.builder
+    magic = 0x5FE6EB50C7B537A9 if code.double else 0x5F375A86
+    guess = b.sub(code.integer(magic), b.lshr(code.bits(x), code.integer(1)))
+    y, half = code.from_bits(guess), b.fmul(x, code.number(-0.5))
+    for _ in range(4 if code.double else 3):
+        y = b.fmul(y, code.multiply_add(b.fmul(half, y), y, code.number(1.5)))
+    return y
+
+
+def _exp_code(code, x):
+    """x = k ln 2 + r; Taylor series of exp(r), |r| < 0.35, then the exponent k."""
+    b = code.builder
+    reach = 0.69 * code.bias
+    x = code.call(
+        "llvm.minnum", code.call("llvm.maxnum", x, code.number(-reach)), code.number(reach)
+    )
+    k = code.call("llvm.rint", b.fmul(x, code.number(1.0 / math.log(2.0))))
+    high = 0.693359375  # ln 2 = high + low; k * high is exact
+    r = code.multiply_add(k, code.number(-high), x)
+    r = code.multiply_add(k, code.number(high - math.log(2.0)), r)
+    degree = 13 if code.double else 7
+    series = code.polynomial(r, [1.0 / math.factorial(n) for n in range(degree, -1, -1)])
+    exponent = b.add(b.fptosi(k, code.integers), code.integer(code.bias))
+    return b.fmul(series, code.from_bits(b.shl(exponent, code.integer(code.mantissa_bits))))
+
+
+def _log_code(code, x):
+    """x = 2^k m, 0.7 < m < 1.42; log m = 2 artanh s with s = (m - 1) / (m + 1), as a series."""
+    b = code.builder
+    root = code.bits(code.number(math.sqrt(0.5)))
+    k = b.ashr(b.sub(code.bits(x), root), code.integer(code.mantissa_bits))
+    m = code.from_bits(b.sub(code.bits(x), b.shl(k, code.integer(code.mantissa_bits))))
+    s = b.fdiv(b.fsub(m, code.number(1.0)), b.fadd(m, code.number(1.0)))
+    highest = 21 if code.double else 9
+    series = code.polynomial(b.fmul(s, s), [2.0 / n for n in range(highest, 0, -2)])
+    return code.multiply_add(
+        b.sitofp(k, code.vector), code.number(math.log(2.0)), b.fmul(s, series)
+    )
+
+
+def _overload(function, generate):
+    """Overload a function of numbers by code on lanes, and by itself on numbers."""
+    unary = function.__code__.co_argcount == 1
+
+    @intrinsic
+    def one(typing_context, x):
+        def codegen(context, builder, sig, args):
+            return generate(_Code(builder, x), *args)
+
+        return x(x), codegen
+
+    @intrinsic
+    def two(typing_context, x, y):
+        def codegen(context, builder, sig, args):
+            return generate(_Code(builder, x), *args)
+
+        return x(x, x), codegen
+
+    if unary:
+
+        @overload(function, inline="always")
+        def choose_one(x):
+            return (lambda x: one(x)) if isinstance(x, Lanes) else function
+    else:
+
+        @overload(function, inline="always")
+        def choose_two(x, y):
+            return (lambda x, y: two(x, y)) if isinstance(x, Lanes) else function
+
+
+_overload(maximum, _maximum_code)
+_overload(copysign, _copysign_code)
+_overload(reciprocal_sqrt, _reciprocal_sqrt_code)
+_overload(exp, _exp_code)
+_overload(log, _log_code)
+
+
+@intrinsic
+def _like_lanes(typing_context, x, value):
+    return x(x, x), lambda context, builder, sig, args: args[1]
+
+
+@overload(like, inline="always")
+def _like(x, value):
+    if isinstance(x, Lanes):
+        return lambda x, value: _like_lanes(x, value)
+    kind = x
+    return lambda x, value: kind(value)

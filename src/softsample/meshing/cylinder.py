@@ -1,0 +1,94 @@
+"""Mesh of the idealised round sample: a cylinder with flat, parallel ends."""
+
+import numpy as np
+from numpy.typing import NDArray
+
+from softsample.errors import MeshError
+from softsample.meshing.mesh import HexMesh
+
+Array = NDArray[np.float64]
+Ids = NDArray[np.int64]
+
+CORE = 0.7
+"""Distance of the inner square's corners from the axis, in radii: elements of 0.7 to 1.3 h."""
+
+BULGE = np.tan(np.radians(15.0))
+"""Roundness of the inner square, 0 straight to 1 a circle; here its corners are of 120 degrees,
+so that the three elements that meet there have equal angles."""
+
+
+def mesh_cylinder(diameter: float, height: float, element_size: float) -> HexMesh:
+    """Hexahedra in a cylinder: an inner square with bulging sides and rings around it (O-grid).
+
+    Parameters
+    ----------
+    diameter, height : float
+        Of the cylinder [m], both > 0.
+    element_size : float
+        Wanted edge of the elements [m].
+
+    Returns
+    -------
+    HexMesh
+        Points [m], axis z, origin at the centre of the base; layers of nodes are flat. All nodes
+        of the wall lie on the circle, as contact and glue see it, so that a section is the
+        inscribed polygon of its k nodes: it lacks ``2 pi^2 / (3 k^2)`` of the circle's area.
+
+    Raises
+    ------
+    MeshError
+        If a length is no positive number or too short for the elements.
+
+    Notes
+    -----
+    Verified in ``tests/unit/test_meshing_cylinder.py``.
+    """
+    lengths = np.array([diameter, height, element_size], dtype=np.float64)
+    if not (np.all(np.isfinite(lengths)) and np.all(lengths > 0.0)):
+        raise MeshError(
+            f"cylinder of diameter {diameter} m and height {height} m with elements of "
+            f"{element_size} m: all must be positive numbers; check the measured cylinder"
+        )
+    radius = 0.5 * diameter
+    middle = CORE * ((1.0 - BULGE) * np.sqrt(0.5) + BULGE)  # of a side, from the axis, in radii
+    side = 0.5 * (np.sqrt(2.0) * CORE + 0.5 * np.pi) * radius  # mean of inner side and arc
+    wall = (1.0 - 0.5 * (CORE + middle)) * radius  # mean width of the rings
+    parts = np.floor(np.array([side, wall, height]) / element_size + 0.5).astype(np.int64)
+    if np.any(parts < 1):
+        raise MeshError(
+            f"cylinder of diameter {1e3 * diameter:.3g} mm and height {1e3 * height:.3g} mm is "
+            f"too small for elements of {1e3 * element_size:.3g} mm: choose a smaller mesh "
+            "element size"
+        )
+    plane, quads = _disc(radius, int(parts[0]), int(parts[1]))
+    return _extruded(plane, quads, np.linspace(0.0, height, parts[2] + 1))
+
+
+def _disc(radius: float, across: int, rings: int) -> tuple[Array, Ids]:
+    """Points (n, 2) [m] and quads (m, 4), counter-clockwise, of a disc about the origin."""
+    u, v = np.meshgrid(*[np.linspace(-1.0, 1.0, across + 1)] * 2, indexing="ij")
+    straight = np.sqrt(0.5) * np.stack([u, v], axis=-1)
+    round_ = np.stack([u * np.sqrt(1.0 - 0.5 * v**2), v * np.sqrt(1.0 - 0.5 * u**2)], axis=-1)
+    square = CORE * radius * ((1.0 - BULGE) * straight + BULGE * round_)
+    node = np.arange((across + 1) ** 2).reshape(across + 1, across + 1)
+    border = np.concatenate([node[:-1, 0], node[-1, :-1], node[:0:-1, -1], node[0, :0:-1]])
+    angle = 0.5 * np.pi * (np.arange(4 * across) / across - 1.5)  # from the corner (-1, -1) on
+    circle = radius * np.column_stack([np.cos(angle), np.sin(angle)])
+    square = square.reshape(-1, 2)
+    part = np.arange(1, rings + 1)[:, None, None] / rings
+    around = (1.0 - part) * square[border] + part * circle
+    ring = np.vstack([border, node.size + np.arange(around[..., 0].size).reshape(rings, -1)])
+    ring = np.column_stack([ring, ring[:, 0]])
+    quads = [
+        np.stack([g[:-1, :-1], g[1:, :-1], g[1:, 1:], g[:-1, 1:]], axis=-1).reshape(-1, 4)
+        for g in (node, ring)
+    ]
+    return np.concatenate([square, around.reshape(-1, 2)]), np.concatenate(quads)
+
+
+def _extruded(plane: Array, quads: Ids, heights: Array) -> HexMesh:
+    """Layers of hexahedra over quads (m, 4) of points `plane` (n, 2) [m], at `heights` [m]."""
+    points = np.column_stack([np.tile(plane, (len(heights), 1)), np.repeat(heights, len(plane))])
+    lower = quads + len(plane) * np.arange(len(heights) - 1)[:, None, None]
+    hexes = np.concatenate([lower, lower + len(plane)], axis=-1).reshape(-1, 8)
+    return HexMesh(points, hexes)

@@ -18,8 +18,9 @@ import pandas as pd
 import yaml
 from numpy.typing import ArrayLike, NDArray
 
-from softsample.errors import InputError
+from softsample.errors import InputError, MeshError
 from softsample.meshing.mesh import HexMesh
+from softsample.meshing.surface import TriangleSurface
 
 PathLike = str | os.PathLike[str]
 
@@ -344,3 +345,30 @@ def read_mesh_with_data(
         for data in (grid.GetPointData(), grid.GetCellData())
     )
     return HexMesh(points, hexes), point_data, cell_data
+
+
+def read_surface(path: PathLike) -> TriangleSurface:
+    """Read the closed surface of a sample from an STL file in mm, loading axis +z.
+
+    Raises
+    ------
+    MeshError
+        If the file holds no closed, manifold surface with outward normals and the size of a
+        sample; the message names file and cure.
+    """
+    from vtkmodules.util.numpy_support import vtk_to_numpy
+    from vtkmodules.vtkIOGeometry import vtkSTLReader
+
+    if not Path(path).is_file():
+        raise MeshError(f"{path}: no such surface; correct its path")
+    reader = vtkSTLReader()
+    reader.SetFileName(os.fspath(path))
+    reader.Update()
+    found = reader.GetOutput()
+    if reader.GetErrorCode() != 0 or found.GetNumberOfCells() == 0:
+        raise MeshError(f"{path}: not a readable STL file; export the surface again")
+    points = vtk_to_numpy(found.GetPoints().GetData()).astype(np.float64) * MM
+    corners = vtk_to_numpy(found.GetPolys().GetConnectivityArray()).astype(np.int64)
+    surface = TriangleSurface(points, corners.reshape(-1, 3), str(path))
+    surface.check_closed()
+    return surface

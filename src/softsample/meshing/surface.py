@@ -1,0 +1,241 @@
+"""A closed surface of triangles as the signed distance grid that the mesher takes."""
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.sparse import coo_matrix
+from scipy.sparse.csgraph import connected_components
+
+from softsample.errors import MeshError
+
+Array = NDArray[np.float64]
+Ids = NDArray[np.int64]
+
+EXTENT = (3e-3, 0.1)
+"""Sizes of a sample [m]; anything else was written in another unit."""
+
+FLAT = 1e-3
+"""Corners this near to the lowest point, in heights of the surface, lie in the base."""
+
+LEAST_BASE = 0.05
+"""Least area of the base, in areas of the box around the surface."""
+
+
+@dataclass(frozen=True, eq=False)
+class TriangleSurface:
+    """Triangles, outward by the right-hand rule.
+
+    Parameters
+    ----------
+    points : (n, 3) float64
+        Corners [m].
+    triangles : (m, 3) int64
+        Corners of each triangle.
+    source : str
+        Where it comes from, for messages.
+    """
+
+    points: Array
+    triangles: Ids
+    source: str = "surface"
+
+    @property
+    def area_vectors(self) -> Array:
+        """(m, 3) outward normals times area [m2]."""
+        a, b, c = self.points[self.triangles].transpose(1, 0, 2)
+        return 0.5 * np.cross(b - a, c - a)
+
+    @property
+    def volume(self) -> float:
+        """Volume inside [m3], negative if the triangles look inward."""
+        inner = self.points[self.triangles[:, 0]] - self.points[0]
+        return float(np.sum(inner * self.area_vectors) / 3.0)
+
+    @property
+    def sides(self) -> Ids:
+        """(3 m, 2) sides of the triangles, in their sense; side k starts at corner k."""
+        return np.stack([self.triangles, np.roll(self.triangles, -1, axis=1)], axis=-1).reshape(
+            -1, 2
+        )
+
+    @property
+    def free_sides(self) -> NDArray[np.bool_]:
+        """(3 m,) sides without a neighbour."""
+        _, place, count = np.unique(
+            np.sort(self.sides, axis=1), axis=0, return_inverse=True, return_counts=True
+        )
+        return np.asarray(count[place.ravel()] == 1)
+
+    def check_closed(self) -> None:
+        """Refuse what is no closed, manifold surface of one sample that looks outward.
+
+        Raises
+        ------
+        MeshError
+            Naming the source, the fault and its cure.
+        """
+        if len(self.triangles) == 0:
+            raise MeshError(f"{self.source}: holds no triangles; export the surface again")
+        extent = np.ptp(self.points[self.triangles].reshape(-1, 3), axis=0)
+        if extent.min() < EXTENT[0] or extent.max() > EXTENT[1]:
+            size = " x ".join(f"{1e3 * length:.4g}" for length in extent)
+            raise MeshError(
+                f"{self.source}: {size} mm large, expected {1e3 * EXTENT[0]:g} to "
+                f"{1e3 * EXTENT[1]:g} mm; export the surface in mm"
+            )
+        _, count = np.unique(np.sort(self.sides, axis=1), axis=0, return_counts=True)
+        if np.any(count != 2):
+            raise MeshError(
+                f"{self.source}: not a closed surface, {int(np.sum(count == 1))} edges have one "
+                f"triangle and {int(np.sum(count > 2))} more than two; close its holes, merge its "
+                "points and remove inner walls"
+            )
+        if len(np.unique(self.sides, axis=0)) != len(self.sides):
+            raise MeshError(
+                f"{self.source}: neighbouring triangles look to opposite sides; make the normals "
+                "consistent, outward"
+            )
+        if self.volume <= 0.0:
+            raise MeshError(f"{self.source}: its normals look inward; flip them")
+        parts = self._parts()
+        if parts != 1:
+            raise MeshError(
+                f"{self.source}: consists of {parts} separate surfaces; keep the sample's outer one"
+            )
+
+    def _parts(self) -> int:
+        """Number of surfaces that do not hang together."""
+        used, sides = np.unique(self.sides, return_inverse=True)
+        a, b = sides.reshape(-1, 2).T
+        links = coo_matrix((np.ones(len(a)), (a, b)), shape=(len(used), len(used)))
+        return int(connected_components(links, directed=False)[0])
+
+
+def distance_grid(
+    surface: TriangleSurface, spacing: float, padding: float = 2.5e-3
+) -> tuple[Array, Array, float]:
+    """Signed distance to a surface that stands on a flat base, as `mesh_solid` takes it.
+
+    The lowest face, which has to be flat and square to z, is the base: it comes to z = 0 and its
+    centroid to the origin. It is no part of the surface, since the walls go on through it with
+    their slope.
+
+    Parameters
+    ----------
+    surface : TriangleSurface
+        Closed; the loading axis is +z.
+    spacing : float
+        Of the grid [m]; sharp edges are rounded by about as much, and stand up to a tenth of it
+        too high.
+    padding : float
+        Width of the rim of the grid around the surface [m].
+
+    Returns
+    -------
+    distance : (nx, ny, nz) float64
+        Signed distance [m], negative inside.
+    origin : (3,) float64
+        Position [m] of grid point ``[0, 0, 0]``.
+    spacing : float
+        As given.
+
+    Raises
+    ------
+    MeshError
+        If `surface` is not closed or has no flat base.
+
+    Notes
+    -----
+    The sign is that of the angle-weighted normal at the nearest point [1]_. Verified in
+    ``tests/unit/test_meshing_surface.py``.
+
+    References
+    ----------
+    .. [1] J. A. Baerentzen, H. Aanaes, IEEE Trans. Vis. Comput. Graph. 11 (2005) 243,
+       doi:10.1109/TVCG.2005.49.
+    """
+    if not (spacing > 0.0 and padding > 0.0):
+        raise MeshError(f"spacing {spacing} m and padding {padding} m: give positive lengths")
+    surface.check_closed()
+    walls = _without_base(surface)
+    low = np.floor((walls.points.min(axis=0) - padding) / spacing).astype(np.int64)
+    high = np.ceil((walls.points.max(axis=0) + padding) / spacing).astype(np.int64)
+    axes = [spacing * np.arange(low[a], high[a] + 1) for a in range(3)]
+    places = np.stack(np.meshgrid(*axes, indexing="ij"), axis=-1)
+    below = _with_skirt(walls, padding + 3.0 * spacing)
+    distance = signed_distances(below, places.reshape(-1, 3))
+    return distance.reshape(places.shape[:3]), spacing * low, spacing
+
+
+def signed_distances(surface: TriangleSurface, points: Array) -> Array:
+    """(n,) signed distance [m] of `points` (n, 3) [m] to the triangles, negative inside."""
+    from vtkmodules.util.numpy_support import numpy_to_vtk, numpy_to_vtkIdTypeArray, vtk_to_numpy
+    from vtkmodules.vtkCommonCore import vtkDoubleArray, vtkPoints
+    from vtkmodules.vtkCommonDataModel import vtkCellArray, vtkPolyData
+    from vtkmodules.vtkFiltersCore import vtkImplicitPolyDataDistance
+
+    corners = vtkPoints()
+    corners.SetData(numpy_to_vtk(np.ascontiguousarray(surface.points), deep=True))
+    cells = vtkCellArray()
+    starts = 3 * np.arange(len(surface.triangles) + 1, dtype=np.int64)
+    cells.SetData(
+        numpy_to_vtkIdTypeArray(starts, deep=True),
+        numpy_to_vtkIdTypeArray(np.ascontiguousarray(surface.triangles).ravel(), deep=True),
+    )
+    mesh = vtkPolyData()
+    mesh.SetPoints(corners)
+    mesh.SetPolys(cells)
+    function, values = vtkImplicitPolyDataDistance(), vtkDoubleArray()
+    function.SetInput(mesh)
+    function.FunctionValue(numpy_to_vtk(np.ascontiguousarray(points), deep=True), values)
+    return np.asarray(vtk_to_numpy(values), dtype=np.float64).copy()
+
+
+def _without_base(surface: TriangleSurface) -> TriangleSurface:
+    """Walls and top in the sample frame: the base, now open, at z = 0 about the origin."""
+    points = surface.points.copy()
+    low, high = (f(points[surface.triangles].reshape(-1, 3), axis=0) for f in (np.min, np.max))
+    flat = points[:, 2] <= low[2] + FLAT * (high[2] - low[2])
+    vectors = surface.area_vectors
+    downward = vectors[:, 2] < -0.9 * np.linalg.norm(vectors, axis=1)
+    base = downward & np.all(flat[surface.triangles], axis=1)
+    area = -vectors[base, 2]
+    if area.sum() < LEAST_BASE * np.prod((high - low)[:2]):
+        raise MeshError(
+            f"{surface.source}: its lowest face is not flat ({1e6 * area.sum():.3g} mm2 lie at "
+            f"z = {1e3 * low[2]:.4g} mm); turn the surface so that the loading axis is +z, and cut "
+            "the base flat"
+        )
+    middle = area @ points[surface.triangles[base]].mean(axis=1) / area.sum()
+    points[np.unique(surface.triangles[base]), 2] = low[2]
+    points -= [middle[0], middle[1], low[2]]
+    return TriangleSurface(points, surface.triangles[~base], surface.source)
+
+
+def _with_skirt(walls: TriangleSurface, depth: float) -> TriangleSurface:
+    """Walls carried on below their rim by `depth` [m], each with its own slope.
+
+    A rim node goes down along the line in the planes of the two wall triangles at its sides;
+    where these are nearly one plane, straight down it.
+    """
+    free = walls.free_sides
+    a, b = walls.sides[free].T
+    normal = np.repeat(walls.area_vectors, 3, axis=0)[free]
+    normal /= np.linalg.norm(normal, axis=1, keepdims=True)
+    square = np.zeros((len(walls.points), 2, 2))
+    right = np.zeros((len(walls.points), 2))
+    for ends in (a, b):
+        np.add.at(square, ends, normal[:, :2, None] * normal[:, None, :2])
+        np.add.at(right, ends, normal[:, :2] * normal[:, 2:])
+    rim = np.unique(a)
+    slope = np.einsum("nij,nj->ni", np.linalg.pinv(square[rim], rcond=0.1), right[rim])
+    slope /= np.maximum(np.linalg.norm(slope, axis=1), 1.0)[:, None]  # at most 45 degrees
+    lower = walls.points[rim] + depth * np.column_stack([slope, -np.ones(len(rim))])
+    below_a, below_b = (len(walls.points) + np.searchsorted(rim, ends) for ends in (a, b))
+    skirt = [np.column_stack([b, a, below_a]), np.column_stack([b, below_a, below_b])]
+    return TriangleSurface(
+        np.concatenate([walls.points, lower]),
+        np.concatenate([walls.triangles, *skirt]),
+        walls.source,
+    )

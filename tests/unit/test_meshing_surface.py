@@ -1,0 +1,148 @@
+"""Meshes of STL files: volume, distance and element shape, walls below the base, refusals."""
+
+import os
+from functools import cache
+
+import numpy as np
+import pytest
+import pyvista
+
+from softsample.errors import MeshError
+from softsample.io import read_surface
+from softsample.meshing.hexahedral import mesh_solid
+from softsample.meshing.quality import element_volumes, scaled_jacobian, surface_samples
+from softsample.meshing.surface import TriangleSurface, distance_grid
+
+MM = 1e-3
+PLACE = (3.0, -2.0, 11.0)  # of the base's middle in the file, mm
+
+needs_jit = pytest.mark.skipif(
+    os.environ.get("NUMBA_DISABLE_JIT") == "1", reason="minutes in plain Python"
+)
+
+
+def cylinder(radius=7.0, height=9.0, sides=160):
+    solid = pyvista.Cylinder(
+        center=(0, 0, height / 2),
+        direction=(0, 0, 1),
+        radius=radius,
+        height=height,
+        resolution=sides,
+    )
+    return solid.triangulate().clean()
+
+
+def moved(solid, change):
+    bent = solid.copy()
+    bent.points = np.column_stack(change(*solid.points.T)).astype(np.float32)
+    return bent
+
+
+def frustum():
+    """Narrower to the top and leaning by 0.3, so that one wall is undercut."""
+    return moved(cylinder(), lambda x, y, z: (x * (1 - 0.03 * z) + 0.3 * z, y * (1 - 0.03 * z), z))
+
+
+def block():
+    """Cuboid of 14 x 12 whose top is a paraboloid from 10 down to 8.7 at the corners."""
+    box = pyvista.Box(bounds=(-7, 7, -6, 6, 0, 10), level=23).triangulate().clean()
+    return moved(box, lambda x, y, z: (x, y, z * (1.0 - 0.0015 * (x**2 + y**2))))
+
+
+SHAPES = {"cylinder": cylinder, "frustum": frustum, "block": block}
+
+
+@cache
+def shape(name):
+    return SHAPES[name]().compute_normals(auto_orient_normals=True, split_vertices=False)
+
+
+def saved(solid, folder):
+    path = folder / "sample.stl"
+    solid.translate(PLACE, inplace=False).save(path)
+    return path
+
+
+@needs_jit
+@pytest.mark.parametrize("name", SHAPES)
+def test_mesh_of_an_stl_has_its_volume_and_surface(name, tmp_path):
+    mesh = mesh_solid(*distance_grid(read_surface(saved(shape(name), tmp_path)), 0.25 * MM), 5e-4)
+    assert scaled_jacobian(mesh).min() > 0.2
+    assert element_volumes(mesh).sum() / MM**3 == pytest.approx(shape(name).volume, rel=5e-3)
+    points, area = surface_samples(mesh)
+    away = np.abs(
+        pyvista.PolyData(points / MM).compute_implicit_distance(shape(name))["implicit_distance"]
+    )
+    assert area @ away / area.sum() < 0.02  # mm; sharp edges are cut off
+    base = mesh.points[mesh.bottom]
+    assert np.all(base[:, 2] == 0.0)
+    np.testing.assert_allclose(base.mean(axis=0), 0.0, atol=0.05 * MM)
+
+
+def test_distance_is_exact_beside_the_walls_and_below_the_base(tmp_path):
+    """A pyramid's walls and edges go on below z = 0 as planes, and so does their distance."""
+    corners = np.array([[-6, -5, 0], [6, -5, 0], [6, 5, 0], [-6, 5, 0]], dtype=float)
+    points = np.concatenate([corners, corners * 0.75 + [0, 0, 6]])
+    solid = pyvista.PolyData(points).delaunay_3d().extract_surface(algorithm="dataset_surface")
+    distance, origin, spacing = distance_grid(
+        read_surface(saved(solid.triangulate(), tmp_path)), 0.5 * MM
+    )
+    x, y, z = (
+        (origin[a] + spacing * i) / MM for a, i in enumerate(np.indices(distance.shape, float))
+    )
+    slopes = (np.abs(x) - 6.0 + 0.25 * z, np.abs(y) - 5.0 + 1.25 / 6.0 * z)
+    planes = [slope / np.hypot(1.0, k) for slope, k in zip(slopes, (0.25, 1.25 / 6.0), strict=True)]
+    inside = (np.maximum(*planes) < 0.0) & (z < 3.0)
+    expected = np.maximum.reduce([*planes, z - 6.0])[inside]
+    np.testing.assert_allclose(distance[inside] / MM, expected, atol=2e-6)
+    assert np.all(distance[(np.maximum(*planes) > 1e-6) & (z < 6.0)] > 0.0)
+    assert origin[2] <= -2.5 * MM
+    assert (origin[2] / spacing) % 1.0 == 0.0
+
+
+def holed(solid):
+    return solid.extract_cells(range(5, solid.n_cells)).extract_surface(algorithm="dataset_surface")
+
+
+SPOILT = {
+    "hole": (holed, r"sample\.stl: not a closed surface, 7 edges have one.*; close its holes"),
+    "inward": (lambda solid: solid.flip_faces(), "normals look inward; flip them"),
+    "metres": (lambda solid: solid.scale(1e-3), "0.014 x 0.014 x 0.009 mm large.*export .* in mm"),
+    "two": (lambda solid: solid + solid.translate((20, 0, 0)), "2 separate surfaces; keep the"),
+}
+
+
+@pytest.mark.parametrize("fault", SPOILT)
+def test_a_bad_surface_is_refused_with_its_cure(fault, tmp_path):
+    spoil, message = SPOILT[fault]
+    with pytest.raises(MeshError, match=message):
+        read_surface(saved(spoil(shape("cylinder")), tmp_path))
+
+
+def test_triangles_that_look_to_opposite_sides_are_refused(tmp_path):
+    whole = read_surface(saved(shape("cylinder"), tmp_path))
+    triangles = whole.triangles.copy()
+    triangles[3] = triangles[3, ::-1]
+    with pytest.raises(MeshError, match="look to opposite sides; make the normals consistent"):
+        TriangleSurface(whole.points, triangles).check_closed()
+
+
+def test_what_is_no_stl_is_refused(tmp_path):
+    with pytest.raises(MeshError, match="no such surface"):
+        read_surface(tmp_path / "none.stl")
+    (tmp_path / "text.stl").write_text("solid nothing\nendsolid\n")
+    with pytest.raises(MeshError, match=r"text\.stl: not a readable STL file"):
+        read_surface(tmp_path / "text.stl")
+
+
+def test_a_surface_without_a_flat_base_is_refused(tmp_path):
+    ball = pyvista.Sphere(radius=6.0, theta_resolution=60, phi_resolution=60)
+    with pytest.raises(MeshError, match="lowest face is not flat.*cut the base flat"):
+        distance_grid(read_surface(saved(ball, tmp_path)), 0.5 * MM)
+
+
+def test_spacing_and_surface_are_checked():
+    with pytest.raises(MeshError, match="give positive lengths"):
+        distance_grid(TriangleSurface(np.zeros((0, 3)), np.zeros((0, 3), int)), 0.0)
+    with pytest.raises(MeshError, match="holds no triangles"):
+        distance_grid(TriangleSurface(np.zeros((0, 3)), np.zeros((0, 3), int)), 1e-3)

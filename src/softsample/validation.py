@@ -13,8 +13,6 @@ from softsample.errors import InputError
 Schema = Mapping[str, Any]
 
 NOT_SUPPORTED = {
-    "bond_mask": "the pre-load rule decides what is glued",
-    "labels": "regions of different stiffness cannot be modelled",
     "shape": "the geometry has to come from an image",
     "length_mm": "the geometry has to come from an image",
     "width_mm": "the geometry has to come from an image",
@@ -106,6 +104,11 @@ def _wrong_cells(rows: Sequence[Mapping[str, str]], schema: Schema) -> Iterator[
             yield (
                 f"  row {number} ({row.get('sample', '?')}), column {column!r}: not supported "
                 f"yet ({NOT_SUPPORTED[column]}); leave the cell empty"
+            )
+        if row.get("mode") == "compression" and "bond_mask" in row:
+            yield (
+                f"  row {number} ({row.get('sample', '?')}), column 'bond_mask': the top is not "
+                "glued in compression; leave the cell empty"
             )
         loading, shear = (row.get(name, default) for name, default in DEFAULT_AXES.items())
         if loading[-1] == shear[-1]:

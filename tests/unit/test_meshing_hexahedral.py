@@ -176,6 +176,29 @@ def test_report_holds_the_figures_in_millimetres():
     assert made.point_data["glued"].sum() > 20
 
 
+@pytest.mark.parametrize("shift", [-0.3, 0.3])
+def test_shifted_boundary_is_the_parallel_surface(shift):
+    """Steiner: a dome of radius r + shift on a wall of 3, all of it above the same base plane."""
+    made = mesh_real(*grid("dome"), 0.5 * MM, preload=1.0 * MM, boundary_shift=shift * MM)
+    radius = 3.0 + shift
+    exact = np.pi * radius**2 * 3.0 + 2.0 / 3.0 * np.pi * radius**3
+    assert element_volumes(made.mesh).sum() / MM**3 == pytest.approx(exact, rel=3e-3)
+    assert made.report["volume_mm3"] == pytest.approx(exact, rel=3e-3)
+    assert made.mesh.highest / MM == pytest.approx(6.0 + shift, abs=2e-3)
+    base = made.mesh.points[made.mesh.bottom] / MM
+    assert np.all(base[:, 2] == 0.0)
+    assert np.linalg.norm(base[:, :2], axis=1).max() == pytest.approx(radius, abs=0.02)
+
+
+def test_shift_changes_the_volume_by_wall_and_top_to_first_order():
+    distance, origin, spacing = grid("dome")
+    low, high = (
+        LevelSet(distance - shift * MM, origin, spacing).volume / MM**3 for shift in (-0.05, 0.05)
+    )
+    area = 2.0 * np.pi * 3.0 * 3.0 + 2.0 * np.pi * 3.0**2  # the base does not move
+    assert (high - low) / 0.1 == pytest.approx(area, rel=0.01)
+
+
 def test_element_size_too_coarse_for_the_sample_is_refused():
     with pytest.raises(MeshError, match=r"too coarse.*choose a smaller mesh element size"):
         mesh_solid(*grid("dome"), 2.5 * MM)

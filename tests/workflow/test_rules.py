@@ -11,6 +11,7 @@ from pathlib import Path
 import nibabel
 import numpy as np
 import pytest
+import pyvista
 import toy
 
 ROOT = Path(__file__).resolve().parents[2]
@@ -157,6 +158,44 @@ def test_other_axes_and_a_segmentation_made_elsewhere(project):
         assert cuboid["height_mm"] == pytest.approx(toy.HEIGHT, abs=0.35)
         assert toy.LENGTH - 1.0 < cuboid["length_mm"] < toy.LENGTH + 0.1
         assert toy.WIDTH - 1.0 < cuboid["width_mm"] < toy.WIDTH + 0.1
+
+
+def draw(project, name, values):
+    """Write whole numbers on voxels of 1 mm, the first at (-10, -10, -2)."""
+    affine = np.eye(4)
+    affine[:3, 3] = [-10.0, -10.0, -2.0]
+    image = nibabel.Nifti1Image(values.astype(np.uint8), affine)
+    nibabel.save(image, project.study / f"{name}.nii.gz")
+
+
+def test_glue_and_regions_drawn_in_the_image_reach_the_real_mesh(project):
+    """The images have a grid of their own in the world of the sample's image."""
+    x, _, heights = np.indices((20, 20, 16)) - np.array([10, 10, 2]).reshape(3, 1, 1, 1)
+    draw(project, "glue", x < 0.5)
+    draw(project, "regions", 1 + (heights > 3.5))
+    header, first, second = project.table.read_text().splitlines()
+    marked = [f"{header}\tbond_mask\tlabels", f"{first}\tglue.nii.gz\tregions.nii.gz", second]
+    project.table.write_text("\n".join(marked) + "\t\t\n")
+    real, ideal = (str(project.results / f"mesh/A/{name}.vtu") for name in ("real", "ideal"))
+    status, text = project.run(real, ideal)
+    assert status == 0, text
+
+    meshes = [pyvista.read(name) for name in (real, ideal)]
+    x, _, z = meshes[0].points[meshes[0]["glued"] == 1].T
+    assert len(z) > 20
+    assert z.min() > toy.HEIGHT - 2.0
+    assert -0.5 * toy.LENGTH < x.min() < 0.0 < x.max() < 1.5  # the frame may lie a voxel beside
+    middle = meshes[0].cell_centers().points[:, 2]
+    assert set(meshes[0]["region"][middle < 3.0]) == {1}
+    assert set(meshes[0]["region"][middle > 4.0]) == {2}
+    assert "region" not in meshes[1].cell_data
+    top = meshes[1].points[:, 2] == meshes[1].points[:, 2].max()
+    np.testing.assert_array_equal(meshes[1]["glued"], top)
+
+    draw(project, "glue", heights < 4.0)
+    status, text = project.run(real)
+    assert status != 0
+    assert "glue.nii.gz: marks no node of the top surface" in text
 
 
 def test_after_a_failure_the_report_holds_the_groups_that_came_through(project):

@@ -133,6 +133,12 @@ def study_file(column):
     return find
 
 
+def real_file(column):
+    """Input function: the file that a column of the sample's row names, for the real geometry."""
+    find = study_file(column)
+    return lambda wildcards: find(wildcards) if wildcards.geometry == "real" else []
+
+
 def shipped_files():
     """Files of the shipped cohort that the study reads."""
     if not SHIPPED:

@@ -6,6 +6,8 @@ rule mesh:
         distance="<results>/segmentation/{sample}_distance.nii.gz",
         segmentation="<results>/segmentation/{sample}.json",
         cuboid="<results>/cuboid/{sample}.json",
+        bond_mask=real_file("bond_mask"),
+        labels=real_file("labels"),
         code=library("workflow/scripts/mesh.py"),
     output:
         mesh="<results>/mesh/{sample}/{geometry}.vtu",

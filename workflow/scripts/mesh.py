@@ -1,7 +1,8 @@
 """Mesh the real or the idealised geometry of one sample (rule `mesh`)."""
 
-from softsample.io import read_distance, read_json, write_json, write_mesh
+from softsample.io import read_distance, read_image, read_json, write_json, write_mesh
 from softsample.meshing.hexahedral import MeshSettings
+from softsample.meshing.marks import MarkedImage
 from softsample.meshing.sample import mesh_ideal, mesh_real
 from softsample.workflow import logged_to, provenance
 
@@ -10,9 +11,18 @@ MM = 1e-3
 with logged_to(snakemake.log[0]):
     keys = dict(snakemake.params.mesh)
     size = keys.pop("element_size_mm") * MM
+    shift = keys.pop("boundary_shift_mm") * MM
     if snakemake.wildcards.geometry == "real":
         grid = read_distance(snakemake.input.distance, snakemake.input.segmentation)
-        made = mesh_real(*grid, size, snakemake.params.preload_mm * MM, MeshSettings(**keys))
+        frame = read_json(snakemake.input.segmentation)["sample_to_world"]
+        files = {name: getattr(snakemake.input, name) for name in ("bond_mask", "labels")}
+        marks = {
+            name: MarkedImage.in_world(*read_image(path), frame, path)
+            for name, path in files.items()
+            if path
+        }
+        preload = snakemake.params.preload_mm * MM
+        made = mesh_real(*grid, size, preload, MeshSettings(**keys), boundary_shift=shift, **marks)
     else:
         cuboid = read_json(snakemake.input.cuboid)
         edges = (cuboid[f"{name}_mm"] * MM for name in ("length", "width", "height"))

@@ -6,11 +6,14 @@ from time import process_time
 import numpy as np
 from numpy.typing import NDArray
 
+from softsample.meshing.bond import bonded_nodes
 from softsample.meshing.cuboid import mesh_cuboid
 from softsample.meshing.hexahedral import MeshSettings, mesh_solid
 from softsample.meshing.levelset import LevelSet
+from softsample.meshing.marks import MarkedImage
 from softsample.meshing.mesh import HexMesh
 from softsample.meshing.quality import quality_report, scaled_jacobian
+from softsample.meshing.regions import element_regions
 
 
 @dataclass(frozen=True, eq=False)
@@ -19,7 +22,7 @@ class SampleMesh:
 
     mesh: HexMesh
     point_data: dict[str, NDArray[np.uint8]]
-    cell_data: dict[str, NDArray[np.float64]]
+    cell_data: dict[str, NDArray[np.float64] | NDArray[np.int64]]
     report: dict[str, float | int]
 
 
@@ -30,23 +33,49 @@ def mesh_real(
     element_size: float,
     preload: float,
     settings: MeshSettings | None = None,
+    *,
+    boundary_shift: float = 0.0,
+    bond_mask: MarkedImage | None = None,
+    labels: MarkedImage | None = None,
 ) -> SampleMesh:
-    """Mesh a segmented sample; parameters as of `mesh_solid`.
+    """Mesh a segmented sample.
 
-    `preload` [m] is the way of the platen below the highest point that decides which nodes are
-    glued (flag ``glued``; flag ``bottom`` marks the base).
+    Parameters
+    ----------
+    distance, origin, spacing, element_size, settings
+        As of `mesh_solid`.
+    preload : float
+        Way [m] of the platen below the highest point that decides which nodes are glued.
+    boundary_shift : float
+        The surface is moved outward by this along its normal [m], inward if negative; the base
+        stays the plane z = 0.
+    bond_mask : MarkedImage, optional
+        Not zero where the top surface is glued, in place of the pre-load rule.
+    labels : MarkedImage, optional
+        Regions of different stiffness.
+
+    Returns
+    -------
+    SampleMesh
+        With the node flags ``bottom`` and ``glued`` and, if there are labels, the element data
+        ``region``.
 
     Raises
     ------
     MeshError
         If no valid mesh comes out; the message names the cure.
+    InputError
+        If an image marks nothing of the sample.
     """
     start = process_time()
+    distance = distance - boundary_shift
     mesh = mesh_solid(distance, origin, spacing, element_size, settings)
     seconds = process_time() - start
     surface = LevelSet(distance, origin, spacing)
     report = quality_report(mesh, element_size, surface.volume, surface)
-    return _with_fields(mesh, preload, report, seconds)
+    glued = bonded_nodes(mesh, bond_mask) if bond_mask else mesh.glued(preload)
+    regions = {"region": element_regions(mesh, labels)} if labels else {}
+    return _with_fields(mesh, glued, report, seconds, regions)
 
 
 def mesh_ideal(length: float, width: float, height: float, element_size: float) -> SampleMesh:
@@ -55,18 +84,22 @@ def mesh_ideal(length: float, width: float, height: float, element_size: float) 
     mesh = mesh_cuboid(length, width, height, element_size)
     seconds = process_time() - start
     report = quality_report(mesh, element_size, length * width * height)
-    return _with_fields(mesh, 0.0, report, seconds)
+    return _with_fields(mesh, mesh.glued(0.0), report, seconds)
 
 
 def _with_fields(
-    mesh: HexMesh, depth: float, report: dict[str, float | int], seconds: float
+    mesh: HexMesh,
+    glued: NDArray[np.int64],
+    report: dict[str, float | int],
+    seconds: float,
+    regions: dict[str, NDArray[np.int64]] | None = None,
 ) -> SampleMesh:
     """Add the node flags, the element quality and the CPU seconds of the meshing."""
-    flags = {"bottom": mesh.bottom, "glued": mesh.glued(depth)}
+    flags = {"bottom": mesh.bottom, "glued": glued}
     nodes = np.arange(len(mesh.points))
     return SampleMesh(
         mesh,
         {name: np.isin(nodes, ids).astype(np.uint8) for name, ids in flags.items()},
-        {"scaled_jacobian": scaled_jacobian(mesh)},
+        {"scaled_jacobian": scaled_jacobian(mesh), **(regions or {})},
         {**report, "cpu_s": round(seconds, 2)},
     )

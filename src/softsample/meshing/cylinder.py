@@ -10,7 +10,7 @@ Array = NDArray[np.float64]
 Ids = NDArray[np.int64]
 
 CORE = 0.7
-"""Distance of the inner square's corners from the axis, in radii: elements of 0.7 to 1.3 h."""
+"""Distance of the inner square's corners from the axis, in radii; it evens out the elements."""
 
 BULGE = np.tan(np.radians(15.0))
 """Roundness of the inner square, 0 straight to 1 a circle; here its corners are of 120 degrees,

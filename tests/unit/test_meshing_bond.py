@@ -53,6 +53,13 @@ def test_only_the_top_can_be_glued_by_a_mask(cuboid):
     np.testing.assert_array_equal(bonded_nodes(bent, everything), cuboid.glued(0.0))
 
 
+def test_a_low_ledge_is_no_top(cuboid):
+    middle = cuboid.points[cuboid.hexes].mean(axis=1)
+    stepped = HexMesh(cuboid.points, cuboid.hexes[(middle[:, 0] < 3e-3) | (middle[:, 2] < 2e-3)])
+    glued = bonded_nodes(stepped, painted(lambda x, y, z: np.ones_like(x)))
+    np.testing.assert_array_equal(glued, stepped.glued(0.0))
+
+
 def test_what_lies_outside_the_image_is_not_glued(cuboid):
     """Three voxels of 2 mm in x and y, the first about the origin."""
     small = MarkedImage(np.ones((3, 3, 3), dtype=int), np.diag([500.0, 500.0, 125.0, 1.0]))

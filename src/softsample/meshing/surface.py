@@ -78,7 +78,7 @@ class TriangleSurface:
         if len(self.triangles) == 0:
             raise MeshError(f"{self.source}: holds no triangles; export the surface again")
         extent = np.ptp(self.points[self.triangles].reshape(-1, 3), axis=0)
-        if extent.min() < EXTENT[0] or extent.max() > EXTENT[1]:
+        if not (extent.min() >= EXTENT[0] and extent.max() <= EXTENT[1]):  # true for NaN
             size = " x ".join(f"{1e3 * length:.4g}" for length in extent)
             raise MeshError(
                 f"{self.source}: {size} mm large, expected {1e3 * EXTENT[0]:g} to "
@@ -222,7 +222,7 @@ def _with_skirt(walls: TriangleSurface, depth: float) -> TriangleSurface:
     free = walls.free_sides
     a, b = walls.sides[free].T
     normal = np.repeat(walls.area_vectors, 3, axis=0)[free]
-    normal /= np.linalg.norm(normal, axis=1, keepdims=True)
+    normal /= np.maximum(np.linalg.norm(normal, axis=1, keepdims=True), 1e-300)  # slivers have none
     square = np.zeros((len(walls.points), 2, 2))
     right = np.zeros((len(walls.points), 2))
     for ends in (a, b):

@@ -2,6 +2,7 @@
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field
+from itertools import pairwise
 
 import numpy as np
 from numpy.typing import NDArray
@@ -405,7 +406,8 @@ class _March:
         blocks, count = state.shape[1:] if terms else (0, state.shape[2])
         self.motion = kernels.Motion(
             model.nodal(), model.nodal(), model.nodal(),
-            np.zeros(len(model.mass), model.settings.dtype), boundary.held.copy(), model.mass, model.mesh.points, state,
+            np.zeros(len(model.mass), model.settings.dtype), boundary.held.copy(), model.mass,
+            model.mesh.points, state,
             _aligned((blocks, terms + 1, 6, count), model.settings.dtype),
         )  # fmt: skip
         if gravity and gravity.settle_first:
@@ -442,7 +444,7 @@ class _March:
         """March through the schedule in slices of constant step, then record the final state."""
         stops = self.schedule.solver_time(snapshots)
         ends = self.schedule.slices(self.model.settings.step_updates, stops)
-        for start, end in zip(ends[:-1], ends[1:], strict=True):
+        for start, end in pairwise(ends):
             if self.gravity and self.gravity.settle_first and start == self.schedule.settling:
                 self._lower_platen()
             allowed = self.model.settings.safety_factor * self._critical_step()

@@ -10,7 +10,6 @@ import math
 import operator
 from typing import Any
 
-import numba
 import numpy as np
 from llvmlite import ir
 from numba import types
@@ -159,9 +158,8 @@ def _gather_lanes(typing_context, array, nodes, index):
     def columns(builder, first, second, i):
         """Columns i and i + 1 of two registers, one after the other."""
         column = [[4 * k + c for k in range(quarter)] for c in (i, i + 1)]
-        return _shuffle(
-            builder, first, second, [k + side for c in column for side in (0, n) for k in c]
-        )  # fmt: skip
+        order = [k + side for c in column for side in (0, n) for k in c]
+        return _shuffle(builder, first, second, order)
 
     def codegen(context, builder, sig, args):
         parts = [
@@ -172,15 +170,17 @@ def _gather_lanes(typing_context, array, nodes, index):
         ]
         while len(parts) > 4:
             both = range(2 * parts[0].type.count)
-            parts = [_shuffle(builder, *parts[k : k + 2], both) for k in range(0, len(parts), 2)]
+            parts = [
+                _shuffle(builder, parts[k], parts[k + 1], both) for k in range(0, len(parts), 2)
+            ]
         low, high = range(n // 2), range(n // 2, n)
         components = []
         for i, halves in ((0, (low, high)), (2, (low,))):
-            first = columns(builder, *parts[:2], i)
-            second = columns(builder, *parts[2:], i)
+            first = columns(builder, parts[0], parts[1], i)
+            second = columns(builder, parts[2], parts[3], i)
             for half in halves:
-                both = [*half, *(n + k for k in half)]
-                components.append(_shuffle(builder, first, second, both))
+                order = [*half, *(n + k for k in half)]
+                components.append(_shuffle(builder, first, second, order))
         return context.make_tuple(builder, sig.return_type, components)
 
     return types.UniTuple(lanes, 3)(array, nodes, index), codegen

@@ -1,6 +1,7 @@
 """Solver time: how fast a loading history is run through."""
 
 from dataclasses import dataclass
+from itertools import pairwise
 
 import numpy as np
 from numpy.typing import NDArray
@@ -49,9 +50,9 @@ class Schedule:
         fraction = (time - corners[leg]) / (corners[leg + 1] - corners[leg])
         return np.asarray(clock[leg] + (clock[leg + 1] - clock[leg]) * smooth_step(fraction))
 
-    def travel(self, clock: Array) -> Array:
+    def travel(self, clock: Array | float) -> Array:
         """Travel of the platen [m] at times of the test [s]."""
-        return np.interp(clock, self.history.time, self.history.travel)
+        return np.asarray(np.interp(clock, self.history.time, self.history.travel))
 
     def gravity(self, time: Array) -> Array:
         """Part of the body force that acts at solver times [s]."""
@@ -65,17 +66,14 @@ class Schedule:
         ends = np.concatenate([[0.0], self.corners] if self.settling > 0.0 else [self.corners])
         parts = [
             np.linspace(start, end, 1 + int(np.ceil(number * (end - start) / self.loading_time)))
-            for start, end in zip(ends[:-1], ends[1:], strict=True)
+            for start, end in pairwise(ends)
         ]
         return np.unique(np.concatenate([*parts, stops]))
 
     def times(self, points: int) -> Array:
         """Times of the test [s] at which curves are given: `points` evenly spaced in each leg."""
         clock = self.history.time
-        legs = [
-            np.linspace(start, end, points + 1)[1:]
-            for start, end in zip(clock[:-1], clock[1:], strict=True)
-        ]
+        legs = [np.linspace(start, end, points + 1)[1:] for start, end in pairwise(clock)]
         return np.concatenate([[0.0], *legs])
 
     def solver_time(self, clock: Array) -> Array:

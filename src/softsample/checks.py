@@ -13,8 +13,13 @@ from softsample.meshing.quality import element_volumes
 Report = Mapping[str, Any]
 
 
-def check(name: str, value: float, limit: float, sense: str = "<=") -> dict[str, Any]:
-    """One check: `value` against `limit`; `sense` is `<=`, `>` or `==`. NaN never passes."""
+def check(
+    name: str, value: float, limit: float, sense: str = "<=", warn_above: float = np.inf
+) -> dict[str, Any]:
+    """One check: `value` against `limit`; `sense` is `<=`, `>` or `==`. NaN never passes.
+
+    A value above `warn_above` passes with a warning.
+    """
     holds = {"<=": value <= limit, ">": value > limit, "==": value == limit}[sense]
     return {
         "name": name,
@@ -22,6 +27,7 @@ def check(name: str, value: float, limit: float, sense: str = "<=") -> dict[str,
         "sense": sense,
         "limit": float(limit),
         "passed": bool(holds),
+        "warned": bool(value > warn_above),
     }
 
 
@@ -82,6 +88,7 @@ def simulation_checks(
             "hourglass over strain energy",
             _largest(run["hourglass_ratio"] for run in runs),
             limits["hourglass_ratio_max"],
+            warn_above=limits["hourglass_ratio_warning"],
         ),
         check(
             "platen against base force [% of peak]",
@@ -155,4 +162,7 @@ def gather(reports: Mapping[str, Report]) -> dict[str, Any]:
     for _, item in every:
         better = min if item["sense"] == ">" else max
         worst[item["name"]] = better(worst.get(item["name"], item["value"]), item["value"])
-    return {"passed": True, "checks": len(every), "worst": worst}
+    warnings = [
+        f"{where}: {item['name']} is {item['value']:.4g}" for where, item in every if item["warned"]
+    ]
+    return {"passed": True, "checks": len(every), "worst": worst, "warnings": warnings}

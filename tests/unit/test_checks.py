@@ -23,6 +23,7 @@ LIMITS = {
     "hourglass_ratio_max": 0.02,
     "platen_against_base_percent_max": 5.0,
     "error_bound_percent_max": 0.5,
+    "hourglass_ratio_warning": 0.01,
     "direct_difference_percent_max": 0.5,
     "volume_difference_percent_max": 0.5,
     "mass_difference_percent_max": 0.01,
@@ -84,6 +85,14 @@ def test_each_fault_fails_its_check_alone(part, change, name):
     assert failed[0].startswith(name)
 
 
+def test_much_hourglass_energy_is_a_warning_before_it_is_a_fault():
+    item = next(i for i in checks(direct={"hourglass_ratio": 0.015}) if "hourglass" in i["name"])
+    assert item["passed"]
+    assert item["warned"]
+    found = gather({"C3_real": {"checks": [item]}})["warnings"]
+    assert found == ["C3_real: hourglass over strain energy is 0.015"]
+
+
 def test_nan_never_passes():
     for sense in ("<=", ">", "=="):
         assert not check("x", math.nan, 1.0, sense)["passed"]
@@ -123,7 +132,7 @@ def test_the_gathering_names_every_failure():
     assert gather({"C1": good, "C2": more}) == {
         "passed": True,
         "checks": 4,
-        "worst": {"a": 1.5, "j": 0.3},
+        "worst": {"a": 1.5, "j": 0.3}, "warnings": [],
     }
     bad = {"checks": [check("a", 3.0, 2.0)]}
     with pytest.raises(SimulationError, match=r"(?s)1 of 5 checks.*C3_real: a is 3, must be <= 2"):

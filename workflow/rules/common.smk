@@ -217,6 +217,7 @@ def everything_of(sample):
         for name in (
             f"<results>/fields/{member}/{geometry}.vtu",
             f"<results>/checks/{member}_{geometry}.json",
+            f"<results>/sensitivity/{member}/real.json",
         )
     ]
 
@@ -234,7 +235,7 @@ def moduli_tables():
 
 def tables():
     """The tables of the study, and the numbers that the captions quote."""
-    names = ["geometry.csv", "summary.csv", "stress_strain.csv", "numbers.rst"]
+    names = ["geometry.csv", "summary.csv", "stress_strain.csv", "sensitivity.csv", "numbers.rst"]
     return [*moduli_tables().values(), *(f"<results>/tables/{name}" for name in names)]
 
 

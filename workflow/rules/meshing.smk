@@ -23,3 +23,18 @@ rule mesh:
         "Mesh: {wildcards.sample}, {wildcards.geometry} geometry"
     script:
         "../scripts/mesh.py"
+
+
+use rule mesh as mesh_coarse with:
+    output:
+        mesh="<results>/mesh/{sample}/{geometry}_coarse.vtu",
+        report="<results>/mesh/{sample}/{geometry}_coarse.json",
+    log:
+        "<logs>/mesh/{sample}_{geometry}_coarse.log",
+    benchmark:
+        "<benchmarks>/mesh/{sample}_{geometry}_coarse.tsv"
+    params:
+        mesh={**config["mesh"], "element_size_mm": 2 * config["mesh"]["element_size_mm"]},
+        preload_mm=config["protocol"]["preload_mm"],
+    message:
+        "Mesh, elements of twice the size: {wildcards.sample}, {wildcards.geometry} geometry"

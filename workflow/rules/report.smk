@@ -87,6 +87,27 @@ rule table_summary:
         "../scripts/table_summary.py"
 
 
+rule table_sensitivity:
+    input:
+        reports=expand("<results>/sensitivity/{sample}/real.json", sample=SAMPLES),
+        code=library("workflow/scripts/table_sensitivity.py"),
+    output:
+        table=report(
+            "<results>/tables/sensitivity.csv",
+            caption="../report/sensitivity.rst",
+            category="Tables",
+            labels={"table": "Sensitivity to numerical choices"},
+        ),
+    log:
+        "<logs>/sensitivity.log",
+    params:
+        samples=list(SAMPLES),
+    message:
+        "Sensitivity of all samples to mesh, hourglass control and precision"
+    script:
+        "../scripts/table_sensitivity.py"
+
+
 rule table_stress:
     input:
         records=[name for sample in SAMPLES for name in sample_file(sample, "record")],

@@ -53,3 +53,29 @@ rule confirm:
         "Run at the optimum: {wildcards.sample}, {wildcards.geometry} geometry"
     script:
         "../scripts/confirm.py"
+
+
+rule sensitivity:
+    input:
+        mesh="<results>/mesh/{sample}/{geometry}.vtu",
+        coarse="<results>/mesh/{sample}/{geometry}_coarse.vtu",
+        record=study_file("record"),
+        family="<results>/curves/{sample}/{geometry}/ogden2.json",
+        fit=optimum("json"),
+        code=library("workflow/scripts/sensitivity.py"),
+    output:
+        report="<results>/sensitivity/{sample}/{geometry}.json",
+    log:
+        "<logs>/sensitivity/{sample}_{geometry}.log",
+    benchmark:
+        "<benchmarks>/sensitivity/{sample}_{geometry}.tsv"
+    params:
+        mode=row_value("mode"),
+        material=config["material"],
+        solver=config["solver"],
+        contact=config["contact"],
+        protocol=config["protocol"],
+    message:
+        "Sensitivity to mesh, hourglass control and precision: {wildcards.sample}, {wildcards.geometry} geometry"
+    script:
+        "../scripts/sensitivity.py"

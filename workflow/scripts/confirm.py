@@ -4,10 +4,9 @@ import numpy as np
 
 from softsample.calibration.curves import MeasuredCurve
 from softsample.constitutive.ogden import OgdenMaterial
-from softsample.fem.boundary import ContactSettings, mode_boundary
-from softsample.fem.explicit import ExplicitModel, SolverSettings
 from softsample.fem.family import run_report
 from softsample.fem.fields import max_principal_hencky_strain
+from softsample.fem.setup import set_up
 from softsample.io import (
     read_json,
     read_mesh_with_data,
@@ -23,22 +22,30 @@ from softsample.workflow import logged_to, progress_bar, provenance
 with logged_to(snakemake.log[0]):
     given, sample = snakemake.params, snakemake.wildcards.sample
     fit, curve = read_json(snakemake.input.fit), read_table(snakemake.input.fit_curve)
-    mesh, point_data, _ = read_mesh_with_data(snakemake.input.mesh)
-    contact = ContactSettings(**given.contact)
+    mesh, point_data, cell_data = read_mesh_with_data(snakemake.input.mesh)
+    model, boundary = set_up(
+        mesh,
+        point_data,
+        cell_data,
+        given.mode,
+        solver=given.solver,
+        contact=given.contact,
+        material=given.material,
+    )
     measured = MeasuredCurve.of_record(read_record(snakemake.input.record), given.mode)
     material = OgdenMaterial(
         (fit["mu1_pa"], fit["mu2_pa"]), tuple(fit["alpha"]), fit["poisson_ratio"]
     )
     bar = progress_bar()
-    run = ExplicitModel(mesh, SolverSettings(**given.solver)).run(
+    run = model.run(
         material,
-        mode_boundary(mesh, given.mode, np.flatnonzero(point_data["glued"]), contact),
+        boundary,
         measured.travel,
         loading_time=read_json(snakemake.input.family)["loading_time_s"],
         progress=lambda fraction: bar("run at the optimum", fraction),
     )
     sign = travel_sign(given.mode)
-    model = curve.loc[curve["sample"] == sample, "model_N"].to_numpy()
+    modelled = curve.loc[curve["sample"] == sample, "model_N"].to_numpy()
     direct = sign * np.interp(measured.displacement, run.displacement, run.force)
     write_table(
         snakemake.output.curve,
@@ -54,7 +61,7 @@ with logged_to(snakemake.log[0]):
         "travel_mm": 1e3 * measured.travel,
         "nominal_strain": measured.travel / mesh.highest,
         "against_calibrated_curve_percent": 100
-        * float(abs(direct - model).max() / abs(model).max()),
+        * float(abs(direct - modelled).max() / abs(modelled).max()),
         **run_report(run),
         "provenance": provenance(snakemake),
     }

@@ -1,23 +1,25 @@
 """Unit-modulus curves of one sample and geometry (rule `simulate`)."""
 
-import numpy as np
-
 from softsample.calibration.curves import MeasuredCurve
-from softsample.fem.boundary import ContactSettings, mode_boundary
-from softsample.fem.explicit import ExplicitModel, SolverSettings
 from softsample.fem.family import FamilySettings, family_fractions, simulate_family
+from softsample.fem.setup import set_up
 from softsample.io import read_mesh_with_data, read_record, write_json, write_table
 from softsample.protocol import travel_sign
 from softsample.workflow import logged_to, progress_bar, provenance
 
 with logged_to(snakemake.log[0]):
     given = snakemake.params
-    mesh, point_data, _ = read_mesh_with_data(snakemake.input.mesh)
-    glued = np.flatnonzero(point_data["glued"])
+    model, boundary = set_up(
+        *read_mesh_with_data(snakemake.input.mesh),
+        given.mode,
+        solver=given.solver,
+        contact=given.contact,
+        material=given.material,
+    )
     one_term = snakemake.wildcards.model == "ogden1"
     curves, report = simulate_family(
-        ExplicitModel(mesh, SolverSettings(**given.solver)),
-        mode_boundary(mesh, given.mode, glued, ContactSettings(**given.contact)),
+        model,
+        boundary,
         MeasuredCurve.of_record(read_record(snakemake.input.record), given.mode).travel,
         [1.0] if one_term else family_fractions(FamilySettings(**given.family)),
         given.material["alpha"],

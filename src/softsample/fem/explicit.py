@@ -529,11 +529,18 @@ class _March:
             model.add_up(motion.u + scale * q, self.elements, solid, bent, state)
             return (bent - rest) / scale
 
-        free = np.where(motion.held == kernels.FREE, model.mass, 0.0)
-        start = model.nodal(self.rng.standard_normal((len(free), 3)))
-        value = largest_eigenvalue(stiffness, free[:, None].astype(start.dtype), start)
+        mass = np.where(self._movable(), model.mass, 0.0)
+        start = model.nodal(self.rng.standard_normal((len(mass), 3)))
+        value = largest_eigenvalue(stiffness, mass[:, None].astype(start.dtype), start)
         before, self.critical = self.critical, 2.0 / float(np.sqrt(value))
         return self.critical * min(1.0, self.critical / (before or self.critical))
+
+    def _movable(self) -> NDArray[np.bool_]:
+        """Nodes that are free, or may slide on a platen."""
+        sliding = np.zeros(len(self.motion.held), bool)
+        if np.isfinite(self.platens.friction).any():
+            sliding[self.platens.candidates] = True
+        return sliding | (self.motion.held == kernels.FREE)
 
     def _check(self, fraction: float) -> None:
         """Refuse inverted elements and numbers that are not finite."""

@@ -47,32 +47,21 @@ def family_fractions(settings: FamilySettings) -> Array:
 
 @dataclass(frozen=True)
 class Pace:
-    """A solver time for a loading and what is known of its error.
+    """A solver time for a loading, and what its curve is worth.
 
     Parameters
     ----------
     loading_time : float
         Solver time of a ramp for the reference modulus [s].
-    slow_time : float
-        Solver time of the slow run that errors are measured against [s], at least twice a pilot's.
-    slow : Run
-        That run.
+    run : Run
+        The simulation in this time.
+    error_percent : float
+        Error of its curve [% of the peak force], estimated from a slower one.
     """
 
     loading_time: float
-    slow_time: float
-    slow: Run
-
-    def error_percent(self, run: Run) -> float:
-        """Error of the curve of a run in `loading_time` [% of the peak force].
-
-        Errors fall with the square of the loading time, so that the difference from the slow run
-        is that part of the error which the slow run does not share.
-        """
-        if self.loading_time >= self.slow_time:
-            raise ValueError("the slow run must be slower than the run it judges")
-        shared = (self.loading_time / self.slow_time) ** 2
-        return 100.0 * curve_difference(run, self.slow) / (1.0 - shared)
+    run: Run
+    error_percent: float
 
 
 def curve_difference(run: Run, reference: Run) -> float:
@@ -81,16 +70,24 @@ def curve_difference(run: Run, reference: Run) -> float:
     return float(difference / np.abs(reference.force).max())
 
 
-def find_pace(run: Callable[[float], Run], settings: SolverSettings) -> Pace:
-    """The shortest loading time whose curve is within ``curve_error_percent`` of a slow test.
+def pace_error(fast: Run, slow: Run, ratio: float) -> float:
+    """Error of the faster of two curves [% of peak], its loading time `ratio` of the other's.
 
-    A pilot in T and one in 2 T give the error e(T) = 4/3 of their difference; it falls with 1/T^2.
-    The time is chosen with a margin of a fifth, and within the span of the pilots, so that the
-    slow one bounds the error of what follows.
+    Errors fall with the square of the loading time, so that the slow run shares ``ratio^2`` of it.
+    """
+    return 100.0 * curve_difference(fast, slow) / (1.0 - ratio**2)
+
+
+def find_pace(simulate: Callable[[float], Run], settings: SolverSettings) -> Pace:
+    """The shortest loading time whose curve has an error of ``curve_error_percent`` at most.
+
+    Pilots in T and 2 T give the error e(T), four thirds of their difference, and with its fall as
+    1/T^2 a time with a margin of a fifth. The run in that time is judged by the slower pilot
+    again; where the loading was too fast for the law, T is doubled.
 
     Parameters
     ----------
-    run : callable
+    simulate : callable
         Simulation in a given loading time [s].
     settings : SolverSettings
         First guess of the loading time, wanted error.
@@ -98,16 +95,20 @@ def find_pace(run: Callable[[float], Run], settings: SolverSettings) -> Pace:
     Raises
     ------
     SimulationError
-        If sixteen times the first guess is still too fast.
+        If 32 times the first guess is still too fast.
     """
-    time = settings.loading_time_s
-    fast = run(time)
+    time, wanted = settings.loading_time_s, settings.curve_error_percent
+    fast = simulate(time)
     for _ in range(5):
-        slow = run(2.0 * time)
-        error = 100.0 * 4.0 / 3.0 * curve_difference(fast, slow)
-        wanted = time * np.sqrt(error / (0.8 * settings.curve_error_percent))
-        if wanted < 1.8 * time:
-            return Pace(float(max(wanted, 0.5 * time)), 2.0 * time, slow)
+        slow = simulate(2.0 * time)
+        error = pace_error(fast, slow, 0.5)
+        better = time * float(np.sqrt(error / (0.8 * wanted)))
+        if better < 1.8 * time:
+            better = max(better, 0.5 * time)
+            run = simulate(better)
+            error = pace_error(run, slow, better / (2.0 * time))
+            if error <= wanted:
+                return Pace(better, run, error)
         time, fast = 2.0 * time, slow
     raise SimulationError(
         f"inertia still changes the force by {error:.2g} % of its peak in a loading time of "
@@ -168,30 +169,28 @@ def simulate_family(
         seconds.append(time.process_time() - before)
         return run
 
-    share = 3.0 / (3.0 + len(fractions))
+    order = [middle, *(r for r in fractions if r != middle)]
+    share = 4.0 / (3.0 + len(fractions))
     pace = find_pace(
         lambda duration: simulate(middle, duration, "loading time", 0.0, share), model.settings
     )
-    spent = sum(seconds)
-    seconds.clear()
-    steps = np.linspace(share, 1.0, len(fractions) + 1)
-    runs = [
-        simulate(
-            float(r), pace.loading_time, f"run {k + 1} of {len(fractions)} (mu1/mu = {r:.3f})",
-            steps[k], steps[k + 1],
-        )
-        for k, r in enumerate(fractions)
-    ]  # fmt: skip
+    steps = np.linspace(share, 1.0, len(fractions))
+    found = {middle: (pace.run, seconds[-1])}
+    for k, r in enumerate(order[1:]):
+        label = f"run {k + 2} of {len(fractions)} (mu1/mu = {r:.3f})"
+        run = simulate(r, pace.loading_time, label, steps[k], steps[k + 1])
+        found[r] = run, seconds[-1]
+    runs = [found[r][0] for r in fractions]
     reports = [
-        {"mu1_fraction": float(r), **run_report(run), "cpu_s": round(cpu, 2)}
-        for r, run, cpu in zip(fractions, runs, seconds, strict=True)
+        {"mu1_fraction": float(r), **run_report(found[r][0]), "cpu_s": round(found[r][1], 2)}
+        for r in fractions
     ]
     return _curves(fractions, runs, modulus), {
-        "error_bound_percent": pace.error_percent(runs[list(fractions).index(middle)]),
+        "error_bound_percent": pace.error_percent,
         "loading_time_s": pace.loading_time,
         "elements": len(model.mesh.hexes),
         "travel_mm": 1e3 * travel,
-        "cpu_s": round(spent + sum(seconds), 2),
+        "cpu_s": round(sum(seconds), 2),
         "runs": reports,
     }
 

@@ -371,7 +371,7 @@ def _copysign_code(code, x, y):
 
 
 def _reciprocal_sqrt_code(code, x):
-    """Newton's iteration from the usual guess by halving the exponent: no slow root, no division."""
+    """Newton's iteration from the usual guess by halving the exponent: no root, no division."""
     b = code.builder
     magic = 0x5FE6EB50C7B537A9 if code.double else 0x5F375A86
     guess = b.sub(code.integer(magic), b.lshr(code.bits(x), code.integer(1)))

@@ -1,12 +1,43 @@
-"""Strain fields of a deformed mesh."""
+"""Strain and contact on a deformed mesh."""
+
+from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
 
 from softsample.fem.element import hex_geometry
+from softsample.fem.kernels import PLATEN
 from softsample.meshing.mesh import HexMesh
 
 Array = NDArray[np.float64]
+
+FLAT = np.cos(np.radians(30.0))
+"""Faces that are held in part count as touching while they are this flat to the platen."""
+
+CONTACT = ("contact_area_m2", "mean_contact_pressure_pa", "max_contact_pressure_pa")
+"""Numbers of a contact report."""
+
+
+@dataclass(frozen=True)
+class Snapshot:
+    """State of a run at one travel of the moving platen.
+
+    Parameters
+    ----------
+    travel : float
+        Travel of the moving platen along its direction [m].
+    displacement : (n_nodes, 3) float64
+        Nodal displacements [m].
+    held : (n_nodes,) int8
+        What holds each node (FREE, BASE, PLATEN).
+    contact_force : (n_nodes, 3) float64
+        Force of the moving platen on each node [N].
+    """
+
+    travel: float
+    displacement: Array
+    held: NDArray[np.int8]
+    contact_force: Array
 
 
 def deformation_gradients(mesh: HexMesh, displacement: Array) -> Array:
@@ -15,7 +46,50 @@ def deformation_gradients(mesh: HexMesh, displacement: Array) -> Array:
     return np.eye(3) + np.einsum("nai,naj->nij", displacement[mesh.hexes], gradient)
 
 
+def principal_hencky_strains(mesh: HexMesh, displacement: Array) -> Array:
+    """Principal logarithmic strains ln(lambda) of each element (n_elements, 3), ascending."""
+    F = deformation_gradients(mesh, displacement)
+    return np.asarray(0.5 * np.log(np.linalg.eigvalsh(np.swapaxes(F, 1, 2) @ F)))
+
+
 def max_principal_hencky_strain(mesh: HexMesh, displacement: Array) -> Array:
     """Largest principal logarithmic strain ln(lambda_max) of each element (n_elements,)."""
-    F = deformation_gradients(mesh, displacement)
-    return np.asarray(0.5 * np.log(np.linalg.eigvalsh(np.swapaxes(F, 1, 2) @ F)[:, -1]))
+    return principal_hencky_strains(mesh, displacement)[:, -1]
+
+
+def contact_report(mesh: HexMesh, snapshot: Snapshot) -> dict[str, float]:
+    """Area and pressure of contact with the moving platen.
+
+    Each corner of a deformed boundary face stands for a quarter of the face's area, projected on
+    the platen; those of nodes that the platen holds are summed. A face with free corners counts
+    only while its normal is within 30 degrees of the platen's, so that walls below the edge of a
+    flat top do not. Where contact ends within a face, the area is known to half that face.
+
+    Returns
+    -------
+    dict
+        `contact_area_m2`; `mean_contact_pressure_pa`, total normal force over area;
+        `max_contact_pressure_pa`, the largest nodal normal force over the node's part of the
+        area. Pressure is positive, pull is negative; all are zero without contact.
+    """
+    area = _touching_area(mesh, snapshot)
+    touching = area > 0.0
+    if not touching.any():
+        return {name: 0.0 for name in CONTACT}
+    pressing = -snapshot.contact_force[:, 2]
+    total = area.sum()
+    values = (total, pressing.sum() / total, np.max(pressing[touching] / area[touching]))
+    return {name: float(value) for name, value in zip(CONTACT, values, strict=True)}
+
+
+def _touching_area(mesh: HexMesh, snapshot: Snapshot) -> Array:
+    """Part of the contact area that belongs to each node (n_nodes,) [m2]."""
+    quads = mesh.boundary_quads
+    corners = (mesh.points + snapshot.displacement)[quads]
+    normal = 0.5 * np.cross(corners[:, 2] - corners[:, 0], corners[:, 3] - corners[:, 1])
+    held = snapshot.held[quads] == PLATEN
+    flat = normal[:, 2] > FLAT * np.linalg.norm(normal, axis=1)
+    projected = np.where(flat | held.all(axis=1), np.maximum(normal[:, 2], 0.0), 0.0)
+    share = 0.25 * projected[:, None] * held
+    sums = np.bincount(quads.ravel(), weights=share.ravel(), minlength=len(mesh.points))
+    return np.asarray(sums, dtype=np.float64)

@@ -1,0 +1,1 @@
+"""The simulated tests for other programs: input of their solvers, series for ParaView."""

@@ -1,0 +1,251 @@
+"""Input of FEBio 4 for a test."""
+
+import xml.etree.ElementTree as ET
+from collections.abc import Iterable
+from pathlib import Path
+
+import numpy as np
+from numpy.typing import NDArray
+
+from softsample.constitutive.ogden import OgdenMaterial
+from softsample.errors import InputError
+from softsample.export.model import MPA, Array, StaticTest
+from softsample.fem.boundary import Boundary
+from softsample.fem.explicit import SolverSettings
+from softsample.io import MM, PathLike, write_text
+from softsample.meshing.mesh import HexMesh
+
+DOMAINS = ("three-field-solid", "udg-hex")
+
+QUADRATIC = 2
+"""FEBio's `pressure_model` for K/2 (J - 1)^2 ("Abaqus"); its default is K/2 (ln J)^2."""
+
+PULL = 1e-3
+"""Traction at which a platen lets go, over the shear modulus; FEBio takes 0 for 'never'."""
+
+TISSUE = 1
+"""Material number of the sample; platens follow."""
+
+
+def write_febio(
+    path: PathLike,
+    mesh: HexMesh,
+    material: OgdenMaterial,
+    boundary: Boundary,
+    travel: float,
+    *,
+    domain: str = "three-field-solid",
+    steps: int = 20,
+) -> None:
+    """Write a static test as input of FEBio 4 (febio_spec 4.0), atomically.
+
+    Parameters
+    ----------
+    path
+        Target, ending in `.feb`.
+    mesh : HexMesh
+        Reference configuration [m].
+    material : OgdenMaterial
+        Moduli [Pa]; FEBio's coefficients are ``c_i = 2 mu_i``, its exponents ``m_i = alpha_i``.
+    boundary : Boundary
+        Fixed base; nodes glued to the moving platen, or platens that free nodes can touch, which
+        become rigid bodies with sticky contact.
+    travel : float
+        Travel of the moving platen [m], > 0, in proportion to time from 0 to 1.
+    domain : str
+        `three-field-solid` (mean dilatation) or `udg-hex` (one point, hourglass control).
+    steps : int
+        Number of time steps.
+
+    Raises
+    ------
+    InputError
+        On an unknown domain, a travel that is not positive, or if nothing moves.
+
+    Notes
+    -----
+    The force goes to `{name}_force.csv`: of the moving body, or of each glued node (their sum is
+    the force). The file was checked against FEBio's documentation and sources, not run.
+
+    References
+    ----------
+    S. A. Maas et al., J. Biomech. Eng. 134 (2012) 011005, doi:10.1115/1.4005694.
+    """
+    if domain not in DOMAINS:
+        raise InputError(f"no domain {domain!r}; there are {', '.join(DOMAINS)}")
+    test = StaticTest(mesh, material, boundary, travel)
+    root = ET.Element("febio_spec", version="4.0")
+    root.extend(ET.Comment(f" {line} ") for line in test.header)
+    ET.SubElement(root, "Module", type="solid")
+    _control(ET.SubElement(root, "Control"), steps)
+    _materials(ET.SubElement(root, "Material"), test)
+    _mesh(ET.SubElement(root, "Mesh"), test)
+    _domains(ET.SubElement(root, "MeshDomains"), test, domain)
+    _boundary(ET.SubElement(root, "Boundary"), test)
+    if test.plates:
+        _rigid(ET.SubElement(root, "Rigid"), test)
+        _contact(ET.SubElement(root, "Contact"), test)
+    _ramp(ET.SubElement(root, "LoadData"))
+    _output(ET.SubElement(root, "Output"), test, Path(path).stem)
+    ET.indent(root)
+    write_text(path, '<?xml version="1.0" encoding="UTF-8"?>\n' + ET.tostring(root, "unicode"))
+
+
+def _control(control: ET.Element, steps: int) -> None:
+    """Static analysis with full Newton iterations and steps that can be cut back."""
+    _fill(control, analysis="STATIC", time_steps=steps, step_size=1.0 / steps)
+    solver = ET.SubElement(control, "solver", type="solid")
+    _fill(solver, symmetric_stiffness="symmetric", max_refs=25, dtol=1e-3, etol=1e-3, rtol=0)
+    _fill(ET.SubElement(solver, "qn_method", type="BFGS"), max_ups=0)
+    stepper = ET.SubElement(control, "time_stepper", type="default")
+    _fill(stepper, max_retries=10, opt_iter=15, dtmin=1e-3 / steps, dtmax=1.0 / steps)
+
+
+def _materials(materials: ET.Element, test: StaticTest) -> None:
+    """Uncoupled Ogden solid, and a rigid body for each platen."""
+    law = test.material
+    tissue = ET.SubElement(materials, "material", id=str(TISSUE), name="tissue", type="Ogden")
+    _fill(tissue, density=1.0, k=law.bulk_modulus / MPA, pressure_model=QUADRATIC)
+    for term, (mu, alpha) in enumerate(zip(law.mu, law.alpha, strict=True), start=1):
+        _fill(tissue, **{f"c{term}": 2.0 * mu / MPA, f"m{term}": alpha})
+    for number, plate in enumerate(test.plates, start=TISSUE + 1):
+        body = ET.SubElement(
+            materials, "material", id=str(number), name=plate.name, type="rigid body"
+        )
+        _fill(body, density=1.0, center_of_mass=_row(plate.corners.mean(axis=0)))
+
+
+def _mesh(element: ET.Element, test: StaticTest) -> None:
+    """Nodes, elements, sets and surfaces; ids count from one."""
+    mesh = test.mesh
+    _nodes(element, "sample", test.points, 0)
+    for k, plate in enumerate(test.plates):
+        _nodes(element, plate.name, plate.corners, len(mesh.points) + 8 * k)
+    _cells(element, "Elements", "elem", mesh.hexes, 0, name="sample", type="hex8")
+    for k, plate in enumerate(test.plates):
+        corners = len(mesh.points) + 8 * k + np.arange(8)[None]
+        first = len(mesh.hexes) + k
+        _cells(element, "Elements", "elem", corners, first, name=plate.name, type="hex8")
+    for name, ids in test.sets.items():
+        ET.SubElement(element, "NodeSet", name=name).text = _row(ids + 1)
+    if test.plates:
+        free = np.isin(mesh.boundary_quads, test.boundary.candidates).all(axis=1)
+        _cells(element, "Surface", "quad4", mesh.boundary_quads[free], 0, name="free")
+    for k, plate in enumerate(test.plates):
+        face = len(mesh.points) + 8 * k + np.array([plate.face])
+        _cells(element, "Surface", "quad4", face, 0, name=f"{plate.name}_face")
+        pair = ET.SubElement(element, "SurfacePair", name=f"{plate.name}_pair")
+        _fill(pair, primary="free", secondary=f"{plate.name}_face")
+
+
+def _domains(element: ET.Element, test: StaticTest, domain: str) -> None:
+    """Which material each part is made of; hourglass stiffness as the solver's for a cube."""
+    solid = ET.SubElement(element, "SolidDomain", name="sample", mat="tissue", type=domain)
+    if domain == "udg-hex":
+        # FEBio's `hg` is a stiffness [N/mm], not a ratio: c mu V (B:B)/64 with B:B = 3/(2 h^2)
+        size = test.mesh.edge_length / MM
+        modulus = test.material.shear_modulus / MPA
+        _fill(solid, hg=SolverSettings().hourglass_coefficient * modulus * 1.5 * size / 64.0)
+    for plate in test.plates:
+        ET.SubElement(element, "SolidDomain", name=plate.name, mat=plate.name)
+
+
+def _boundary(element: ET.Element, test: StaticTest) -> None:
+    """Base fixed; the glued nodes displaced."""
+    fixed = ET.SubElement(element, "bc", name="base", node_set="BASE", type="zero displacement")
+    _fill(fixed, x_dof=1, y_dof=1, z_dof=1)
+    if not test.plates:
+        kind = {"node_set": "GLUED", "type": "prescribed displacement"}
+        for axis, value in zip("xyz", test.displacement, strict=True):
+            _ramped(ET.SubElement(element, "bc", kind, name=f"glued_{axis}"), axis, value)
+
+
+def _rigid(element: ET.Element, test: StaticTest) -> None:
+    """Platens do not turn; one moves along the path, the other not at all."""
+    for plate in test.plates:
+        fixed = ET.SubElement(element, "rigid_bc", name=f"{plate.name}_fixed", type="rigid_fixed")
+        at_rest = int(not plate.moves)
+        _fill(fixed, rb=plate.name, Rx_dof=at_rest, Ry_dof=at_rest, Rz_dof=at_rest)
+        _fill(fixed, Ru_dof=1, Rv_dof=1, Rw_dof=1)
+        if plate.moves:
+            for axis, value in zip("xyz", test.displacement, strict=True):
+                moved = ET.SubElement(
+                    element, "rigid_bc", name=f"{plate.name}_{axis}", type="rigid_displacement"
+                )
+                _fill(moved, rb=plate.name)
+                _ramped(moved, axis, value)
+
+
+def _contact(element: ET.Element, test: StaticTest) -> None:
+    """Sticky contact: a node that has met a platen is tied to it where it met it."""
+    pull = PULL * test.material.shear_modulus / MPA if test.boundary.release else 0.0
+    for plate in test.plates:
+        contact = ET.SubElement(
+            element, "contact", name=plate.name, type="sticky", surface_pair=f"{plate.name}_pair"
+        )
+        _fill(contact, laugon=0, penalty=test.penalty, search_tolerance=0.01)
+        _fill(contact, max_traction=pull, snap_tol=0.0)
+
+
+def _ramp(element: ET.Element) -> None:
+    """The load controller 1: in proportion to time."""
+    curve = ET.SubElement(element, "load_controller", id="1", name="ramp", type="loadcurve")
+    _fill(curve, interpolate="LINEAR")
+    points = ET.SubElement(curve, "points")
+    for point in ("0,0", "1,1"):
+        ET.SubElement(points, "pt").text = point
+
+
+def _output(element: ET.Element, test: StaticTest, name: str) -> None:
+    """Force of what moves, into a file of its own; fields for the viewers."""
+    log = ET.SubElement(element, "logfile")
+    record = {"name": "force", "file": f"{name}_force.csv", "delim": ","}
+    for number, plate in enumerate(test.plates, start=TISSUE + 1):
+        if plate.moves:
+            body = ET.SubElement(log, "rigid_body_data", record, data="Fx;Fy;Fz")
+            body.text = str(number)
+    if not test.plates:
+        ET.SubElement(log, "node_data", record, data="Rx;Ry;Rz", node_set="GLUED")
+    plot = ET.SubElement(element, "plotfile", type="febio")
+    for variable in ("displacement", "stress", "relative volume"):
+        ET.SubElement(plot, "var", type=variable)
+
+
+def _ramped(element: ET.Element, axis: str, value: float) -> None:
+    """One component of a displacement [mm] that grows with the ramp."""
+    _fill(element, dof=axis)
+    ET.SubElement(element, "value", lc="1").text = _word(value)
+    _fill(element, relative=0)
+
+
+def _nodes(element: ET.Element, name: str, points: Array, first: int) -> None:
+    nodes = ET.SubElement(element, "Nodes", name=name)
+    for number, point in enumerate(points, start=first + 1):
+        ET.SubElement(nodes, "node", id=str(number)).text = _row(point)
+
+
+def _cells(
+    element: ET.Element,
+    group: str,
+    tag: str,
+    corners: NDArray[np.integer],
+    first: int,
+    **attributes: str,
+) -> None:
+    cells = ET.SubElement(element, group, attributes)
+    for number, row in enumerate(corners + 1, start=first + 1):
+        ET.SubElement(cells, tag, id=str(number)).text = _row(row)
+
+
+def _fill(element: ET.Element, **values: float | str) -> None:
+    """Append children `<name>value</name>`."""
+    for name, value in values.items():
+        ET.SubElement(element, name).text = value if isinstance(value, str) else _word(value)
+
+
+def _row(values: Iterable[float]) -> str:
+    return ",".join(map(_word, values))
+
+
+def _word(value: float) -> str:
+    return f"{value:.10g}"

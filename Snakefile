@@ -48,6 +48,14 @@ for sample_id in SAMPLES:
         message:
             f"Sample {sample_id} and its group are complete"
 
+    rule:
+        name:
+            f"export_{sample_id}"
+        input:
+            exports_of(sample_id),
+        message:
+            f"Sample {sample_id} is exported for other programs"
+
 
 onsuccess:
     print(closing_words(complete=True))

@@ -57,6 +57,14 @@ def test_one_sample_builds_its_group_alone(tmp_path):
     assert planned["calibrate"] == 4
 
 
+def test_a_test_is_exported_on_demand_without_a_run_at_the_optimum(tmp_path):
+    status, text = dry_run("export_C3", "--config", f"results={tmp_path / 'results'}")
+    assert status == 0, text
+    planned = jobs(text)
+    assert planned["export"] == planned["calibrate"] == 2  # both geometries
+    assert "confirm" not in planned
+
+
 def test_one_calibration_can_be_asked_for_by_file():
     status, text = dry_run("results/calibration/TC1/real/ogden2.json", "--forceall")
     assert status == 0, text

@@ -222,6 +222,15 @@ def everything_of(sample):
     ]
 
 
+def exports_of(sample):
+    """What `export_{id}` builds: the sample's test at the optimum for each other program."""
+    return [
+        f"<results>/export/{sample}/{geometry}{ending}"
+        for geometry in GEOMETRIES
+        for ending in (".inp", "_calculix.inp", ".feb")
+    ]
+
+
 PAPER = [str(ROOT / f"resources/paper/{name}.csv") for name in ("moduli", "summary")]
 COHORT = "virtual cohort" if SHIPPED else f"study {TABLE.resolve().parent.name}"
 FORMATS = ("png", "pdf")

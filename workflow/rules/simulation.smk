@@ -1,4 +1,4 @@
-# Finite element runs: a family of unit-modulus curves, and one run at the calibrated optimum.
+# Finite element runs: a family of unit-modulus curves, one run at the optimum; its input for others.
 
 
 rule simulate:
@@ -79,3 +79,24 @@ rule sensitivity:
         "Sensitivity to mesh, hourglass control and precision: {wildcards.sample}, {wildcards.geometry} geometry"
     script:
         "../scripts/sensitivity.py"
+
+
+rule export:
+    input:
+        mesh="<results>/mesh/{sample}/{geometry}.vtu",
+        record=study_file("record"),
+        fit=optimum("json"),
+        code=library("workflow/scripts/export.py"),
+    output:
+        abaqus="<results>/export/{sample}/{geometry}.inp",
+        calculix="<results>/export/{sample}/{geometry}_calculix.inp",
+        febio="<results>/export/{sample}/{geometry}.feb",
+    log:
+        "<logs>/export/{sample}_{geometry}.log",
+    params:
+        mode=row_value("mode"),
+        contact=config["contact"],
+    message:
+        "Export for Abaqus, CalculiX and FEBio: {wildcards.sample}, {wildcards.geometry} geometry"
+    script:
+        "../scripts/export.py"

@@ -1,0 +1,26 @@
+"""The test with the calibrated material as input of other programs (rule `export`)."""
+
+import numpy as np
+
+from softsample.calibration.curves import MeasuredCurve
+from softsample.constitutive.ogden import OgdenMaterial
+from softsample.export.abaqus import write_abaqus
+from softsample.export.febio import write_febio
+from softsample.fem.boundary import ContactSettings, mode_boundary
+from softsample.io import read_json, read_mesh_with_data, read_record
+from softsample.workflow import logged_to
+
+with logged_to(snakemake.log[0]):
+    given, written = snakemake.params, snakemake.output
+    fit = read_json(snakemake.input.fit)
+    mesh, point_data, _ = read_mesh_with_data(snakemake.input.mesh)
+    measured = MeasuredCurve.of_record(read_record(snakemake.input.record), given.mode)
+    material = OgdenMaterial(
+        (fit["mu1_pa"], fit["mu2_pa"]), tuple(fit["alpha"]), fit["poisson_ratio"]
+    )
+    contact = ContactSettings(**given.contact)
+    boundary = mode_boundary(mesh, given.mode, np.flatnonzero(point_data["glued"]), contact)
+    test = (mesh, material, boundary, measured.travel)
+    write_abaqus(written.abaqus, *test)
+    write_abaqus(written.calculix, *test, program="calculix")
+    write_febio(written.febio, *test)

@@ -4,6 +4,7 @@ import json
 import os
 import subprocess
 import sys
+import xml.etree.ElementTree as ET
 from pathlib import Path
 
 import numpy as np
@@ -123,6 +124,20 @@ def test_a_second_run_does_nothing_and_the_report_can_be_made(study):
     page = (results / "report.html").read_text(encoding="utf-8")
     assert "two-term model" in page
     assert "System Message" not in page  # docutils would complain of a missing number
+
+
+def test_a_test_at_the_optimum_is_exported_on_demand(study):
+    results, run = study
+    assert not (results / "export").exists()
+    run("export_B")
+    for geometry in ("real", "ideal"):
+        fit = load(results, f"calibration/AB/{geometry}/ogden2.json")
+        law = ET.parse(results / f"export/B/{geometry}.feb").find("Material/material")
+        assert float(law.findtext("c1")) == pytest.approx(2e-6 * fit["mu1_pa"])  # MPa
+        for ending in (".inp", "_calculix.inp"):
+            text = (results / f"export/B/{geometry}{ending}").read_text()
+            assert text.endswith("*END STEP\n")
+            assert f"{1e-6 * fit['mu1_pa']:.10g}, -8" in text
 
 
 @pytest.mark.parametrize(

@@ -178,8 +178,8 @@ def _contact(test: StaticTest, program: str) -> Iterator[str]:
             yield "*SURFACE BEHAVIOR, NO SEPARATION"
         yield "*FRICTION, ROUGH"
         return
-    # CalculiX counts slip from the birth of a contact element, not from first touch: elements
-    # that cover every gap from the start let an open contact slip freely and a closed one stick.
+    # For a contact element made at first touch CalculiX measures slip from rest. Elements that
+    # cover every gap from the start slip freely while open and stick once closed.
     everywhere = 4.0 * test.mesh.highest / test.mesh.edge_length
     yield "*SURFACE BEHAVIOR, PRESSURE-OVERCLOSURE=LINEAR"
     yield f"{test.penalty:.10g}, {TENSION * test.penalty:.10g}, {everywhere:.10g}"

@@ -132,7 +132,8 @@ def test_the_gathering_names_every_failure():
     assert gather({"C1": good, "C2": more}) == {
         "passed": True,
         "checks": 4,
-        "worst": {"a": 1.5, "j": 0.3}, "warnings": [],
+        "worst": {"a": 1.5, "j": 0.3},
+        "warnings": [],
     }
     bad = {"checks": [check("a", 3.0, 2.0)]}
     with pytest.raises(SimulationError, match=r"(?s)1 of 5 checks.*C3_real: a is 3, must be <= 2"):

@@ -265,7 +265,7 @@ def test_crushed_element_is_named_with_its_place_and_a_cure(sample):
     soft = OgdenMaterial((1000.0,), (2.0,), 0.3)
     with pytest.raises(
         SimulationError,
-        match=r"element \d+ near \[.*\] mm has J = .* % of the loading time .* mm of travel.; lower",
+        match=r"element \d+ near \[.*\] mm has J = .* mm of travel.; lower solver",
     ):
         loaded(sample, "compression", DOUBLE, soft, 6.5e-3)
 

@@ -223,11 +223,11 @@ def everything_of(sample):
 
 
 def exports_of(sample):
-    """What `export_{id}` builds: the sample's test at the optimum for each other program."""
+    """What `export_{id}` builds: the sample's test at the optimum for other programs."""
     return [
         f"<results>/export/{sample}/{geometry}{ending}"
         for geometry in GEOMETRIES
-        for ending in (".inp", "_calculix.inp", ".feb")
+        for ending in (".inp", "_calculix.inp", ".feb", ".pvd")
     ]
 
 

@@ -37,6 +37,8 @@ rule confirm:
     output:
         fields="<results>/fields/{sample}/{geometry}.vtu",
         curve="<results>/fields/{sample}/{geometry}.csv",
+        contact="<results>/fields/{sample}/{geometry}_contact.csv",
+        energies="<results>/fields/{sample}/{geometry}_energies.csv",
         report="<results>/fields/{sample}/{geometry}.json",
     log:
         "<logs>/confirm/{sample}_{geometry}.log",
@@ -79,6 +81,30 @@ rule sensitivity:
         "Sensitivity to mesh, hourglass control and precision: {wildcards.sample}, {wildcards.geometry} geometry"
     script:
         "../scripts/sensitivity.py"
+
+
+rule series:
+    input:
+        mesh="<results>/mesh/{sample}/{geometry}.vtu",
+        record=study_file("record"),
+        family="<results>/curves/{sample}/{geometry}/ogden2.json",
+        fit=optimum("json"),
+        code=library("workflow/scripts/series.py"),
+    output:
+        collection="<results>/export/{sample}/{geometry}.pvd",
+        meshes=directory("<results>/export/{sample}/{geometry}"),
+    log:
+        "<logs>/series/{sample}_{geometry}.log",
+    params:
+        mode=row_value("mode"),
+        material=config["material"],
+        solver=config["solver"],
+        contact=config["contact"],
+        protocol=config["protocol"],
+    message:
+        "Series of meshes for ParaView: {wildcards.sample}, {wildcards.geometry} geometry"
+    script:
+        "../scripts/series.py"
 
 
 rule export:

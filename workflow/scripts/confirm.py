@@ -1,11 +1,12 @@
 """One run with the calibrated material: curve, deformed shape and strain (rule `confirm`)."""
 
 import numpy as np
+import pandas as pd
 
 from softsample.calibration.curves import MeasuredCurve
 from softsample.constitutive.ogden import OgdenMaterial
 from softsample.fem.family import run_report
-from softsample.fem.fields import max_principal_hencky_strain
+from softsample.fem.fields import contact_report, max_principal_hencky_strain
 from softsample.fem.setup import set_up
 from softsample.io import (
     read_json,
@@ -33,14 +34,13 @@ with logged_to(snakemake.log[0]):
         material=given.material,
     )
     measured = MeasuredCurve.of_record(read_record(snakemake.input.record), given.mode)
-    material = OgdenMaterial(
-        (fit["mu1_pa"], fit["mu2_pa"]), tuple(fit["alpha"]), fit["poisson_ratio"]
-    )
+    material = OgdenMaterial.of_fit(fit)
     bar = progress_bar()
     run = model.run(
         material,
         boundary,
         measured.travel,
+        snapshots=np.linspace(0.05, 1.0, 20),
         loading_time=read_json(snakemake.input.family)["loading_time_s"],
         progress=lambda fraction: bar("run at the optimum", fraction),
     )
@@ -51,6 +51,16 @@ with logged_to(snakemake.log[0]):
         snakemake.output.curve,
         {"displacement_mm": sign * 1e3 * run.displacement, "force_N": sign * run.force},
     )
+    energies = {f"{k}_J": values for k, values in run.energies.items() if k != "displacement"}
+    write_table(
+        snakemake.output.energies,
+        {"displacement_mm": sign * 1e3 * run.energies["displacement"], **energies},
+    )
+    contacts = [
+        {"displacement_mm": sign * 1e3 * snapshot.travel, **contact_report(mesh, snapshot)}
+        for snapshot in run.snapshots
+    ]
+    write_table(snakemake.output.contact, pd.DataFrame(contacts))
     write_mesh(
         snakemake.output.fields,
         mesh,

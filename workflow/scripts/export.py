@@ -4,6 +4,7 @@ import numpy as np
 
 from softsample.calibration.curves import MeasuredCurve
 from softsample.constitutive.ogden import OgdenMaterial
+from softsample.errors import InputError
 from softsample.export.abaqus import write_abaqus
 from softsample.export.febio import write_febio
 from softsample.fem.boundary import ContactSettings, mode_boundary
@@ -13,11 +14,14 @@ from softsample.workflow import logged_to
 with logged_to(snakemake.log[0]):
     given, written = snakemake.params, snakemake.output
     fit = read_json(snakemake.input.fit)
-    mesh, point_data, _ = read_mesh_with_data(snakemake.input.mesh)
+    mesh, point_data, cell_data = read_mesh_with_data(snakemake.input.mesh)
+    if "region" in cell_data:
+        raise InputError(
+            f"{snakemake.input.mesh}: regions of different stiffness are not exported; "
+            "leave the column labels of the table empty to export the sample without them"
+        )
     measured = MeasuredCurve.of_record(read_record(snakemake.input.record), given.mode)
-    material = OgdenMaterial(
-        (fit["mu1_pa"], fit["mu2_pa"]), tuple(fit["alpha"]), fit["poisson_ratio"]
-    )
+    material = OgdenMaterial.of_fit(fit)
     contact = ContactSettings(**given.contact)
     boundary = mode_boundary(mesh, given.mode, np.flatnonzero(point_data["glued"]), contact)
     test = (mesh, material, boundary, measured.travel)

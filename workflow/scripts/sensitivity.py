@@ -11,9 +11,7 @@ with logged_to(snakemake.log[0]):
     given, fit = snakemake.params, read_json(snakemake.input.fit)
     meshes = {name: read_mesh_with_data(snakemake.input[name]) for name in ("mesh", "coarse")}
     travel = MeasuredCurve.of_record(read_record(snakemake.input.record), given.mode).travel
-    material = OgdenMaterial(
-        (fit["mu1_pa"], fit["mu2_pa"]), tuple(fit["alpha"]), fit["poisson_ratio"]
-    )
+    material = OgdenMaterial.of_fit(fit)
     pace = read_json(snakemake.input.family)["loading_time_s"]
     hourglass = given.solver["hourglass_coefficient"]
     variants = {

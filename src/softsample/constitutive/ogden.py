@@ -1,7 +1,8 @@
 """Compressible Ogden solid in the convention of Abaqus, where ``sum(mu)`` is the shear modulus."""
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
+from typing import Any, Self
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -118,6 +119,11 @@ class OgdenMaterial:
             raise ValueError(f"exponents must be finite and not zero, got {self.alpha}")
         if not 0.0 < self.poisson_ratio < 0.5:
             raise ValueError(f"Poisson's ratio must lie in (0, 0.5), got {self.poisson_ratio}")
+
+    @classmethod
+    def of_fit(cls, fit: Mapping[str, Any]) -> Self:
+        """Two-term material of a calibration report (`mu1_pa`, `mu2_pa`, `alpha`, ...)."""
+        return cls((fit["mu1_pa"], fit["mu2_pa"]), tuple(fit["alpha"]), fit["poisson_ratio"])
 
     @property
     def shear_modulus(self) -> float:

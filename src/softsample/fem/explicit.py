@@ -13,6 +13,7 @@ from softsample.fem import kernels
 from softsample.fem.boundary import Boundary
 from softsample.fem.denormals import flushed_denormals
 from softsample.fem.element import hex_geometry, lumped_mass
+from softsample.fem.fields import Snapshot
 from softsample.fem.lanes import LANES
 from softsample.fem.schedule import Schedule
 from softsample.fem.stability import largest_eigenvalue
@@ -94,28 +95,6 @@ class Gravity:
     density_kg_m3: float = 1040.0
     acceleration: tuple[float, float, float] = (0.0, 0.0, -9.81)
     settle_first: bool = True
-
-
-@dataclass(frozen=True)
-class Snapshot:
-    """The sample at one instant.
-
-    Parameters
-    ----------
-    travel : float
-        Travel of the moving platen [m].
-    displacement : (n_nodes, 3) float64
-        Nodal displacements [m].
-    held : (n_nodes,) int8
-        What holds each node (FREE, BASE, PLATEN).
-    contact_force : (n_nodes, 3) float64
-        Force of the moving platen on each node [N].
-    """
-
-    travel: float
-    displacement: Array
-    held: NDArray[np.int8]
-    contact_force: Array
 
 
 @dataclass(frozen=True)

@@ -20,7 +20,7 @@ CONTACT = ("contact_area_m2", "mean_contact_pressure_pa", "max_contact_pressure_
 
 @dataclass(frozen=True)
 class Snapshot:
-    """State of a run at one travel of the moving platen.
+    """State of a run at one instant.
 
     Parameters
     ----------

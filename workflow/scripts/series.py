@@ -1,0 +1,30 @@
+"""The deforming sample as a series of meshes for ParaView (rule `series`)."""
+
+import numpy as np
+
+from softsample.calibration.curves import MeasuredCurve
+from softsample.constitutive.ogden import OgdenMaterial
+from softsample.export.series import write_series
+from softsample.fem.setup import set_up
+from softsample.io import read_json, read_mesh_with_data, read_record
+from softsample.workflow import logged_to, progress_bar
+
+with logged_to(snakemake.log[0]):
+    given = snakemake.params
+    model, boundary = set_up(
+        *read_mesh_with_data(snakemake.input.mesh),
+        given.mode,
+        solver=given.solver,
+        contact=given.contact,
+        material=given.material,
+    )
+    bar = progress_bar()
+    run = model.run(
+        OgdenMaterial.of_fit(read_json(snakemake.input.fit)),
+        boundary,
+        MeasuredCurve.of_record(read_record(snakemake.input.record), given.mode).travel,
+        snapshots=np.linspace(0.05, 1.0, 20),
+        loading_time=read_json(snakemake.input.family)["loading_time_s"],
+        progress=lambda fraction: bar("run with snapshots", fraction),
+    )
+    write_series(snakemake.output.collection, model.mesh, run.snapshots)

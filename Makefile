@@ -17,6 +17,8 @@ stamp := $(VENV)/.lock-$(shell sha256sum requirements.lock | cut -c1-16)
 export OMP_NUM_THREADS ?= 1
 export OPENBLAS_NUM_THREADS ?= 1
 export PYTHONPATH := src
+# a cached kernel does not notice an edit of what it calls elsewhere: a cache for each state of them
+export NUMBA_CACHE_DIR ?= $(CURDIR)/.numba/$(shell cat src/softsample/fem/*.py | sha256sum | cut -c1-16)
 unexport VIRTUAL_ENV
 
 .PHONY: help env run quick test test-long check bench format clean clean-env
@@ -97,7 +99,7 @@ format: $(stamp)
 	$(bin)/snakefmt Snakefile workflow/rules
 
 clean:
-	rm -rf results results-quick logs .snakemake
+	rm -rf results results-quick logs .snakemake .numba
 
 clean-env:
 	rm -rf $(VENV)

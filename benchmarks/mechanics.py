@@ -1,0 +1,132 @@
+"""One picture of what each mechanic does to a test of the nominal cuboid; part of `make verify`."""
+
+import sys
+from collections.abc import Callable
+from dataclasses import replace
+
+import numpy as np
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
+
+from softsample.constitutive.ogden import Fibres, OgdenMaterial, Relaxation
+from softsample.fem.boundary import Boundary, ContactSettings, glued_boundary, platen_boundary
+from softsample.fem.explicit import ExplicitModel, Gravity, Run, SolverSettings
+from softsample.meshing.bond import partial_bond
+from softsample.meshing.cuboid import mesh_cuboid
+from softsample.protocol import History
+
+MESH = mesh_cuboid(23e-3, 20e-3, 13e-3, 1e-3)
+SETTINGS = SolverSettings(loading_time_s=0.12)
+MODEL = ExplicitModel(MESH, SETTINGS)
+MATERIAL = OgdenMaterial((1196.8, 113.1), (-8.0, 16.0), 0.49)
+STICKY = ContactSettings()
+TOP = MESH.glued(0.0)
+CYCLE = History(np.array([0.0, 11.0, 71.0, 82.0]), 1e-3 * np.array([0.0, 3.25, 3.25, 0.0]))
+
+
+def glued(mode: str, nodes: np.ndarray = TOP) -> Boundary:
+    """Top glued, or some of its nodes."""
+    return glued_boundary(MESH, mode, nodes)
+
+
+def curve(axes: Axes, run: Run, label: str, sign: float = 1.0) -> None:
+    """Force against travel."""
+    axes.plot(1e3 * run.displacement, sign * run.force, label=label)
+
+
+def friction(axes: Axes) -> None:
+    """Compression between platens of growing roughness."""
+    for mu in (0.0, 0.1, 0.3, 1.0, None):
+        contact = ContactSettings(friction=mu, base_friction=mu)
+        label = "no slip, glued" if mu is None else f"friction {mu}"
+        curve(axes, MODEL.run(MATERIAL, platen_boundary(MESH, contact), 2.6e-3), label)
+
+
+def tilt(axes: Axes) -> None:
+    """Compression by a tilted platen."""
+    for angle in (0.0, 1.0, 2.0, 4.0):
+        boundary = platen_boundary(MESH, STICKY, tilt_deg=(0.0, angle))
+        curve(axes, MODEL.run(MATERIAL, boundary, 2.6e-3), f"{angle:g} degrees")
+
+
+def weight(axes: Axes) -> None:
+    """Tension with own weight, glued before or after settling."""
+    for label, gravity in (
+        ("no weight", None),
+        ("glued, then settled", Gravity(settle_first=False)),
+        ("settled, then glued", Gravity(settle_first=True)),
+    ):
+        curve(axes, MODEL.run(MATERIAL, glued("tension"), 2e-3, gravity=gravity), label)
+
+
+def poisson(axes: Axes) -> None:
+    """Compression of ever less compressible samples."""
+    for nu in (0.40, 0.45, 0.48, 0.49, 0.499):
+        material = replace(MATERIAL, poisson_ratio=nu)
+        curve(axes, MODEL.run(material, glued("compression"), 2.6e-3), f"ν = {nu}")
+
+
+def bond(axes: Axes) -> None:
+    """Tension with part of the glue."""
+    for share in (1.0, 0.875, 0.6):
+        nodes = partial_bond(MESH, TOP, share, (1.0, 0.0)) if share < 1.0 else TOP
+        curve(axes, MODEL.run(MATERIAL, glued("tension", nodes), 3.25e-3), f"{share:.1%} glued")
+
+
+def relaxation(axes: Axes) -> None:
+    """Ramp, hold and unloading against time."""
+    for label, law in (
+        ("elastic", None),
+        ("g = 0.3, τ = 10 s", Relaxation((0.3,), (10.0,))),
+        ("g = 0.3, 0.3, τ = 5, 50 s", Relaxation((0.3, 0.3), (5.0, 50.0))),
+    ):
+        run = MODEL.run(replace(MATERIAL, relaxation=law), glued("shear"), CYCLE)
+        axes.plot(run.time, run.force, label=label)
+
+
+def fibres(axes: Axes) -> None:
+    """Shear along and across fibres, and with none."""
+    for label, law in (
+        ("none", None),
+        ("along x", Fibres(400.0, (1.0, 0.0, 0.0))),
+        ("along y", Fibres(400.0, (0.0, 1.0, 0.0))),
+        ("along x + z", Fibres(400.0, (1.0, 0.0, 1.0))),
+    ):
+        curve(axes, MODEL.run(replace(MATERIAL, fibres=law), glued("shear"), 3.9e-3), label)
+
+
+def regions(axes: Axes) -> None:
+    """A stiff inclusion, a stiff half."""
+    middle = MESH.points[MESH.hexes].mean(axis=1)
+    ball = np.linalg.norm(middle - [0.0, 0.0, 6.5e-3], axis=1) < 4e-3
+    for label, where in (("uniform", ball & False), ("inclusion", ball), ("half", middle[:, 0] > 0)):
+        model = ExplicitModel(MESH, SETTINGS, np.where(where, 4.0, 1.0))
+        curve(axes, model.run(MATERIAL, glued("tension"), 3.25e-3), label)
+
+
+PANELS: dict[str, Callable[[Axes], None]] = {
+    "Coulomb friction, compression": friction,
+    "tilted platen, compression": tilt,
+    "own weight, tension": weight,
+    "Poisson's ratio, compression": poisson,
+    "part of the glue, tension": bond,
+    "relaxation, shear: ramp, hold, unloading": relaxation,
+    "fibres, shear": fibres,
+    "regions four times as stiff, tension": regions,
+}
+
+
+def main(target: str) -> None:
+    """Draw all panels into `target`."""
+    figure = Figure(figsize=(15, 7), layout="constrained")
+    for axes, (title, draw) in zip(figure.subplots(2, 4).flat, PANELS.items(), strict=True):
+        draw(axes)
+        axes.set(title=title, xlabel="travel [mm]", ylabel="force [N]")
+        axes.legend(fontsize="small")
+        if draw is relaxation:
+            axes.set(xlabel="time [s]")
+    figure.savefig(target, dpi=110)
+
+
+if __name__ == "__main__":
+    main(sys.argv[1])

@@ -99,7 +99,11 @@ def regions(axes: Axes) -> None:
     """A stiff inclusion, a stiff half."""
     middle = MESH.points[MESH.hexes].mean(axis=1)
     ball = np.linalg.norm(middle - [0.0, 0.0, 6.5e-3], axis=1) < 4e-3
-    for label, where in (("uniform", ball & False), ("inclusion", ball), ("half", middle[:, 0] > 0)):
+    for label, where in (
+        ("uniform", ball & False),
+        ("inclusion", ball),
+        ("half", middle[:, 0] > 0),
+    ):
         model = ExplicitModel(MESH, SETTINGS, np.where(where, 4.0, 1.0))
         curve(axes, model.run(MATERIAL, glued("tension"), 3.25e-3), label)
 

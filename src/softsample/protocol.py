@@ -1,6 +1,7 @@
 """Test protocol: how the moving platen travels over time, and where a record's ramp lies."""
 
 from dataclasses import dataclass
+from itertools import pairwise
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -134,16 +135,11 @@ def phases(time: Array, displacement: Array) -> list[Phase]:
     InputError
         If the platen does not move beyond the noise of its reading.
     """
-    reach = float(np.ptp(displacement))
-    tolerance = max(10.0 * _noise(displacement), 1e-3 * reach)
-    if reach < 5.0 * tolerance:
-        raise InputError(
-            f"displacement stays within {1e3 * reach:.3g} mm, its noise: there is no loading ramp"
-        )
-    corners = _polygon(time, displacement, tolerance)
+    tolerance = _tolerance(displacement)
     found: list[Phase] = []
+    ends = corners(time, displacement)
     for start, stop, kind in zip(
-        corners[:-1], corners[1:], _kinds(time, displacement, corners, tolerance), strict=True
+        ends[:-1], ends[1:], _kinds(time, displacement, ends, tolerance), strict=True
     ):
         end = stop + int(stop == len(time) - 1)
         if found and found[-1].kind == kind:
@@ -151,6 +147,55 @@ def phases(time: Array, displacement: Array) -> list[Phase]:
         else:
             found.append(Phase(kind, start, end))
     return found
+
+
+def corners(time: Array, displacement: Array) -> list[int]:
+    """Samples where the travel changes its course, the first and the last one included.
+
+    Raises
+    ------
+    InputError
+        If the platen does not move beyond the noise of its reading.
+    """
+    tolerance = _tolerance(displacement)
+    if np.ptp(displacement) < 5.0 * tolerance:
+        reach = 1e3 * float(np.ptp(displacement))
+        raise InputError(
+            f"displacement stays within {reach:.3g} mm, its noise: there is no loading ramp"
+        )
+    return _polygon(time, displacement, tolerance)
+
+
+def _tolerance(displacement: Array) -> float:
+    """Distance from a polygon that is noise [m]."""
+    return max(10.0 * _noise(displacement), 1e-3 * float(np.ptp(displacement)))
+
+
+def denoised(time: Array, displacement: Array) -> Array:
+    """The polygon behind a noisy travel: a straight line through the samples of every leg.
+
+    Corners are where lines of neighbouring legs meet, so that they are known better than to the
+    nearest sample.
+    """
+    ends = corners(time, displacement)
+    lines = []
+    for first, last in pairwise(ends):
+        trim = (last - first) // 10
+        leg = slice(first + trim, last + 1 - trim)
+        lines.append(np.polyfit(time[leg], displacement[leg], 1))
+    knots = [time[0]]
+    for k, (before, after) in enumerate(pairwise(lines)):
+        meeting = (
+            (after[1] - before[1]) / (before[0] - after[0]) if before[0] != after[0] else np.nan
+        )
+        corner = time[ends[k + 1]]
+        reach = 0.5 * min(corner - time[ends[k]], time[ends[k + 2]] - corner)
+        knots.append(meeting if abs(meeting - corner) < reach else corner)
+    knots.append(time[-1])
+    heights = [
+        np.polyval(line, knot) for line, knot in zip([*lines, lines[-1]], knots, strict=True)
+    ]
+    return np.interp(time, knots, heights)
 
 
 def _kinds(time: Array, displacement: Array, corners: list[int], tolerance: float) -> list[str]:

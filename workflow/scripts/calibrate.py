@@ -15,13 +15,7 @@ with logged_to(snakemake.log[0]):
     for (sample, mode), curves, record in zip(
         modes.items(), snakemake.input.curves, snakemake.input.records, strict=True
     ):
-        table = read_table(curves).pivot(index="mu1_fraction", columns="displacement_mm")
-        forces = table["force_per_mu_mm2"].sort_index(axis=1, key=abs)
-        families[sample] = CurveFamily(
-            forces.index.to_numpy(),
-            1e-3 * abs(forces.columns.to_numpy()),
-            1e-6 * travel_sign(mode) * forces.to_numpy(),
-        )
+        families[sample] = CurveFamily.of_table(read_table(curves), mode)
         measured[sample] = MeasuredCurve.of_record(read_record(record), mode)
     fit = fit_ogden(families, measured, CalibrationSettings(**given.settings))
     objective = AreaObjective(families, measured)

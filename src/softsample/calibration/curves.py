@@ -49,6 +49,19 @@ class CurveFamily:
             else None
         )
 
+    @classmethod
+    def of_table(cls, table: pd.DataFrame, mode: str) -> Self:
+        """Family of a file of unit-modulus curves, `mu1_fraction`, `displacement_mm`, ..."""
+        forces = table.pivot_table(
+            "force_per_mu_mm2", index="mu1_fraction", columns="displacement_mm", observed=True
+        ).sort_index(axis=1, key=np.abs)
+        sign = travel_sign(mode)
+        return cls(
+            forces.index.to_numpy(),
+            1e-3 * abs(forces.columns.to_numpy()),
+            1e-6 * sign * forces.to_numpy(np.float64),
+        )
+
     def force_per_mu(self, fraction: float, displacement: Array) -> Array:
         """Force per modulus [m2] at travels `displacement` [m] for the mixture `fraction`.
 

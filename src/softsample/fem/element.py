@@ -45,6 +45,19 @@ class HexGeometry:
     hourglass: Array
     volume: Array
 
+    @property
+    def slopes(self) -> Array:
+        """Gradients (n, 3, 3) of the three natural coordinates over 8 [1/m], those of the mean."""
+        return np.einsum("am,nai->nmi", CORNERS, self.gradient) / 8.0
+
+    @property
+    def is_parallelepiped(self) -> NDArray[np.bool_]:
+        """(n,) whether opposite faces are parallel, so that slopes say all, to 1e-9."""
+        rest = self.gradient - np.einsum("am,nmi->nai", CORNERS, self.slopes)
+        size = np.abs(self.gradient).max(axis=(1, 2))
+        flat = np.abs(rest).max(axis=(1, 2)) <= 1e-9 * size
+        return np.asarray(flat & (np.abs(self.hourglass).max(axis=(1, 2)) * size <= 1e-9))
+
 
 def shape_gradients(natural: Array) -> Array:
     """Gradients (8, 3) of the trilinear shape functions at natural coordinates (3,)."""

@@ -186,12 +186,18 @@ class ExplicitModel:
         factor = np.ones(len(mesh.hexes)) if relative_stiffness is None else relative_stiffness
         squared = np.einsum("nai,nai->n", geometry.gradient, geometry.gradient)
         weight = factor * geometry.volume
+        count = LANES[settings.dtype]
+        regular = np.flatnonzero(geometry.is_parallelepiped)
+        regular = regular[: len(regular) // count * count]
+        rest = np.setdiff1d(np.arange(len(mesh.hexes)), regular)
+        self._order = np.concatenate([regular, rest])
         self._unit_elements = kernels.Elements(
-            self._pack(mesh.hexes, np.dtype(np.int32)),
-            self._pack(geometry.gradient),
-            self._pack(geometry.hourglass),
-            self._pack(weight, padding=0.0),
-            self._pack(weight * squared / 64.0, padding=0.0),
+            self._pack(mesh.hexes[self._order], np.dtype(np.int32)),
+            self._pack(geometry.slopes[regular]),
+            self._pack(geometry.gradient[rest]),
+            self._pack(geometry.hourglass[rest]),
+            self._pack(weight[self._order], padding=0.0),
+            self._pack((weight * squared / 64.0)[self._order], padding=0.0),
         )
 
     def _pack(
@@ -217,8 +223,10 @@ class ExplicitModel:
         return self._unit_elements._replace(stiffness=stiffness)
 
     def flat(self, state: NDArray) -> NDArray:
-        """Element values (..., n_elements) of blocks (..., n_blocks, n) without their padding."""
-        return state.reshape(*state.shape[:-2], -1)[..., : len(self.mesh.hexes)]
+        """Element values (..., n_elements) of blocks (..., n_blocks, n), in the mesh's order."""
+        values = np.empty((*state.shape[:-2], len(self._order)), state.dtype)
+        values[..., self._order] = state.reshape(*state.shape[:-2], -1)[..., : len(self._order)]
+        return values
 
     def internal_force(
         self, displacement: Array, material: OgdenMaterial, spectral: bool | None = None
@@ -424,13 +432,17 @@ class _March:
         stops = self.schedule.solver_time(snapshots)
         ends = self.schedule.slices(self.model.settings.step_updates, stops)
         for start, end in pairwise(ends):
-            if self.gravity and self.gravity.settle_first and start == self.schedule.settling:
+            if (
+                self.gravity
+                and self.gravity.settle_first
+                and abs(start - self.schedule.settling) < self.schedule.tick
+            ):
                 self._lower_platen()
             allowed = self.model.settings.safety_factor * self._critical_step()
             n = int(np.ceil((end - start) / allowed))
             self._advance(np.linspace(start, end, n + 1), (end - start) / n)
             self._check(end / ends[-1])
-            if np.any(np.isclose(stops, end, rtol=0.0, atol=1e-9)):
+            if np.any(np.abs(stops - end) < 0.6 * self.schedule.tick):
                 self._take_snapshot()
             if progress is not None:
                 progress(end / ends[-1])

@@ -12,7 +12,6 @@ import numba
 import numpy as np
 from numpy.typing import NDArray
 
-from softsample.fem.element import HOURGLASS
 from softsample.fem.lanes import (
     copysign,
     exp,
@@ -29,9 +28,6 @@ from softsample.fem.lanes import (
 FREE, BASE, PLATEN = 0, 1, 2
 """What holds a node: nothing, the fixed base platen, the moving platen."""
 
-SIGNS = np.ascontiguousarray(HOURGLASS.T, dtype=np.float32)
-"""Signs of the four hourglass patterns at the eight corners, (8, 4)."""
-
 TINY = 1e-18
 """Keeps the angle of a rotation defined where there is nothing to rotate."""
 
@@ -40,14 +36,20 @@ _inline = numba.njit(forceinline=True, error_model="numpy", _nrt=False)
 
 
 class Elements(NamedTuple):
-    """Elements in blocks of n lanes; the last block is filled up with elements of no weight."""
+    """Elements in blocks of n lanes; the last block is filled up with elements of no weight.
+
+    Blocks of parallelepipeds come first: their mean gradients are sums of three vectors, and no
+    hourglass pattern has a linear part, so that they need fewer numbers.
+    """
 
     connectivity: NDArray
     """(n_blocks, 8, n) int32."""
+    slopes: NDArray
+    """(n_regular, 3, 3, n) gradients of the natural coordinates over 8 [1/m]."""
     gradient: NDArray
-    """(n_blocks, 8, 3, n) mean gradients of the shape functions [1/m]."""
+    """(n_blocks - n_regular, 8, 3, n) mean gradients of the shape functions [1/m]."""
     hourglass: NDArray
-    """(n_blocks, 4, 3, n) linear part of the hourglass patterns [m]."""
+    """(n_blocks - n_regular, 4, 3, n) linear part of the hourglass patterns [m]."""
     volume: NDArray
     """(n_blocks, n) volume times relative stiffness [m3]."""
     stiffness: NDArray
@@ -75,28 +77,106 @@ class Solid(NamedTuple):
 
 
 @_inline
-def _gradients(u, elements, block, lane):
-    """Displacement gradient h (9, row by row) and hourglass sums g (4 patterns of 3 components)."""
-    zero = like(load(elements.volume, (block,), lane), 0.0)
-    h00 = h01 = h02 = h10 = h11 = h12 = h20 = h21 = h22 = zero
-    g00 = g01 = g02 = g10 = g11 = g12 = g20 = g21 = g22 = g30 = g31 = g32 = zero
-    for a in range(8):
-        x, y, z = gather(u, elements.connectivity, (block, a), lane)
-        p = load(elements.gradient, (block, a, 0), lane)
-        q = load(elements.gradient, (block, a, 1), lane)
-        r = load(elements.gradient, (block, a, 2), lane)
-        h00, h01, h02 = h00 + x * p, h01 + x * q, h02 + x * r
-        h10, h11, h12 = h10 + y * p, h11 + y * q, h12 + y * r
-        h20, h21, h22 = h20 + z * p, h21 + z * q, h22 + z * r
-        s, t, v, w = SIGNS[a, 0], SIGNS[a, 1], SIGNS[a, 2], SIGNS[a, 3]
-        g00, g01, g02 = g00 + x * s, g01 + y * s, g02 + z * s
-        g10, g11, g12 = g10 + x * t, g11 + y * t, g12 + z * t
-        g20, g21, g22 = g20 + x * v, g21 + y * v, g22 + z * v
-        g30, g31, g32 = g30 + x * w, g31 + y * w, g32 + z * w
+def _gather8(u, elements, block, lane):
+    """Displacements of the eight corners: eight of x, of y and of z."""
+    nodes = elements.connectivity
+    a, b = gather(u, nodes, (block, 0), lane), gather(u, nodes, (block, 1), lane)
+    c, d = gather(u, nodes, (block, 2), lane), gather(u, nodes, (block, 3), lane)
+    e, f = gather(u, nodes, (block, 4), lane), gather(u, nodes, (block, 5), lane)
+    g, h = gather(u, nodes, (block, 6), lane), gather(u, nodes, (block, 7), lane)
     return (
-        (h00, h01, h02, h10, h11, h12, h20, h21, h22),
-        ((g00, g01, g02), (g10, g11, g12), (g20, g21, g22), (g30, g31, g32)),
+        (a[0], b[0], c[0], d[0], e[0], f[0], g[0], h[0]),
+        (a[1], b[1], c[1], d[1], e[1], f[1], g[1], h[1]),
+        (a[2], b[2], c[2], d[2], e[2], f[2], g[2], h[2]),
     )
+
+
+@_inline
+def _patterns(a):
+    """Sums over the corners by sign patterns: xi, eta, zeta; eta zeta, zeta xi, xi eta, all three.
+
+    A Walsh-Hadamard transform without its mean.
+    """
+    s0, s1, s2, s3 = a[0] + a[4], a[1] + a[5], a[2] + a[6], a[3] + a[7]
+    d0, d1, d2, d3 = a[4] - a[0], a[5] - a[1], a[6] - a[2], a[7] - a[3]
+    low, high = s1 - s0, s2 - s3
+    left, right = d1 - d0, d2 - d3
+    front, back = d0 + d1, d3 + d2
+    return (
+        (low + high, (s3 + s2) - (s0 + s1), front + back),
+        (back - front, left + right, high - low, right - left),
+    )
+
+
+@_inline
+def _corners(linear, twisted):
+    """Transpose of `_patterns`: eight corners from three linear and four hourglass amplitudes."""
+    x, y, z = linear
+    yz, zx, xy, xyz = twisted
+    high, low = x + xy, x - xy
+    s0, s1, s2, s3 = -y - low, low - y, y + high, y - high
+    front, back, left, right = z - yz, z + yz, zx - xyz, zx + xyz
+    d0, d1, d2, d3 = front - left, front + left, back + right, back - right
+    return s0 - d0, s1 - d1, s2 - d2, s3 - d3, s0 + d0, s1 + d1, s2 + d2, s3 + d3
+
+
+@_inline
+def _row3(array, index, lane):
+    """Three numbers per lane."""
+    return (
+        load(array, (index[0], index[1], 0), lane),
+        load(array, (index[0], index[1], 1), lane),
+        load(array, (index[0], index[1], 2), lane),
+    )
+
+
+@_inline
+def _rows3(array, block, lane):
+    """Three times three numbers per lane."""
+    return (
+        _row3(array, (block, 0), lane),
+        _row3(array, (block, 1), lane),
+        _row3(array, (block, 2), lane),
+    )
+
+
+@_inline
+def _outer_sum(x, y, z, g):
+    """Matrix (9, row by row) sum_m (x_m, y_m, z_m) g_m of three vectors and their gradients."""
+    (a, b, c), (d, e, f), (p, q, r) = g
+    return (
+        x[0] * a + x[1] * d + x[2] * p, x[0] * b + x[1] * e + x[2] * q,
+        x[0] * c + x[1] * f + x[2] * r,
+        y[0] * a + y[1] * d + y[2] * p, y[0] * b + y[1] * e + y[2] * q,
+        y[0] * c + y[1] * f + y[2] * r,
+        z[0] * a + z[1] * d + z[2] * p, z[0] * b + z[1] * e + z[2] * q,
+        z[0] * c + z[1] * f + z[2] * r,
+    )  # fmt: skip
+
+
+@_inline
+def _gradient(x, y, z, array, block, lane):
+    """Displacement gradient (9, row by row) of corner displacements and mean gradients."""
+    zero = like(x[0], 0.0)
+    h = (zero, zero, zero, zero, zero, zero, zero, zero, zero)
+    h = _add_corner(h, x[0], y[0], z[0], _row3(array, (block, 0), lane))
+    h = _add_corner(h, x[1], y[1], z[1], _row3(array, (block, 1), lane))
+    h = _add_corner(h, x[2], y[2], z[2], _row3(array, (block, 2), lane))
+    h = _add_corner(h, x[3], y[3], z[3], _row3(array, (block, 3), lane))
+    h = _add_corner(h, x[4], y[4], z[4], _row3(array, (block, 4), lane))
+    h = _add_corner(h, x[5], y[5], z[5], _row3(array, (block, 5), lane))
+    h = _add_corner(h, x[6], y[6], z[6], _row3(array, (block, 6), lane))
+    return _add_corner(h, x[7], y[7], z[7], _row3(array, (block, 7), lane))
+
+
+@_inline
+def _add_corner(h, x, y, z, b):
+    p, q, r = b
+    return (
+        h[0] + x * p, h[1] + x * q, h[2] + x * r,
+        h[3] + y * p, h[4] + y * q, h[5] + y * r,
+        h[6] + z * p, h[7] + z * q, h[8] + z * r,
+    )  # fmt: skip
 
 
 @_inline
@@ -440,61 +520,152 @@ def _stress(h, elements, solid, relax, viscous, block, lane):
 
 
 @_inline
-def _resist(g, h, elements, block, m, lane):
-    """Force of hourglass pattern m (3), its linear part (3) and its energy."""
-    p = load(elements.hourglass, (block, m, 0), lane)
-    q = load(elements.hourglass, (block, m, 1), lane)
-    r = load(elements.hourglass, (block, m, 2), lane)
-    k = load(elements.stiffness, (block,), lane)
-    x = g[0] - (h[0] * p + h[1] * q + h[2] * r)
-    y = g[1] - (h[3] * p + h[4] * q + h[5] * r)
-    z = g[2] - (h[6] * p + h[7] * q + h[8] * r)
-    return (k * x, k * y, k * z), (p, q, r), like(k, 0.5) * k * (x * x + y * y + z * z)
+def _dot(a, b):
+    return a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
 
 
 @_inline
-def _without_linear_part(stress, f, linear):
-    """Stress less the outer product of a hourglass force and the linear part of its pattern."""
-    a, b, d, e, g, h, p, q, r = stress
-    x, y, z = linear
+def _without_linear_part(g, h, linear):
+    """Amplitudes of four hourglass patterns of one component, less what its gradient h explains."""
     return (
-        a - f[0] * x, b - f[0] * y, d - f[0] * z,
-        e - f[1] * x, g - f[1] * y, h - f[1] * z,
-        p - f[2] * x, q - f[2] * y, r - f[2] * z,
+        g[0] - _dot(h, linear[0]), g[1] - _dot(h, linear[1]),
+        g[2] - _dot(h, linear[2]), g[3] - _dot(h, linear[3]),
+    )  # fmt: skip
+
+
+@_inline
+def _back_on_gradient(p, f, linear):
+    """One row of the stress less the outer product of hourglass forces and linear parts."""
+    a, b, c, d = linear
+    return (
+        p[0] - (f[0] * a[0] + f[1] * b[0] + f[2] * c[0] + f[3] * d[0]),
+        p[1] - (f[0] * a[1] + f[1] * b[1] + f[2] * c[1] + f[3] * d[1]),
+        p[2] - (f[0] * a[2] + f[1] * b[2] + f[2] * c[2] + f[3] * d[2]),
+    )
+
+
+@_inline
+def _scaled(k, a):
+    return k * a[0], k * a[1], k * a[2], k * a[3]
+
+
+@_inline
+def _squares(a):
+    return (a[0] * a[0] + a[1] * a[1]) + (a[2] * a[2] + a[3] * a[3])
+
+
+@_inline
+def _note(state, block, lane, energy, k, gx, gy, gz, dilatation):
+    """Strain energy, hourglass energy and J - 1."""
+    twist = like(k, 0.5) * k * (_squares(gx) + _squares(gy) + _squares(gz))
+    store(state, (0, block), lane, energy)
+    store(state, (1, block), lane, twist)
+    store(state, (2, block), lane, dilatation)
+
+
+@_inline
+def _scatter8(force, elements, block, lane, x, y, z):
+    """Add forces to the eight corners."""
+    nodes = elements.connectivity
+    scatter_add(force, nodes, (block, 0), lane, x[0], y[0], z[0])
+    scatter_add(force, nodes, (block, 1), lane, x[1], y[1], z[1])
+    scatter_add(force, nodes, (block, 2), lane, x[2], y[2], z[2])
+    scatter_add(force, nodes, (block, 3), lane, x[3], y[3], z[3])
+    scatter_add(force, nodes, (block, 4), lane, x[4], y[4], z[4])
+    scatter_add(force, nodes, (block, 5), lane, x[5], y[5], z[5])
+    scatter_add(force, nodes, (block, 6), lane, x[6], y[6], z[6])
+    scatter_add(force, nodes, (block, 7), lane, x[7], y[7], z[7])
+
+
+@_inline
+def _add_linear(x, p, array, block, lane):
+    """Add to eight corners the product of a row of the stress and the mean gradients."""
+    return (
+        x[0] + _dot(p, _row3(array, (block, 0), lane)),
+        x[1] + _dot(p, _row3(array, (block, 1), lane)),
+        x[2] + _dot(p, _row3(array, (block, 2), lane)),
+        x[3] + _dot(p, _row3(array, (block, 3), lane)),
+        x[4] + _dot(p, _row3(array, (block, 4), lane)),
+        x[5] + _dot(p, _row3(array, (block, 5), lane)),
+        x[6] + _dot(p, _row3(array, (block, 6), lane)),
+        x[7] + _dot(p, _row3(array, (block, 7), lane)),
+    )
+
+
+@_inline
+def _regular_element(u, elements, solid, relax, viscous, force, state, watch, block, lane):
+    """Add the forces of a parallelepiped, or of a block of them, and note their state."""
+    x, y, z = _gather8(u, elements, block, lane)
+    (x, gx), (y, gy), (z, gz) = _patterns(x), _patterns(y), _patterns(z)
+    slopes = _rows3(elements.slopes, block, lane)
+    h = _outer_sum(x, y, z, slopes)
+    p, energy, dilatation = _stress(h, elements, solid, relax, viscous, block, lane)
+    k = load(elements.stiffness, (block,), lane)
+    if watch:
+        _note(state, block, lane, energy, k, gx, gy, gz, dilatation)
+    a, b, c = slopes
+    px, py, pz = (p[0], p[1], p[2]), (p[3], p[4], p[5]), (p[6], p[7], p[8])
+    _scatter8(
+        force, elements, block, lane,
+        _corners((_dot(px, a), _dot(px, b), _dot(px, c)), _scaled(k, gx)),
+        _corners((_dot(py, a), _dot(py, b), _dot(py, c)), _scaled(k, gy)),
+        _corners((_dot(pz, a), _dot(pz, b), _dot(pz, c)), _scaled(k, gz)),
     )  # fmt: skip
 
 
 @_inline
 def _element(u, elements, solid, relax, viscous, force, state, watch, block, lane):
-    """Add the forces of one element, or of one block, and note its state."""
-    h, g = _gradients(u, elements, block, lane)
+    """Add the forces of any element, or of a block of them, and note their state."""
+    place = block - elements.slopes.shape[0]
+    x, y, z = _gather8(u, elements, block, lane)
+    gx, gy, gz = _patterns(x)[1], _patterns(y)[1], _patterns(z)[1]
+    h = _gradient(x, y, z, elements.gradient, place, lane)
     p, energy, dilatation = _stress(h, elements, solid, relax, viscous, block, lane)
-    f0, linear, e0 = _resist(g[0], h, elements, block, 0, lane)
-    p = _without_linear_part(p, f0, linear)
-    f1, linear, e1 = _resist(g[1], h, elements, block, 1, lane)
-    p = _without_linear_part(p, f1, linear)
-    f2, linear, e2 = _resist(g[2], h, elements, block, 2, lane)
-    p = _without_linear_part(p, f2, linear)
-    f3, linear, e3 = _resist(g[3], h, elements, block, 3, lane)
-    p = _without_linear_part(p, f3, linear)
+    linear = (
+        _row3(elements.hourglass, (place, 0), lane), _row3(elements.hourglass, (place, 1), lane),
+        _row3(elements.hourglass, (place, 2), lane), _row3(elements.hourglass, (place, 3), lane),
+    )  # fmt: skip
+    gx = _without_linear_part(gx, (h[0], h[1], h[2]), linear)
+    gy = _without_linear_part(gy, (h[3], h[4], h[5]), linear)
+    gz = _without_linear_part(gz, (h[6], h[7], h[8]), linear)
+    k = load(elements.stiffness, (block,), lane)
     if watch:
-        store(state, (0, block), lane, energy)
-        store(state, (1, block), lane, (e0 + e1) + (e2 + e3))
-        store(state, (2, block), lane, dilatation)
-    for a in range(8):
-        bx = load(elements.gradient, (block, a, 0), lane)
-        by = load(elements.gradient, (block, a, 1), lane)
-        bz = load(elements.gradient, (block, a, 2), lane)
-        s, t, v, w = SIGNS[a, 0], SIGNS[a, 1], SIGNS[a, 2], SIGNS[a, 3]
-        scatter_add(
-            force, elements.connectivity, (block, a), lane,
-            (p[0] * bx + p[1] * by + p[2] * bz)
-            + ((f0[0] * s + f1[0] * t) + (f2[0] * v + f3[0] * w)),
-            (p[3] * bx + p[4] * by + p[5] * bz)
-            + ((f0[1] * s + f1[1] * t) + (f2[1] * v + f3[1] * w)),
-            (p[6] * bx + p[7] * by + p[8] * bz)
-            + ((f0[2] * s + f1[2] * t) + (f2[2] * v + f3[2] * w)),
-        )  # fmt: skip
+        _note(state, block, lane, energy, k, gx, gy, gz, dilatation)
+    fx, fy, fz = _scaled(k, gx), _scaled(k, gy), _scaled(k, gz)
+    px = _back_on_gradient((p[0], p[1], p[2]), fx, linear)
+    py = _back_on_gradient((p[3], p[4], p[5]), fy, linear)
+    pz = _back_on_gradient((p[6], p[7], p[8]), fz, linear)
+    zero = like(k, 0.0)
+    none = (zero, zero, zero)
+    x, y, z = _corners(none, fx), _corners(none, fy), _corners(none, fz)
+    _scatter8(
+        force, elements, block, lane,
+        _add_linear(x, px, elements.gradient, place, lane),
+        _add_linear(y, py, elements.gradient, place, lane),
+        _add_linear(z, pz, elements.gradient, place, lane),
+    )  # fmt: skip
+
+
+@numba.njit(cache=True, error_model="numpy", _nrt=False)
+def _add_forces(u, elements, solid, relax, viscous, force, state, watch, lane):
+    """Add the forces of all elements; see `internal_force`."""
+    regular = elements.slopes.shape[0]
+    for block in range(elements.connectivity.shape[0]):
+        if lane is None:
+            if block < regular:
+                _regular_element(
+                    u, elements, solid, relax, viscous, force, state, watch, block, None
+                )
+            else:
+                _element(u, elements, solid, relax, viscous, force, state, watch, block, None)
+        else:
+            for k in range(elements.connectivity.shape[2]):
+                if block < regular:
+                    _regular_element(
+                        u, elements, solid, relax, viscous, force, state, watch, block, k
+                    )
+                else:
+                    _element(u, elements, solid, relax, viscous, force, state, watch, block, k)
 
 
 @numba.njit(cache=True, error_model="numpy", _nrt=False)
@@ -523,12 +694,7 @@ def internal_force(u, elements, solid, relax, viscous, force, state, watch, lane
         None for vector code; any number for its scalar twin.
     """
     force[:] = 0.0
-    for block in range(elements.connectivity.shape[0]):
-        if lane is None:
-            _element(u, elements, solid, relax, viscous, force, state, watch, block, None)
-        else:
-            for k in range(elements.connectivity.shape[2]):
-                _element(u, elements, solid, relax, viscous, force, state, watch, block, k)
+    _add_forces(u, elements, solid, relax, viscous, force, state, watch, lane)
 
 
 # --- time integration and platens ---------------------------------------------------------------
@@ -601,10 +767,11 @@ def advance(path, gravity, relax, dt, dt_before, motion, elements, solid, platen
     u, v, force = motion.u, motion.v, motion.force
     approach = _dot(platens.planes[1], platens.direction)
     steps = path.size - 1
+    force[:] = 0.0
     for step in range(steps):
-        watch = step == steps - 1
-        internal_force(
-            u, elements, solid, relax[step], motion.viscous, force, motion.state, watch, lane
+        last = step == steps - 1
+        _add_forces(
+            u, elements, solid, relax[step], motion.viscous, force, motion.state, last, lane
         )
         kick = 0.5 * (dt + dt_before)
         speed = (path[step + 1] - path[step]) / dt
@@ -618,6 +785,8 @@ def advance(path, gravity, relax, dt, dt_before, motion, elements, solid, platen
             if motion.held[node] != FREE:
                 _press(node, kick, speed, dt, motion, platens, record)
         _move(u, v, force, motion.mobility, u.dtype.type(kick), u.dtype.type(dt))
+        if not last:
+            force[:] = 0.0
         for node in platens.candidates:
             if motion.held[node] == FREE:
                 _catch(node, BASE, 0.0, dt, kick, motion, platens, record)
@@ -625,11 +794,6 @@ def advance(path, gravity, relax, dt, dt_before, motion, elements, solid, platen
                 shift = path[step + 1] * approach
                 _catch(node, PLATEN, shift, dt, kick, motion, platens, record)
         dt_before = dt
-
-
-@_inline
-def _dot(a, b):
-    return a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
 
 
 @_inline

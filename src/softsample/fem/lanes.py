@@ -85,6 +85,17 @@ for _function, _instruction in (
     _teach(_function, _instruction)
 
 
+@infer_global(operator.neg)
+class _Negative(AbstractTemplate):
+    def generic(self, args, keywords):
+        return signature(args[0], args[0]) if isinstance(args[0], Lanes) else None
+
+
+@lower_builtin(operator.neg, Lanes)
+def _lower_negative(context, builder, sig, args):
+    return builder.fneg(args[0])
+
+
 # --- memory -------------------------------------------------------------------------------------
 
 

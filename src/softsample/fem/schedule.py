@@ -37,6 +37,11 @@ class Schedule:
     settling: float = 0.0
 
     @property
+    def tick(self) -> float:
+        """Resolution of solver times [s]; slices much shorter than a step would divide by dust."""
+        return 1e-4 * self.loading_time
+
+    @property
     def corners(self) -> Array:
         """Solver times of the history's corners [s], the first at the end of the settling."""
         share = np.abs(np.diff(self.history.travel)) / self.history.reach
@@ -68,7 +73,8 @@ class Schedule:
             np.linspace(start, end, 1 + int(np.ceil(number * (end - start) / self.loading_time)))
             for start, end in pairwise(ends)
         ]
-        return np.unique(np.concatenate([*parts, stops]))
+        ticks = np.round(np.concatenate([*parts, stops]) / self.tick)
+        return np.unique(ticks) * self.tick
 
     def times(self, points: int) -> Array:
         """Times of the test [s] at which curves are given: `points` evenly spaced in each leg."""

@@ -1,0 +1,57 @@
+"""Record and model before and after the loop, and what is left over."""
+
+import numpy as np
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
+
+from softsample.figures.style import colours, page_figure, styled
+from softsample.loop.diagnose import Diagnosis
+from softsample.loop.fit import Fit
+from softsample.loop.noise import blocks
+from softsample.loop.specimen import Specimen
+
+
+@styled
+def loop_figure(found: Diagnosis) -> Figure:
+    """One column a test: force against travel, residual against time and against travel."""
+    specimens = found.problem.specimens
+    figure = page_figure(140.0)
+    axes = figure.subplots(3, len(specimens), squeeze=False)
+    fits = {"before": found.selection.base, "after": found.selection.final}
+    for k, specimen in enumerate(specimens):
+        size = found.problem.whiteners[k].size
+        _forces(axes[0, k], specimen, fits, size)
+        band = 1e3 * float(np.hypot(found.noises[k].white / np.sqrt(size), found.noises[k].slow))
+        for row, label in ((1, "time [s]"), (2, "travel [mm]")):
+            across = specimen.time if row == 1 else 1e3 * specimen.travel
+            _residuals(axes[row, k], specimen, fits, size, across, band)
+            axes[row, k].set_xlabel(label)
+    axes[0, 0].set_ylabel("force [N]")
+    axes[0, 0].legend()
+    for row in (1, 2):
+        axes[row, 0].set_ylabel("residual [mN]")
+    return figure
+
+
+def _forces(ax: Axes, specimen: Specimen, fits: dict[str, Fit], size: int) -> None:
+    travel = 1e3 * blocks(specimen.travel, size)
+    ax.plot(travel, blocks(specimen.force, size), color="0.6", lw=2.5, label="measured")
+    for colour, (name, fit) in zip(colours(2), fits.items(), strict=True):
+        model = fit.model.predict(specimen, fit.state.material, fit.state.values)
+        ax.plot(travel, blocks(model, size), color=colour, label=name)
+    ax.set(title=f"{specimen.name}, {specimen.mode}", xlabel="travel [mm]")
+
+
+def _residuals(
+    ax: Axes,
+    specimen: Specimen,
+    fits: dict[str, Fit],
+    size: int,
+    across: np.ndarray,
+    band: float,
+) -> None:
+    ax.axhspan(-2.0 * band, 2.0 * band, color="0.88", lw=0)
+    for colour, fit in zip(colours(2), fits.values(), strict=True):
+        model = fit.model.predict(specimen, fit.state.material, fit.state.values)
+        left = 1e3 * blocks(specimen.force - model, size)
+        ax.plot(blocks(across, size), left, color=colour, lw=0.8)

@@ -1,0 +1,1 @@
+"""From the residual of a calibrated model to the effect that it lacks."""

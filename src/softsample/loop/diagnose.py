@@ -1,0 +1,255 @@
+"""From the tests of one group to a verdict."""
+
+from collections.abc import Mapping, Sequence
+from dataclasses import asdict, dataclass, field, replace
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from softsample.loop.effects import library
+from softsample.loop.effects.base import Effect
+from softsample.loop.errors import Error, errors, held_out
+from softsample.loop.fit import Fit, Problem
+from softsample.loop.model import Packing
+from softsample.loop.noise import (
+    Noise,
+    NoiseSettings,
+    Whitener,
+    block_size,
+    blocks,
+    covariance,
+    measure_noise,
+)
+from softsample.loop.select import Selection, SelectionSettings, select
+from softsample.loop.specimen import Specimen
+
+Array = NDArray[np.float64]
+Errors = Mapping[str, Mapping[str, Error]]
+
+NINETY = 1.6449
+"""Standard deviations of a two-sided 90 % interval."""
+
+
+@dataclass(frozen=True)
+class LoopSettings:
+    """Mirrors config `loop:`."""
+
+    noise: NoiseSettings = field(default_factory=NoiseSettings)
+    selection: SelectionSettings = field(default_factory=SelectionSettings)
+
+
+@dataclass(frozen=True)
+class Diagnosis:
+    """Everything that is known of one group after the loop.
+
+    Parameters
+    ----------
+    problem : Problem
+        Records and their noise.
+    noises : list of Noise
+        One for each test.
+    selection : Selection
+        The path to the verdict.
+    verdict : str
+        `explained`, `none` or `unknown`.
+    before, after : dict
+        Error by mode and phase.
+    held_out_before, held_out_after : dict
+        Error by fold and mode.
+    """
+
+    problem: Problem
+    noises: list[Noise]
+    selection: Selection
+    verdict: str
+    before: Errors
+    after: Errors
+    held_out_before: Errors
+    held_out_after: Errors
+
+
+def pose(specimens: Sequence[Specimen], settings: NoiseSettings) -> tuple[Problem, list[Noise]]:
+    """The records with their noise; its floor needs a first fit of the material."""
+    noises = [measure_noise(specimen, settings) for specimen in specimens]
+    rough = replace(settings, contact_zero_mm=0.0)
+    stiffness = [np.zeros(len(s.force) // block_size(s.time, settings)) for s in specimens]
+    problem = _whitened(specimens, noises, stiffness, rough)
+    fit = problem.fit_material()
+    mu, mixture, step = fit.state.material.mu, fit.state.material.mixture, 1e-5
+    for k, s in enumerate(specimens):
+        ahead, behind = (
+            s.elastic.force_per_mu(mixture, s.travel + side * step) for side in (1.0, -1.0)
+        )
+        slope = mu * (ahead - behind) / (2.0 * step)
+        stiffness[k] = blocks(slope, block_size(s.time, settings))
+    return _whitened(specimens, noises, stiffness, settings), noises
+
+
+def _whitened(
+    specimens: Sequence[Specimen],
+    noises: Sequence[Noise],
+    stiffness: Sequence[Array],
+    settings: NoiseSettings,
+) -> Problem:
+    return Problem(
+        specimens,
+        [
+            Whitener(covariance(s, noise, slope, settings), block_size(s.time, settings))
+            for s, noise, slope in zip(specimens, noises, stiffness, strict=True)
+        ],
+    )
+
+
+def diagnose(
+    specimens: Sequence[Specimen],
+    settings: LoopSettings,
+    effects: Sequence[Effect] | None = None,
+) -> Diagnosis:
+    """Find the residual, trace it to effects, add them, and measure the error before and after.
+
+    Parameters
+    ----------
+    specimens : sequence of Specimen
+        Tests that share their material and machine.
+    settings : LoopSettings
+        Noise, floor and rules of the selection.
+    effects : sequence of Effect, optional
+        Library to choose from; all by default.
+    """
+    problem, noises = pose(specimens, settings.noise)
+    known = list(library().values()) if effects is None else list(effects)
+    selection = select(problem, known, settings.selection)
+    base, final = selection.base, selection.final
+    spread = [_block_noise(s, n, settings.noise) for s, n in zip(specimens, noises, strict=True)]
+    return Diagnosis(
+        problem,
+        noises,
+        selection,
+        _verdict(selection, settings.selection),
+        errors(problem, base, spread),
+        errors(problem, final, spread),
+        held_out(problem, base, spread),
+        held_out(problem, final, spread),
+    )
+
+
+def _block_noise(specimen: Specimen, noise: Noise, settings: NoiseSettings) -> float:
+    size = block_size(specimen.time, settings)
+    return float(np.hypot(noise.white / np.sqrt(size), noise.slow))
+
+
+def _verdict(selection: Selection, settings: SelectionSettings) -> str:
+    left = selection.final.cost / len(selection.final.white)
+    if left > settings.unknown_ratio:
+        return "unknown"
+    return "explained" if selection.final.model.effects else "none"
+
+
+def report(diagnosis: Diagnosis, settings: LoopSettings) -> dict[str, Any]:
+    """What `verdict.json` holds."""
+    selection = diagnosis.selection
+    final = selection.final
+    return {
+        "verdict": diagnosis.verdict,
+        "effects": [_effect_report(effect, selection, final) for effect in final.model.effects],
+        "theta_before": _theta(selection.base),
+        "theta_after": _theta(final),
+        "error_before": _report(diagnosis.before),
+        "error_after": _report(diagnosis.after),
+        "held_out_before": _report(diagnosis.held_out_before),
+        "held_out_after": _report(diagnosis.held_out_after),
+        "noise": {
+            s.mode: {"white_N": n.white, "slow_N": n.slow}
+            for s, n in zip(diagnosis.problem.specimens, diagnosis.noises, strict=True)
+        },
+        "floor": asdict(settings.noise),
+        "white_mean_square": {
+            "before": selection.base.cost / len(selection.base.white),
+            "after": final.cost / len(final.white),
+        },
+        "path": [
+            {
+                "threshold": step.threshold,
+                "chosen": step.chosen.name if step.chosen else None,
+                "candidates": [
+                    {"name": c.name, "gain": c.gain, "evidence": c.evidence, "cosine": c.cosine}
+                    for c in step.candidates
+                ],
+            }
+            for step in selection.steps
+        ],
+        "not_identifiable": sorted(
+            {*selection.weak, *(e.name for e in library().values() if not e.identifiable)}
+        ),
+        "detection_limits": _limits(selection),
+    }
+
+
+def _report(found: Errors) -> dict[str, Any]:
+    return {
+        name: {part: error.report() for part, error in parts.items()}
+        for name, parts in found.items()
+    }
+
+
+def _theta(fit: Fit) -> dict[str, dict[str, float | str]]:
+    deviation = np.sqrt(np.diag(fit.covariance))
+    mu, r = fit.state.material.mu, fit.state.material.mixture
+    return {
+        "mu": {
+            "value": mu,
+            "unit": "Pa",
+            "low": mu * float(np.exp(-NINETY * deviation[0])),
+            "high": mu * float(np.exp(NINETY * deviation[0])),
+        },
+        "mu1_fraction": {
+            "value": r,
+            "unit": "1",
+            "low": r - NINETY * float(deviation[1]),
+            "high": r + NINETY * float(deviation[1]),
+        },
+    }
+
+
+def _effect_report(effect: Effect, selection: Selection, final: Fit) -> dict[str, Any]:
+    packing = Packing(final.model)
+    deviation = np.sqrt(np.diag(final.covariance))[2:] * (packing.high - packing.low)[2:]
+    unit = {
+        (e.name, p.name): (d / (packing.high - packing.low)[2 + k]) * (p.high - p.low)
+        for k, ((e, p), d) in enumerate(zip(final.model.parameters, deviation, strict=True))
+    }
+    (chosen,) = (
+        step.chosen for step in selection.steps if step.chosen and step.chosen.name == effect.name
+    )
+    parameters = {}
+    for p in effect.parameters:
+        value, spread = final.state.values[effect.name][p.name], unit[effect.name, p.name]
+        parameters[p.name] = {
+            "value": value,
+            "unit": p.unit,
+            "low": max(p.low, value - NINETY * spread),
+            "high": min(p.high, value + NINETY * spread),
+        }
+    return {
+        "name": effect.name,
+        "class": selection.classes[effect.name],
+        "parameters": parameters,
+        "evidence": chosen.evidence,
+        "separating_experiment": effect.experiment,
+    }
+
+
+def _limits(selection: Selection) -> dict[str, dict[str, float | str]]:
+    """Size of each effect's first parameter that the family-wise threshold would just let pass."""
+    threshold = selection.steps[0].threshold
+    limits: dict[str, dict[str, float | str]] = {}
+    for name, strength in selection.signatures.items():
+        effect = library().get(name)
+        if effect is None or strength <= 0.0:
+            continue
+        need = np.sqrt(threshold + len(effect.parameters) * np.log(len(selection.base.white)))
+        first = effect.sizes[0]
+        size = abs(first.nominal - first.neutral or 0.1 * (first.high - first.neutral))
+        limits[name] = {"value": float(size * need / strength), "unit": first.unit}
+    return limits

@@ -1,0 +1,25 @@
+"""Play in the drive: after a reversal the platen follows late."""
+
+import numpy as np
+
+from softsample.loop.effects.base import Array, Effect, Parameter, Values
+from softsample.loop.specimen import Specimen
+
+
+def _travel(specimen: Specimen, travel: Array, values: Values) -> Array:
+    furthest = np.maximum.accumulate(travel)
+    play = 1e-3 * values["play_mm"]
+    return np.where(furthest - travel < play, furthest, travel + play)
+
+
+EFFECT = Effect(
+    name="backlash",
+    title="Backlash of the drive",
+    parameters=(Parameter("play_mm", "mm", 0.0, 0.3, 0.03),),
+    tier="P",
+    source="drives of test machines: 5 to 50 micrometres",
+    signature="flat step at the start of the unloading, then the whole way back shifted",
+    confused_with=("mullins_softening", "channel_lag"),
+    experiment="small loops back and forth; a gauge on the platen",
+    travel=_travel,
+)

@@ -1,0 +1,115 @@
+"""What an effect is: one small file that says what it does to a predicted record."""
+
+from collections.abc import Callable
+from dataclasses import dataclass, field
+
+import numpy as np
+from numpy.typing import NDArray
+
+from softsample.loop.specimen import Specimen
+
+Array = NDArray[np.float64]
+Values = dict[str, float]
+MODES = ("tension", "compression", "shear")
+
+
+@dataclass(frozen=True)
+class Parameter:
+    """A parameter of an effect, in the unit of files.
+
+    Parameters
+    ----------
+    name, unit : str
+        As written in the verdict.
+    low, high : float
+        Plausible range; where zero lies between, the sign is free.
+    nominal : float
+        A plausible size, at which the signature is drawn.
+    grid : tuple of float
+        Values from which a fit starts, for parameters that enter nonlinearly (times, onsets).
+    neutral : float
+        Value without effect.
+    """
+
+    name: str
+    unit: str
+    low: float
+    high: float
+    nominal: float
+    grid: tuple[float, ...] = ()
+    neutral: float = 0.0
+
+    @property
+    def is_size(self) -> bool:
+        """Whether the effect grows with this parameter; others say how it acts."""
+        return not self.grid
+
+
+def _travel(specimen: Specimen, travel: Array, values: Values) -> Array:
+    return travel
+
+
+def _none(specimen: Specimen, mixture: float, travel: Array, values: Values) -> Array:
+    return np.zeros_like(travel)
+
+
+def _force(specimen: Specimen, force: Array, travel: Array, values: Values) -> Array:
+    return force
+
+
+@dataclass(frozen=True)
+class Effect:
+    """A physical or instrumental effect.
+
+    A prediction goes through four stages, each by all active effects: the travel that reaches the
+    sample, the elastic force per modulus, the tissue's history, the instrument.
+
+    Parameters
+    ----------
+    name : str
+        One of the closed list of the design.
+    title : str
+        For people.
+    parameters : tuple of Parameter
+        With all sizes at their neutral values the effect is absent.
+    tier : str
+        `P` post-processing, `L` one more run per parameter, `M` changed model.
+    source : str
+        Where form and range come from.
+    signature : str
+        How it shows.
+    confused_with : tuple of str
+        Names it is hard to tell from.
+    experiment : str
+        What would tell.
+    modes : tuple of str
+        Tests that it changes.
+    identifiable : bool
+        Whether any test of this protocol can show it.
+    travel, elastic, tissue, instrument : callable
+        See the functions above for their arguments; defaults do nothing.
+    """
+
+    name: str
+    title: str
+    parameters: tuple[Parameter, ...]
+    tier: str
+    source: str
+    signature: str
+    confused_with: tuple[str, ...] = ()
+    experiment: str = ""
+    modes: tuple[str, ...] = MODES
+    identifiable: bool = True
+    travel: Callable[[Specimen, Array, Values], Array] = field(default=_travel)
+    elastic: Callable[[Specimen, float, Array, Values], Array] = field(default=_none)
+    tissue: Callable[[Specimen, Array, Array, Values], Array] = field(default=_force)
+    instrument: Callable[[Specimen, Array, Array, Values], Array] = field(default=_force)
+
+    @property
+    def sizes(self) -> tuple[Parameter, ...]:
+        """Parameters that the effect grows with."""
+        return tuple(p for p in self.parameters if p.is_size)
+
+    def neutral(self) -> Values:
+        """Values without effect; the others at the first of their grid."""
+        return {p.name: p.neutral if p.is_size else p.grid[0] for p in self.parameters}

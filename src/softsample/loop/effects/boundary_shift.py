@@ -1,0 +1,21 @@
+"""The segmented surface lies too far out or in."""
+
+from softsample.loop.effects.base import Array, Effect, Parameter, Values
+from softsample.loop.specimen import Specimen
+
+
+def _elastic(specimen: Specimen, mixture: float, travel: Array, values: Values) -> Array:
+    return values["shift_mm"] / 0.1 * specimen.elastic.change_per_mu("boundary_shift", travel)
+
+
+EFFECT = Effect(
+    name="boundary_shift",
+    title="Surface too far out or in",
+    parameters=(Parameter("shift_mm", "mm", -0.3, 0.3, 0.1),),
+    tier="L",
+    source="half a voxel; own runs with the surface moved by 0.1 mm",
+    signature="slight scale of compression and tension, shear nearly untouched",
+    confused_with=("poisson_ratio", "machine_compliance"),
+    experiment="weigh the sample: volume is mass over density",
+    elastic=_elastic,
+)

@@ -1,0 +1,23 @@
+"""The force channel lags behind the travel."""
+
+import numpy as np
+
+from softsample.loop.effects.base import Array, Effect, Parameter, Values
+from softsample.loop.specimen import Specimen
+
+
+def _instrument(specimen: Specimen, force: Array, travel: Array, values: Values) -> Array:
+    return np.interp(specimen.time - 1e-3 * values["lag_ms"], specimen.time, force)
+
+
+EFFECT = Effect(
+    name="channel_lag",
+    title="Lag between the channels",
+    parameters=(Parameter("lag_ms", "ms", -300.0, 500.0, 100.0),),
+    tier="P",
+    source="Hiti, Measurement: Sensors 38 (2025) 101375",
+    signature="shift along the ramp, overshoot at its corners, loop on the way back",
+    confused_with=("displacement_zero", "backlash"),
+    experiment="the corners of a hold; a second rate",
+    instrument=_instrument,
+)

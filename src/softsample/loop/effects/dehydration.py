@@ -1,0 +1,21 @@
+"""The tissue dries: stiffness grows with the clock, not with the stroke."""
+
+from softsample.loop.effects.base import Array, Effect, Parameter, Values
+from softsample.loop.specimen import Specimen
+
+
+def _tissue(specimen: Specimen, force: Array, travel: Array, values: Values) -> Array:
+    return force * (1.0 + values["per_100_s"] * 0.01 * specimen.time)
+
+
+EFFECT = Effect(
+    name="dehydration",
+    title="Drying of the tissue",
+    parameters=(Parameter("per_100_s", "1", 0.0, 0.3, 0.03),),
+    tier="P",
+    source="Forte et al., porcine brain hydration, Bioengineering 6 (2019) 40",
+    signature="force grows through ramp and hold alike, in proportion to itself",
+    confused_with=("force_drift", "viscoelastic_relaxation", "poroelastic_drainage"),
+    experiment="order of the tests drawn by lot; humid chamber; weigh before and after",
+    tissue=_tissue,
+)

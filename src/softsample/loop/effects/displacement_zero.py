@@ -1,0 +1,21 @@
+"""The machine's zero of travel is not where the sample starts."""
+
+from softsample.loop.effects.base import MODES, Array, Effect, Parameter, Values
+from softsample.loop.specimen import Specimen
+
+
+def _travel(specimen: Specimen, travel: Array, values: Values) -> Array:
+    return travel + 1e-3 * values[f"{specimen.mode}_mm"]
+
+
+EFFECT = Effect(
+    name="displacement_zero",
+    title="Wrong zero of travel",
+    parameters=tuple(Parameter(f"{mode}_mm", "mm", -0.5, 0.5, 0.1) for mode in MODES),
+    tier="P",
+    source="estimate",
+    signature="force off by stiffness times shift from the start of the ramp, kept in the hold",
+    confused_with=("late_contact", "channel_lag", "residual_precompression"),
+    experiment="longer rest before the ramp with the platen off the sample; unloading through zero",
+    travel=_travel,
+)

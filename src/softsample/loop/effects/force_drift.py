@@ -1,0 +1,22 @@
+"""The load cell drifts with the clock."""
+
+from softsample.loop.effects.base import Array, Effect, Parameter, Values
+from softsample.loop.specimen import Specimen
+
+
+def _instrument(specimen: Specimen, force: Array, travel: Array, values: Values) -> Array:
+    drift = 1e-3 * values["mN_per_s"] * (specimen.time - specimen.time[0])
+    return force + specimen.axis_sign * drift
+
+
+EFFECT = Effect(
+    name="force_drift",
+    title="Drift of the force",
+    parameters=(Parameter("mN_per_s", "mN/s", -2.0, 2.0, 0.1),),
+    tier="P",
+    source="makers' creep of load cells; 0.001 to 0.1 mN/s",
+    signature="linear in the clock, alike along the machine's axis in all tests, without load too",
+    confused_with=("viscoelastic_relaxation", "dehydration", "poroelastic_drainage"),
+    experiment="a run without a sample before and after",
+    instrument=_instrument,
+)

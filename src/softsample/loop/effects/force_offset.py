@@ -1,0 +1,21 @@
+"""The load cell's zero is off."""
+
+from softsample.loop.effects.base import MODES, Array, Effect, Parameter, Values
+from softsample.loop.specimen import Specimen
+
+
+def _instrument(specimen: Specimen, force: Array, travel: Array, values: Values) -> Array:
+    return force + specimen.axis_sign * 1e-3 * values[f"{specimen.mode}_mN"]
+
+
+EFFECT = Effect(
+    name="force_offset",
+    title="Offset of the force",
+    parameters=tuple(Parameter(f"{mode}_mN", "mN", -50.0, 50.0, 5.0) for mode in MODES),
+    tier="P",
+    source="cells of 2.5 N: about 5 mN",
+    signature="a constant, at rest as well",
+    confused_with=("self_weight", "adhesion"),
+    experiment="rest with the platen off the sample, in both orientations",
+    instrument=_instrument,
+)

@@ -1,0 +1,22 @@
+"""The platen meets the sample later than zero travel says: compression only."""
+
+from softsample.loop.effects.base import Array, Effect, Parameter, Values
+from softsample.loop.specimen import Specimen
+
+
+def _travel(specimen: Specimen, travel: Array, values: Values) -> Array:
+    return travel - 1e-3 * values["gap_mm"] if specimen.mode == "compression" else travel
+
+
+EFFECT = Effect(
+    name="late_contact",
+    title="Late contact",
+    parameters=(Parameter("gap_mm", "mm", 0.0, 1.0, 0.2),),
+    tier="P",
+    source="Hrapko et al., Biorheology 45 (2008) 663",
+    signature="compression only: no force at first, then the curve shifted",
+    confused_with=("platen_tilt", "displacement_zero", "real_geometry"),
+    experiment="glue the compression sample and pull through zero; scan the top",
+    modes=("compression",),
+    travel=_travel,
+)

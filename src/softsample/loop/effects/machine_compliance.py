@@ -1,0 +1,21 @@
+"""Frame and cell give way: the sample gets less travel than the machine reports."""
+
+from softsample.loop.effects.base import Array, Effect, Parameter, Values
+from softsample.loop.specimen import Specimen
+
+
+def _travel(specimen: Specimen, travel: Array, values: Values) -> Array:
+    return travel - 1e-3 * values["mm_per_N"] * specimen.force
+
+
+EFFECT = Effect(
+    name="machine_compliance",
+    title="Compliance of machine and cell",
+    parameters=(Parameter("mm_per_N", "mm/N", 0.0, 0.5, 0.05),),
+    tier="P",
+    source="makers' data of small load cells: 0.1 to 0.5 mm at capacity",
+    signature="force low by stiffness times force: compression most, shear least",
+    confused_with=("poisson_ratio", "boundary_shift", "ogden_exponents"),
+    experiment="a run on a rigid block",
+    travel=_travel,
+)

@@ -1,0 +1,35 @@
+"""Mains hum, folded by the sampling to a slow beat."""
+
+import numpy as np
+
+from softsample.loop.effects.base import MODES, Array, Effect, Parameter, Values
+from softsample.loop.specimen import Specimen
+
+
+def _instrument(specimen: Specimen, force: Array, travel: Array, values: Values) -> Array:
+    angle = 2.0 * np.pi * specimen.time / values["period_s"]
+    wave = values[f"{specimen.mode}_sin_mN"] * np.sin(angle)
+    wave = wave + values[f"{specimen.mode}_cos_mN"] * np.cos(angle)
+    return force + 1e-3 * wave
+
+
+EFFECT = Effect(
+    name="mains_pickup",
+    title="Mains pickup",
+    parameters=(
+        *(
+            Parameter(f"{mode}_{part}_mN", "mN", -20.0, 20.0, 2.0)
+            for mode in MODES
+            for part in ("sin", "cos")
+        ),
+        Parameter(
+            "period_s", "s", 0.8, 70.0, 10.0, grid=(1.0, 1.5, 2.5, 4.0, 7.0, 12.0, 20.0, 40.0)
+        ),
+    ),
+    tier="P",
+    source="100 Hz ripple sampled at 100 Hz",
+    signature="a sine of steady size, at rest as well",
+    confused_with=("force_drift", "viscoelastic_relaxation"),
+    experiment="another sampling rate; an analogue low-pass",
+    instrument=_instrument,
+)

@@ -1,0 +1,25 @@
+"""The tissue is softer on the way back than on the virgin curve, whatever the pace."""
+
+import numpy as np
+
+from softsample.loop.effects.base import Array, Effect, Parameter, Values
+from softsample.loop.specimen import Specimen
+
+
+def _tissue(specimen: Specimen, force: Array, travel: Array, values: Values) -> Array:
+    furthest = np.maximum.accumulate(np.maximum(travel, 0.0))
+    fallen = 1.0 - np.clip(travel, 0.0, None) / np.maximum(furthest, 1e-9)
+    return force * (1.0 - values["d"] * fallen)
+
+
+EFFECT = Effect(
+    name="mullins_softening",
+    title="Softening by the first loading (Mullins)",
+    parameters=(Parameter("d", "1", 0.0, 0.95, 0.2),),
+    tier="P",
+    source="Ogden, Roxburgh, Proc. R. Soc. A 455 (1999) 2861, doi:10.1098/rspa.1999.0431",
+    signature="ramp and hold untouched, unloading low, back to nothing at the maximum",
+    confused_with=("viscoelastic_relaxation", "backlash", "bond_peel"),
+    experiment="a second cycle to a larger travel, and a second rate",
+    tissue=_tissue,
+)

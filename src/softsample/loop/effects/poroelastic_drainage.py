@@ -1,0 +1,28 @@
+"""Fluid leaves the compressed or stretched tissue, slowly; shear keeps its volume."""
+
+from softsample.loop.effects.base import Array, Effect, Parameter, Values
+from softsample.loop.history import relaxed
+from softsample.loop.specimen import Specimen
+
+
+def _tissue(specimen: Specimen, force: Array, travel: Array, values: Values) -> Array:
+    if specimen.mode == "shear":
+        return force
+    return relaxed(specimen.time, force, values["g"], values["tau_s"])
+
+
+EFFECT = Effect(
+    name="poroelastic_drainage",
+    title="Poroelastic drainage",
+    parameters=(
+        Parameter("g", "1", 0.0, 0.7, 0.1),
+        Parameter("tau_s", "s", 40.0, 3000.0, 300.0, grid=(80.0, 300.0)),
+    ),
+    tier="P",
+    source="Greiner et al., Front. Mech. Eng. 7 (2021) 708350, doi:10.3389/fmech.2021.708350",
+    signature="slow decay in the hold of tension and compression, none in shear",
+    confused_with=("viscoelastic_relaxation", "force_drift", "dehydration"),
+    experiment="hold in shear beside hold in compression; samples of two sizes",
+    modes=("tension", "compression"),
+    tissue=_tissue,
+)

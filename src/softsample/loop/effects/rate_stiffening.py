@@ -1,0 +1,22 @@
+"""Stiffness grows with the rate; at one single rate that is a scale of the modulus."""
+
+from softsample.loop.effects.base import Array, Effect, Parameter, Values
+from softsample.loop.specimen import Specimen
+
+
+def _tissue(specimen: Specimen, force: Array, travel: Array, values: Values) -> Array:
+    return force * (1.0 + values["per_decade"])
+
+
+EFFECT = Effect(
+    name="rate_stiffening",
+    title="Rate stiffening",
+    parameters=(Parameter("per_decade", "1", 0.0, 0.5, 0.15),),
+    tier="P",
+    source="Rashid, Destrade, Gilchrist, J. Mech. Behav. Biomed. Mater. 10 (2012) 23",
+    signature="scale between rates; nothing at one rate",
+    confused_with=("gain",),
+    experiment="the same sample at ten times the rate",
+    identifiable=False,
+    tissue=_tissue,
+)

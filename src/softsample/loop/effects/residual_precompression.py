@@ -1,0 +1,33 @@
+"""What the pre-load and the rest after it have left: a sample that starts compressed."""
+
+import numpy as np
+
+from softsample.loop.effects.base import Array, Effect, Parameter, Values
+from softsample.loop.specimen import Specimen
+
+
+def _change(specimen: Specimen, mixture: float, travel: Array, values: Values) -> Array:
+    start = values["d_mm"] * 1e-3 * -specimen.axis_sign
+    force = specimen.elastic.force_per_mu
+    shifted = force(mixture, travel + start) - force(mixture, np.full_like(travel, start))
+    return shifted - force(mixture, travel)
+
+
+def _elastic(specimen: Specimen, mixture: float, travel: Array, values: Values) -> Array:
+    if specimen.mode == "shear":
+        return np.zeros_like(travel)
+    return _change(specimen, mixture, travel, values)
+
+
+EFFECT = Effect(
+    name="residual_precompression",
+    title="Compression left over from the pre-load",
+    parameters=(Parameter("d_mm", "mm", 0.0, 1.0, 0.3),),
+    tier="P",
+    source="Zhang et al., Adv. Mech. Eng. 10 (2018), doi:10.1177/1687814018795045",
+    signature="compression steeper, tension softer at the start, no force at zero travel",
+    confused_with=("anisotropy", "poisson_ratio", "displacement_zero"),
+    experiment="record the force during pre-load and rest; shear before and after",
+    modes=("tension", "compression"),
+    elastic=_elastic,
+)

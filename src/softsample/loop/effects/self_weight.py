@@ -1,0 +1,24 @@
+"""The sample's own weight hangs on the load cell: a constant along the axis."""
+
+from softsample.loop.effects.base import Array, Effect, Parameter, Values
+from softsample.loop.specimen import Specimen
+
+
+def _instrument(specimen: Specimen, force: Array, travel: Array, values: Values) -> Array:
+    if specimen.mode == "shear":
+        return force
+    return force + specimen.axis_sign * 1e-3 * values["weight_mN"]
+
+
+EFFECT = Effect(
+    name="self_weight",
+    title="Own weight",
+    parameters=(Parameter("weight_mN", "mN", -60.0, 60.0, -30.0),),
+    tier="P",
+    source="half of 6 g; one end carries it",
+    signature="one constant along the machine's axis in tension and compression, none in shear",
+    confused_with=("force_offset", "adhesion"),
+    experiment="turn the machine upside down; tare before and after mounting",
+    modes=("tension", "compression"),
+    instrument=_instrument,
+)

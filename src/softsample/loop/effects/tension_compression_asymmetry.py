@@ -1,0 +1,22 @@
+"""The tissue resists compression more, or less, than tension."""
+
+from softsample.loop.effects.base import Array, Effect, Parameter, Values
+from softsample.loop.specimen import Specimen
+
+
+def _tissue(specimen: Specimen, force: Array, travel: Array, values: Values) -> Array:
+    return force * (1.0 + values["more"]) if specimen.mode == "compression" else force
+
+
+EFFECT = Effect(
+    name="tension_compression_asymmetry",
+    title="Asymmetry of tension and compression",
+    parameters=(Parameter("more", "1", -0.5, 1.0, 0.1),),
+    tier="P",
+    source="Mihai, Budday et al., Proc. R. Soc. A 2018, doi:10.1098/rspa.2017.0858",
+    signature="compression scaled against tension and shear",
+    confused_with=("platen_slip", "partial_bond", "poisson_ratio"),
+    experiment="compress and pull one and the same glued sample",
+    modes=("compression",),
+    tissue=_tissue,
+)

@@ -1,0 +1,105 @@
+"""Error of a model on the records: per mode and phase, and held out."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from softsample.loop.fit import Fit, Problem
+from softsample.loop.model import residuals
+from softsample.loop.noise import blocks
+
+Array = NDArray[np.float64]
+Mask = NDArray[np.bool_]
+
+
+@dataclass(frozen=True)
+class Error:
+    """Root mean square of block means.
+
+    Parameters
+    ----------
+    rms, structured : float
+        With and without the noise of the record [N].
+    peak : float
+        Largest measured force of the test [N].
+    """
+
+    rms: float
+    structured: float
+    peak: float
+
+    def report(self) -> dict[str, float]:
+        """In newton and percent of the peak."""
+        return {
+            "rms_N": self.rms,
+            "rms_percent": 100.0 * self.rms / self.peak,
+            "rms_N_structured": self.structured,
+            "rms_percent_structured": 100.0 * self.structured / self.peak,
+        }
+
+
+def _error(residual: Array, noise: float, peak: float) -> Error:
+    square = float(np.mean(residual**2))
+    return Error(np.sqrt(square), float(np.sqrt(max(0.0, square - noise**2))), peak)
+
+
+def phase_of_blocks(problem: Problem, k: int) -> NDArray[np.str_]:
+    """Phase in which each block of test `k` begins."""
+    whitener, phase = problem.whiteners[k], problem.specimens[k].phase
+    starts = whitener.size * np.arange(len(phase) // whitener.size)
+    return phase[starts]
+
+
+def errors(problem: Problem, fit: Fit, noises: Sequence[float]) -> dict[str, dict[str, Error]]:
+    """Error of a fit by test and phase; `all` stands for the whole record."""
+    parts = residuals(fit.model, problem.specimens, fit.state)
+    report: dict[str, dict[str, Error]] = {}
+    for k, (specimen, part) in enumerate(zip(problem.specimens, parts, strict=True)):
+        means, phase = blocks(part, problem.whiteners[k].size), phase_of_blocks(problem, k)
+        choices = {"all": np.ones(len(phase), bool)}
+        choices |= {name: phase == name for name in dict.fromkeys(phase.tolist())}
+        report[specimen.mode] = {
+            name: _error(means[chosen], noises[k], specimen.peak)
+            for name, chosen in choices.items()
+        }
+    return report
+
+
+def folds(problem: Problem) -> dict[str, list[Mask]]:
+    """What each fold leaves out, blocks as one mask a test: a mode, what follows the ramp, ..."""
+    n = len(problem.specimens)
+    phases = [phase_of_blocks(problem, k) for k in range(n)]
+    none = [np.zeros(len(phase), bool) for phase in phases]
+    found = {}
+    if n > 1:
+        for k, specimen in enumerate(problem.specimens):
+            found[f"leave_out_{specimen.mode}"] = [
+                ~mask if j == k else mask for j, mask in enumerate(none)
+            ]
+    after = [np.isin(phase, ("hold", "unloading")) for phase in phases]
+    if all(mask.any() for mask in after):
+        found["after_ramp"] = after
+    found["last_quarter"] = []
+    for k, specimen in enumerate(problem.specimens):
+        travel = blocks(specimen.travel, problem.whiteners[k].size)
+        found["last_quarter"].append((phases[k] == "ramp") & (travel > 0.75 * specimen.reach))
+    return found
+
+
+def held_out(problem: Problem, fit: Fit, noises: Sequence[float]) -> dict[str, dict[str, Error]]:
+    """Error on what a fold leaves out, by fold and mode, of the model fitted to the rest."""
+    report = {}
+    for name, masks in folds(problem).items():
+        kept = [w.on(~mask) for w, mask in zip(problem.whiteners, masks, strict=True)]
+        fitted = Problem(problem.specimens, kept).fit(fit.model, fit.state)
+        parts = residuals(fit.model, problem.specimens, fitted.state)
+        report[name] = {
+            specimen.mode: _error(blocks(part, w.size)[mask], noise, specimen.peak)
+            for specimen, part, w, mask, noise in zip(
+                problem.specimens, parts, problem.whiteners, masks, noises, strict=True
+            )
+            if mask.any()
+        }
+    return report

@@ -1,0 +1,121 @@
+"""Joint least squares of material and effects on whitened records."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from itertools import product
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.optimize import least_squares
+
+from softsample.loop.model import Material, Model, Packing, State, residuals
+from softsample.loop.noise import Whitener
+from softsample.loop.specimen import Specimen
+
+Array = NDArray[np.float64]
+
+
+@dataclass(frozen=True)
+class Fit:
+    """Result of a joint calibration.
+
+    Parameters
+    ----------
+    model : Model
+        Its effects.
+    state : State
+        Material and values at the optimum.
+    cost : float
+        Sum of squares of the white residual.
+    white : (n,) float64
+        White residual of all tests, one after the other.
+    jacobian : (n, p) float64
+        Its derivative by the packed parameters.
+    at_bound : tuple of str
+        Parameters of effects that lie on the end of their range.
+    """
+
+    model: Model
+    state: State
+    cost: float
+    white: Array
+    jacobian: Array
+    at_bound: tuple[str, ...]
+
+    @property
+    def covariance(self) -> Array:
+        """Covariance (p, p) of the packed parameters, Laplace's approximation."""
+        information = self.jacobian.T @ self.jacobian
+        return np.asarray(np.linalg.pinv(information, rcond=1e-12, hermitian=True))
+
+
+class Problem:
+    """Records of one group with their noise.
+
+    Parameters
+    ----------
+    specimens : sequence of Specimen
+        Tests that share their material and machine.
+    whiteners : sequence of Whitener
+        One for each.
+    """
+
+    def __init__(self, specimens: Sequence[Specimen], whiteners: Sequence[Whitener]) -> None:
+        self.specimens, self.whiteners = list(specimens), list(whiteners)
+
+    def white(self, parts: Sequence[Array]) -> Array:
+        """White residual of all tests from one per test."""
+        return np.concatenate([w(part) for w, part in zip(self.whiteners, parts, strict=True)])
+
+    def residual(self, model: Model, state: State) -> Array:
+        """White residual of a state."""
+        return self.white(residuals(model, self.specimens, state))
+
+    def fit(self, model: Model, start: State, starts: Sequence[State] = ()) -> Fit:
+        """Best fit of material and effects, from one or several starts."""
+        fits = [self._fit_from(model, state) for state in (start, *starts)]
+        return min(fits, key=lambda fit: fit.cost)
+
+    def _fit_from(self, model: Model, start: State) -> Fit:
+        packing = Packing(model)
+        margin = 1e-6 * (packing.high - packing.low)
+        first = np.clip(packing.pack(start), packing.low + margin, packing.high - margin)
+
+        def white(vector: Array) -> Array:
+            return self.residual(model, packing.unpack(vector))
+
+        found = least_squares(
+            white, first, bounds=(packing.low, packing.high), x_scale=0.1,
+            diff_step=np.full(len(first), 1e-5),
+            method="trf", ftol=1e-6, xtol=1e-6, gtol=1e-6, max_nfev=40,
+        )  # fmt: skip
+        near = 1e-3 * (packing.high - packing.low)
+        ends = (found.x < packing.low + near) | (found.x > packing.high - near)
+        names = [f"{effect.name}.{p.name}" for effect, p in model.parameters]
+        return Fit(
+            model,
+            packing.unpack(found.x),
+            float(2.0 * found.cost),
+            np.asarray(found.fun),
+            np.asarray(found.jac),
+            tuple(name for name, end in zip(names, ends[2:], strict=True) if end),
+        )
+
+    def fit_material(self, mu: float = 1000.0) -> Fit:
+        """The plain model, from several mixtures."""
+        starts = [State(Material(mu, r)) for r in (0.2, 0.5, 0.8, 0.95)]
+        return self.fit(Model(), starts[0], starts[1:])
+
+    def fit_effect(self, base: Fit, model: Model) -> Fit:
+        """A model with one more effect than the base, from its neutral and its nominal values."""
+        effect = model.effects[-1]
+        grids = [p.grid or (p.neutral + 0.3 * (p.nominal - p.neutral),) for p in effect.parameters]
+        starts = [
+            State(
+                base.state.material,
+                {**base.state.values, effect.name: dict(zip(names, point, strict=True))},
+            )
+            for names in [[p.name for p in effect.parameters]]
+            for point in product(*grids)
+        ]
+        return self.fit(model, starts[0], starts[1:])

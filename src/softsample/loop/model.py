@@ -1,0 +1,131 @@
+"""Predicted records: elastic curve, material, effects."""
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field
+
+import numpy as np
+from numpy.typing import NDArray
+
+from softsample.loop.effects.base import Effect, Parameter, Values
+from softsample.loop.specimen import Specimen
+
+Array = NDArray[np.float64]
+
+
+@dataclass(frozen=True)
+class Material:
+    """The material that the samples of a group share.
+
+    Parameters
+    ----------
+    mu : float
+        Shear modulus [Pa].
+    mixture : float
+        r = mu1 / mu, dimensionless.
+    """
+
+    mu: float
+    mixture: float
+
+
+@dataclass(frozen=True)
+class Model:
+    """A set of active effects.
+
+    Parameters
+    ----------
+    effects : tuple of Effect
+        In the order in which they were added.
+    """
+
+    effects: tuple[Effect, ...] = ()
+
+    @property
+    def names(self) -> tuple[str, ...]:
+        """Names of the effects."""
+        return tuple(effect.name for effect in self.effects)
+
+    @property
+    def parameters(self) -> list[tuple[Effect, Parameter]]:
+        """All parameters of all effects."""
+        return [(effect, p) for effect in self.effects for p in effect.parameters]
+
+    def neutral(self) -> dict[str, Values]:
+        """Values without effect, by effect."""
+        return {effect.name: effect.neutral() for effect in self.effects}
+
+    def predict(
+        self, specimen: Specimen, material: Material, values: Mapping[str, Values]
+    ) -> Array:
+        """Force along the travel at every sample of the record (n,) [N]."""
+        travel = specimen.travel
+        for effect in self.effects:
+            travel = effect.travel(specimen, travel, values[effect.name])
+        per_mu = specimen.elastic.force_per_mu(material.mixture, travel)
+        for effect in self.effects:
+            per_mu = per_mu + effect.elastic(
+                specimen, material.mixture, travel, values[effect.name]
+            )
+        force = material.mu * per_mu
+        for effect in self.effects:
+            force = effect.tissue(specimen, force, travel, values[effect.name])
+        for effect in self.effects:
+            force = effect.instrument(specimen, force, travel, values[effect.name])
+        return force
+
+    def with_effect(self, effect: Effect) -> "Model":
+        """The model with one more effect."""
+        return Model((*self.effects, effect))
+
+    def without(self, name: str) -> "Model":
+        """The model with one effect less."""
+        return Model(tuple(effect for effect in self.effects if effect.name != name))
+
+
+@dataclass(frozen=True)
+class State:
+    """A material and values of all effects of a model."""
+
+    material: Material
+    values: Mapping[str, Values] = field(default_factory=dict)
+
+
+MIXTURE = (0.02, 0.98)
+"""Bounds of r, those of the simulated families."""
+
+
+class Packing:
+    """Between a state and the vector that a fit moves: ln mu, r, then all parameters.
+
+    Parameters of effects are scaled by their range.
+    """
+
+    def __init__(self, model: Model, bounds: tuple[float, float] = MIXTURE) -> None:
+        self.model = model
+        self.low = np.array(
+            [np.log(20.0), bounds[0], *(p.low / _unit(p) for _, p in model.parameters)]
+        )
+        self.high = np.array(
+            [np.log(5e4), bounds[1], *(p.high / _unit(p) for _, p in model.parameters)]
+        )
+
+    def pack(self, state: State) -> Array:
+        """Vector of a state."""
+        parts = [state.values[e.name][p.name] / _unit(p) for e, p in self.model.parameters]
+        return np.array([np.log(state.material.mu), state.material.mixture, *parts])
+
+    def unpack(self, vector: Array) -> State:
+        """State of a vector."""
+        values: dict[str, Values] = {effect.name: {} for effect in self.model.effects}
+        for (effect, p), x in zip(self.model.parameters, vector[2:], strict=True):
+            values[effect.name][p.name] = float(x * _unit(p))
+        return State(Material(float(np.exp(vector[0])), float(vector[1])), values)
+
+
+def _unit(parameter: Parameter) -> float:
+    return parameter.high - parameter.low
+
+
+def residuals(model: Model, specimens: Sequence[Specimen], state: State) -> list[Array]:
+    """Measured less predicted force of every test, per sample [N]."""
+    return [s.force - model.predict(s, state.material, state.values) for s in specimens]

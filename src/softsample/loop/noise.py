@@ -1,0 +1,157 @@
+"""How far a force record can be trusted: noise of the cell, and what the model cannot resolve."""
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.linalg import cholesky, solve_triangular
+
+from softsample.loop.specimen import Specimen
+
+Array = NDArray[np.float64]
+
+
+@dataclass(frozen=True)
+class NoiseSettings:
+    """Mirrors config `loop: noise:`.
+
+    Parameters
+    ----------
+    block_s : float
+        Records are averaged over blocks of this length [s].
+    correlation_s : float
+        Correlation time of the slow part of the cell's noise [s].
+    floor_percent : float
+        Smooth error of the model that no effect explains [% of the peak force of a test]: mesh,
+        element type, segmentation.
+    floor_length : float
+        Its correlation length, as a part of the stroke.
+    contact_zero_mm : float
+        Standard deviation of the height of the highest point [mm], compression only.
+    """
+
+    block_s: float = 0.2
+    correlation_s: float = 1.0
+    floor_percent: float = 1.0
+    floor_length: float = 0.25
+    contact_zero_mm: float = 0.06
+
+
+@dataclass(frozen=True)
+class Noise:
+    """Noise of one record.
+
+    Parameters
+    ----------
+    white : float
+        Standard deviation of a sample [N].
+    slow : float
+        Standard deviation of the correlated part [N].
+    """
+
+    white: float
+    slow: float
+
+
+def blocks(values: Array, size: int) -> Array:
+    """Means (n // size, ...) of consecutive groups of `size` samples; the rest is left out."""
+    n = len(values) // size
+    return values[: n * size].reshape(n, size, *values.shape[1:]).mean(axis=1)
+
+
+def block_size(time: Array, settings: NoiseSettings) -> int:
+    """Samples in a block."""
+    return max(1, round(settings.block_s / float(np.median(np.diff(time)))))
+
+
+def measure_noise(specimen: Specimen, settings: NoiseSettings) -> Noise:
+    """White noise from second differences, slow noise from what block means vary more than that.
+
+    Block means are taken over the stretches in which the platen rests, or over the whole record
+    where there are none, less a parabola every 5 s; what a parabola takes from noise of the given
+    correlation time is made good.
+    """
+    second = np.diff(specimen.force, 2)
+    white = 1.4826 * float(np.median(np.abs(second - np.median(second)))) / np.sqrt(6.0)
+    size = block_size(specimen.time, settings)
+    window = max(8, round(5.0 / settings.block_s))
+    resting = np.isin(specimen.phase, ("baseline", "hold"))
+    force = specimen.force[resting] if resting.sum() > 2 * size * window else specimen.force
+    means = blocks(force, size)
+    chunks = [means[k : k + window] for k in range(0, len(means) - window + 1, window)]
+    if not chunks:
+        return Noise(white, 0.0)
+    axis = np.linspace(-1.0, 1.0, window)
+    basis, _ = np.linalg.qr(np.stack([axis**k for k in range(3)], axis=1))
+    left = np.eye(window) - basis @ basis.T
+    variance = float(np.median([np.sum((left @ chunk) ** 2) for chunk in chunks]))
+    lag = np.abs(np.subtract.outer(range(window), range(window))) * settings.block_s
+    share = float(np.trace(left @ np.exp(-lag / settings.correlation_s)))
+    excess = variance - np.trace(left) * white**2 / size
+    return Noise(white, float(np.sqrt(max(excess, 0.0) / share)))
+
+
+def covariance(
+    specimen: Specimen, noise: Noise, stiffness: Array, settings: NoiseSettings
+) -> Array:
+    """Covariance (n, n) [N2] of the block means of one test.
+
+    Parameters
+    ----------
+    specimen : Specimen
+        The test.
+    noise : Noise
+        Of its record.
+    stiffness : (n,) float64
+        Slope of the model's force over travel at the blocks [N/m], for the contact zero.
+    settings : NoiseSettings
+        What the model does not resolve. Its smooth error goes with the travel, so that loading
+        and unloading share it, and is nothing before the platen moves.
+    """
+    size = block_size(specimen.time, settings)
+    time, travel = blocks(specimen.time, size), blocks(specimen.travel, size)
+    lag = np.abs(np.subtract.outer(time, time))
+    total = noise.white**2 / size * np.eye(len(time))
+    total += noise.slow**2 * np.exp(-lag / settings.correlation_s)
+    apart = np.subtract.outer(travel, travel) / (settings.floor_length * specimen.reach)
+    largest = 0.01 * settings.floor_percent * specimen.peak
+    amount = largest * np.clip(travel / (0.1 * specimen.reach), 0.0, 1.0)
+    total += np.outer(amount, amount) * np.exp(-0.5 * apart**2)
+    if specimen.mode == "compression":
+        shift = 1e-3 * settings.contact_zero_mm * stiffness
+        total += np.outer(shift, shift)
+    return np.asarray(total)
+
+
+class Whitener:
+    """Turns residuals of one test into independent unit noise.
+
+    Parameters
+    ----------
+    matrix : (n, n) float64
+        Covariance of the blocks [N2].
+    size : int
+        Samples in a block.
+    keep : (n,) bool, optional
+        Blocks that count; the others are left out (folds).
+    """
+
+    def __init__(self, matrix: Array, size: int, keep: NDArray[np.bool_] | None = None) -> None:
+        self.size = size
+        self.keep = np.ones(len(matrix), bool) if keep is None else keep
+        self._matrix = matrix
+        part = matrix[np.ix_(self.keep, self.keep)]
+        jitter = 1e-12 * np.trace(part) / max(len(part), 1)
+        self._factor = cholesky(part + jitter * np.eye(len(part)), lower=True)
+
+    def blocks(self, residual: Array) -> Array:
+        """Block means of a residual per sample, of the blocks that count."""
+        return blocks(residual, self.size)[self.keep]
+
+    def __call__(self, residual: Array) -> Array:
+        """White residual of the blocks that count, from one per sample (n_samples,) [N]."""
+        return np.asarray(solve_triangular(self._factor, self.blocks(residual), lower=True))
+
+    def on(self, keep: NDArray[np.bool_]) -> "Whitener":
+        """The same with other blocks."""
+        return Whitener(self._matrix, self.size, keep)

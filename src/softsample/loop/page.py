@@ -1,0 +1,124 @@
+"""The verdict on one page, for people."""
+
+from collections.abc import Mapping
+from typing import Any
+
+from softsample.loop.effects import library
+
+SAYING = {
+    "explained": "The residual is explained.",
+    "none": "Nothing is missing beyond noise and floor.",
+    "unknown": "**Unknown:** something is left that no effect of the library explains.",
+}
+
+
+def page(group: str, verdict: Mapping[str, Any]) -> str:
+    """Markdown page of a `verdict.json`.
+
+    Parameters
+    ----------
+    group : str
+        Name of the group.
+    verdict : mapping
+        Report of a diagnosis, see `softsample.loop.diagnose.report`.
+    """
+    parts = [f"# Verdict for {group}: {verdict['verdict']}", "", SAYING[verdict["verdict"]], ""]
+    for effect in verdict["effects"]:
+        parts += _effect(effect)
+    parts += ["## Modulus", "", *_moduli(verdict), "", "## Error", "", *_errors(verdict), ""]
+    if verdict["held_out_before"]:
+        parts += ["Held out: fitted to the rest, judged on what was left out.", ""]
+        parts += [*_held_out(verdict), ""]
+    parts += ["## Path", "", *_path(verdict), "", *_limits(verdict)]
+    parts += ["", "![before and after](verdict.png)", ""]
+    return "\n".join(parts)
+
+
+def _table(header: list[str], rows: list[list[str]]) -> list[str]:
+    lines = [header, ["---"] * len(header), *rows]
+    return ["| " + " | ".join(line) + " |" for line in lines]
+
+
+def _effect(effect: Mapping[str, Any]) -> list[str]:
+    known = library()
+    others = [name for name in effect["class"] if name != effect["name"]]
+    lines = [f"## {known[effect['name']].title} (`{effect['name']}`)", ""]
+    if others:
+        named = ", ".join(f"`{name}`" for name in others)
+        lines += [f"**Undecided:** these records cannot tell it from {named}.", ""]
+    lines += [f"Signature: {known[effect['name']].signature}.", ""]
+    lines += _table(
+        ["parameter", "value", "90 % interval", "unit"],
+        [
+            [name, f"{p['value']:.4g}", f"{p['low']:.4g} to {p['high']:.4g}", p["unit"]]
+            for name, p in effect["parameters"].items()
+        ],
+    )
+    experiment = effect["separating_experiment"]
+    return [*lines, "", f"Evidence {effect['evidence']:.0f}. What would tell: {experiment}.", ""]
+
+
+def _moduli(verdict: Mapping[str, Any]) -> list[str]:
+    before, after = verdict["theta_before"], verdict["theta_after"]
+    return _table(
+        ["", "before", "after", "90 % interval", "unit"],
+        [
+            [
+                name,
+                f"{before[name]['value']:.4g}",
+                f"{after[name]['value']:.4g}",
+                f"{after[name]['low']:.4g} to {after[name]['high']:.4g}",
+                after[name]["unit"],
+            ]
+            for name in before
+        ],
+    )
+
+
+def _errors(verdict: Mapping[str, Any]) -> list[str]:
+    return _table(
+        ["test", "phase", "RMS before [mN]", "after [mN]", "before [% of peak]", "after"],
+        [
+            [mode, phase, *_before_after(before, verdict["error_after"][mode][phase])]
+            for mode, phases in verdict["error_before"].items()
+            for phase, before in phases.items()
+        ],
+    )
+
+
+def _held_out(verdict: Mapping[str, Any]) -> list[str]:
+    return _table(
+        ["left out", "test", "RMS before [mN]", "after [mN]", "before [% of peak]", "after"],
+        [
+            [fold, mode, *_before_after(before, verdict["held_out_after"][fold][mode])]
+            for fold, modes in verdict["held_out_before"].items()
+            for mode, before in modes.items()
+        ],
+    )
+
+
+def _before_after(before: Mapping[str, float], after: Mapping[str, float]) -> list[str]:
+    return [
+        f"{1e3 * before['rms_N']:.2f}",
+        f"{1e3 * after['rms_N']:.2f}",
+        f"{before['rms_percent']:.2f}",
+        f"{after['rms_percent']:.2f}",
+    ]
+
+
+def _path(verdict: Mapping[str, Any]) -> list[str]:
+    lines = []
+    for number, step in enumerate(verdict["path"], start=1):
+        ranking = ", ".join(f"`{c['name']}` {c['evidence']:.0f}" for c in step["candidates"][:5])
+        chosen = f"`{step['chosen']}`" if step["chosen"] else "nothing passes"
+        lines.append(
+            f"{number}. threshold {step['threshold']:.0f}: {ranking or 'no candidate'} - {chosen}"
+        )
+    return lines
+
+
+def _limits(verdict: Mapping[str, Any]) -> list[str]:
+    lines = ["Not identifiable from these records: " + ", ".join(verdict["not_identifiable"]) + "."]
+    limits = verdict["detection_limits"].items()
+    named = ", ".join(f"{name} {x['value']:.2g} {x['unit']}" for name, x in limits)
+    return [*lines, "", f"Smallest sizes that would have been seen: {named}."]

@@ -1,0 +1,128 @@
+"""Which effects could explain a residual: signatures that no change of the material imitates."""
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from itertools import product
+
+import numpy as np
+from numpy.typing import NDArray
+
+from softsample.loop.effects.base import Effect, Parameter, Values
+from softsample.loop.fit import Fit, Problem
+from softsample.loop.model import Model, State
+
+Array = NDArray[np.float64]
+
+LEAST_SIGNATURE = 1.0
+"""A signature at nominal size below one standard deviation, all blocks together, says nothing."""
+
+
+@dataclass(frozen=True)
+class Signature:
+    """What an effect does to the white records beyond what the fitted parameters can imitate.
+
+    Parameters
+    ----------
+    effect : Effect
+        The effect.
+    start : dict
+        Values of the parameters that say how it acts; sizes are neutral.
+    columns : (n, p) float64
+        Projected change per nominal size, one column per size.
+    basis : (n, q) float64
+        Orthonormal basis of the columns.
+    """
+
+    effect: Effect
+    start: Values
+    columns: Array
+    basis: Array
+
+    @property
+    def strength(self) -> float:
+        """Length of the signature at nominal size, in standard deviations."""
+        sizes = [abs(p.nominal - p.neutral) > 0.0 for p in self.effect.sizes]
+        return float(np.linalg.norm(self.columns[:, sizes].sum(axis=1)))
+
+    def gain(self, white: Array) -> float:
+        """Fall of the sum of squares of a residual when the sizes are fitted to it."""
+        size, *_ = np.linalg.lstsq(self.columns, white, rcond=None)
+        allowed = [
+            (x >= 0.0 or p.low < p.neutral) if p.nominal >= p.neutral else
+            (x >= 0.0 or p.high > p.neutral)
+            for x, p in zip(size, self.effect.sizes, strict=True)
+        ]  # fmt: skip
+        if not any(allowed):
+            return 0.0
+        basis = self.basis
+        if not all(allowed):
+            basis = _orthonormal(self.columns[:, allowed])
+        return float(np.sum((basis.T @ white) ** 2))
+
+
+def signatures(problem: Problem, base: Fit, effects: Sequence[Effect]) -> list[Signature]:
+    """Signatures of all effects, one for every point of the grid of how each acts."""
+    explained = _orthonormal(base.jacobian)
+    found = []
+    for effect in effects:
+        shapes = [p for p in effect.parameters if not p.is_size]
+        model = base.model.with_effect(effect)
+        for point in product(*(p.grid for p in shapes)):
+            start = {**effect.neutral(), **dict(zip([p.name for p in shapes], point, strict=True))}
+            columns = np.stack(
+                [_change(problem, base, model, effect, start, p) for p in effect.sizes], axis=1
+            )
+            columns -= explained @ (explained.T @ columns)
+            found.append(Signature(effect, start, columns, _orthonormal(columns)))
+    return found
+
+
+def nominal_step(parameter: Parameter) -> float:
+    """From the neutral to the nominal value; a tenth of the range where these are the same."""
+    return parameter.nominal - parameter.neutral or 0.1 * (parameter.high - parameter.neutral)
+
+
+def _change(
+    problem: Problem, base: Fit, model: Model, effect: Effect, start: Values, parameter: Parameter
+) -> Array:
+    """Change of the white residual per nominal size of one parameter."""
+    step = 0.1
+    values = {**start, parameter.name: parameter.neutral + step * nominal_step(parameter)}
+    state = State(base.state.material, {**base.state.values, effect.name: values})
+    return (base.white - problem.residual(model, state)) / step
+
+
+def _orthonormal(columns: Array) -> Array:
+    """Orthonormal basis of the columns, those that vanish left out."""
+    if columns.shape[1] == 0:
+        return columns
+    left, singular, _ = np.linalg.svd(columns, full_matrices=False)
+    return np.asarray(left[:, singular > 1e-8 * max(singular[0], 1e-12)])
+
+
+def penalty(effect: Effect, n: int) -> float:
+    """Fall of the sum of squares that an effect's parameters must earn (Schwarz's criterion)."""
+    return float(len(effect.parameters) * np.log(n))
+
+
+def null_threshold(
+    found: Sequence[Signature], n: int, draws: int, seed: int, level: float = 0.95
+) -> float:
+    """Largest gain less penalty among all effects that pure noise exceeds in 5 % of draws."""
+    rng = np.random.default_rng(seed)
+    noise = rng.standard_normal((n, draws))
+    best = np.full(draws, -np.inf)
+    for signature in found:
+        gains = np.sum((signature.basis.T @ noise) ** 2, axis=0)
+        best = np.maximum(best, gains - penalty(signature.effect, n))
+    return float(np.quantile(best, level))
+
+
+def best_of_each(found: Sequence[Signature], white: Array) -> Mapping[str, tuple[float, Signature]]:
+    """For every effect the gain and the signature of its best point."""
+    best: dict[str, tuple[float, Signature]] = {}
+    for signature in found:
+        gain, name = signature.gain(white), signature.effect.name
+        if name not in best or gain > best[name][0]:
+            best[name] = gain, signature
+    return best

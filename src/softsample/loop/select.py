@@ -1,0 +1,210 @@
+"""Forward selection of effects with a backward check, and classes that data cannot split."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass, field
+
+import numpy as np
+from numpy.typing import NDArray
+
+from softsample.loop.effects.base import Effect
+from softsample.loop.fit import Fit, Problem
+from softsample.loop.model import State
+from softsample.loop.screen import (
+    LEAST_SIGNATURE,
+    Signature,
+    best_of_each,
+    nominal_step,
+    null_threshold,
+    penalty,
+    signatures,
+)
+
+Array = NDArray[np.float64]
+
+
+@dataclass(frozen=True)
+class SelectionSettings:
+    """Mirrors config `loop: selection:`.
+
+    Parameters
+    ----------
+    most_effects : int
+        Effects in a verdict, at most.
+    least_gain : float
+        Fall of the sum of squares beyond the penalty that counts as evidence (delta BIC).
+    null_draws, seed : int
+        Simulated records without effect for the family-wise threshold.
+    refits : int
+        Candidates that are fitted jointly with the material in each round.
+    class_gain : float
+        Candidates within this much evidence of the best share its class.
+    class_cosine : float
+        So do those whose explanation of the residual is this parallel to the best one's.
+    unknown_ratio : float
+        White mean square left above which the residual is called unexplained.
+    """
+
+    most_effects: int = 3
+    least_gain: float = 6.0
+    null_draws: int = 2000
+    seed: int = 1
+    refits: int = 8
+    class_gain: float = 6.0
+    class_cosine: float = 0.95
+    unknown_ratio: float = 1.5
+
+
+@dataclass(frozen=True)
+class Candidate:
+    """An effect fitted jointly with the material and what was there before.
+
+    Parameters
+    ----------
+    name : str
+        The effect.
+    fit : Fit
+        Joint fit.
+    gain : float
+        Fall of the sum of squares.
+    evidence : float
+        The same less the penalty for its parameters.
+    cosine : float
+        Between its explanation and that of the best candidate.
+    """
+
+    name: str
+    fit: Fit
+    gain: float
+    evidence: float
+    cosine: float = 1.0
+
+
+@dataclass(frozen=True)
+class Step:
+    """One round of the selection."""
+
+    threshold: float
+    candidates: list[Candidate]
+    chosen: Candidate | None
+    members: list[str] = field(default_factory=list)
+
+
+@dataclass(frozen=True)
+class Selection:
+    """Outcome of the selection.
+
+    Parameters
+    ----------
+    base, final : Fit
+        Plain model and model with all chosen effects.
+    steps : list of Step
+        Every round, the last one without a choice.
+    classes : dict of list of str
+        Names that the data cannot tell from each chosen effect, itself first.
+    weak : list of str
+        Effects that no size in their range would show in these records.
+    signatures : dict of float
+        Strength of each effect's signature at nominal size in the plain model.
+    """
+
+    base: Fit
+    final: Fit
+    steps: list[Step]
+    classes: dict[str, list[str]]
+    weak: list[str]
+    signatures: dict[str, float]
+
+
+def select(problem: Problem, effects: Sequence[Effect], settings: SelectionSettings) -> Selection:
+    """Find the effects that the records ask for."""
+    base = problem.fit_material()
+    current = base
+    steps: list[Step] = []
+    classes: dict[str, list[str]] = {}
+    library = [e for e in effects if e.identifiable]
+    found = signatures(problem, base, library)
+    strengths = {e.name: max(s.strength for s in found if s.effect is e) for e in library}
+    weak = [name for name, strength in strengths.items() if strength < LEAST_SIGNATURE]
+    while len(current.model.effects) < settings.most_effects:
+        open_effects = [e for e in library if e.name not in current.model.names]
+        if steps:
+            found = signatures(problem, current, open_effects)
+        step = _round(problem, current, found, settings)
+        steps.append(step)
+        if step.chosen is None:
+            break
+        classes[step.chosen.name] = step.members
+        current = _pruned(problem, step.chosen.fit, settings)
+        classes = {name: classes[name] for name in current.model.names}
+    return Selection(base, current, steps, classes, weak, strengths)
+
+
+def _round(
+    problem: Problem, current: Fit, found: Sequence[Signature], settings: SelectionSettings
+) -> Step:
+    n = len(current.white)
+    threshold = max(
+        settings.least_gain, null_threshold(found, n, settings.null_draws, settings.seed)
+    )
+    ranked = sorted(
+        best_of_each(found, current.white).values(),
+        key=lambda pair: pair[0] - penalty(pair[1].effect, n),
+        reverse=True,
+    )
+    candidates = []
+    for gain, signature in ranked[: settings.refits]:
+        if gain <= 0.0:
+            continue
+        fit = _joint(problem, current, signature)
+        fallen = current.cost - fit.cost
+        candidates.append(
+            Candidate(signature.effect.name, fit, fallen, fallen - penalty(signature.effect, n))
+        )
+    candidates.sort(key=lambda c: c.evidence, reverse=True)
+    if not candidates or candidates[0].evidence < threshold:
+        return Step(threshold, candidates, None)
+    best = candidates[0]
+    candidates = [
+        Candidate(c.name, c.fit, c.gain, c.evidence, _cosine(current, c.fit, best.fit))
+        for c in candidates
+    ]
+    members = [
+        c.name
+        for c in candidates
+        if c.evidence > threshold
+        and (
+            c.evidence > best.evidence - settings.class_gain
+            or (c.cosine > settings.class_cosine and c.gain > 0.7 * best.gain)
+        )
+    ]
+    return Step(threshold, candidates, best, members)
+
+
+def _joint(problem: Problem, current: Fit, signature: Signature) -> Fit:
+    """Joint fit from the linear estimate of the sizes."""
+    effect = signature.effect
+    sizes, *_ = np.linalg.lstsq(signature.columns, current.white, rcond=None)
+    values = dict(signature.start)
+    for x, p in zip(sizes, effect.sizes, strict=True):
+        margin = 0.02 * (p.high - p.low)
+        size = p.neutral + x * nominal_step(p)
+        values[p.name] = float(np.clip(size, p.low + margin, p.high - margin))
+    state = State(current.state.material, {**current.state.values, effect.name: values})
+    return problem.fit(current.model.with_effect(effect), state)
+
+
+def _cosine(current: Fit, one: Fit, other: Fit) -> float:
+    """Between two explanations of the same residual."""
+    a, b = current.white - one.white, current.white - other.white
+    return float(a @ b / np.sqrt((a @ a) * (b @ b)))
+
+
+def _pruned(problem: Problem, fit: Fit, settings: SelectionSettings) -> Fit:
+    """The fit without effects that later ones have made superfluous."""
+    for effect in fit.model.effects[:-1]:
+        model = fit.model.without(effect.name)
+        values = {name: v for name, v in fit.state.values.items() if name != effect.name}
+        less = problem.fit(model, State(fit.state.material, values))
+        if less.cost - fit.cost - penalty(effect, len(fit.white)) < settings.least_gain:
+            return _pruned(problem, less, settings)
+    return fit

@@ -1,0 +1,118 @@
+"""One test of one sample as the loop sees it: record, phases, elastic curves."""
+
+from dataclasses import dataclass, field
+from typing import Self
+
+import numpy as np
+import pandas as pd
+from numpy.typing import NDArray
+
+from softsample.calibration.curves import CurveFamily
+from softsample.protocol import denoised, phases, travel_sign
+
+Array = NDArray[np.float64]
+
+
+@dataclass(frozen=True, eq=False)
+class Elastic:
+    """Force of the elastic model per shear modulus, and how it changes with the model.
+
+    Parameters
+    ----------
+    family : CurveFamily
+        Curves for all mixtures r = mu1 / mu.
+    variants : dict of (n,) float64
+        Change of the force per modulus [m2] on the family's displacements when the model is
+        changed by the step that the variant is named after, at the calibrated mixture.
+    contact : bool
+        Whether the platen can leave the sample: no force before zero travel.
+    """
+
+    family: CurveFamily
+    variants: dict[str, Array] = field(default_factory=dict)
+    contact: bool = False
+
+    def force_per_mu(self, mixture: float, travel: Array) -> Array:
+        """Force along the travel per shear modulus [m2] at travels [m]."""
+        grid = self.family.displacement
+        return self._beyond(self.family.force_per_mu(mixture, grid), travel)
+
+    def change_per_mu(self, variant: str, travel: Array) -> Array:
+        """Change of that force [m2] by one step of a variant; none where it was not simulated."""
+        if variant not in self.variants:
+            return np.zeros_like(travel)
+        return self._beyond(self.variants[variant], travel)
+
+    def _beyond(self, curve: Array, travel: Array) -> Array:
+        """Interpolation; beyond the ends straight on, or nothing before contact."""
+        grid = self.family.displacement
+        inside = np.interp(travel, grid, curve)
+        last = (curve[-1] - curve[-2]) / (grid[-1] - grid[-2])
+        inside = inside + last * np.maximum(travel - grid[-1], 0.0)
+        if self.contact:
+            return inside
+        first = (curve[1] - curve[0]) / (grid[1] - grid[0])
+        return inside + first * np.minimum(travel, 0.0)
+
+
+@dataclass(frozen=True, eq=False)
+class Specimen:
+    """A test, all along the direction of its travel (loading is positive).
+
+    Parameters
+    ----------
+    name, mode : str
+        Sample and `tension`, `compression` or `shear`.
+    time : (n,) float64
+        Time [s].
+    travel : (n,) float64
+        Travel of the platen as the machine reports it [m], its noise taken out.
+    force : (n,) float64
+        Force of the platen on the sample as the load cell reports it [N].
+    phase : (n,) str
+        `baseline`, `ramp`, `hold` or `unloading`.
+    elastic : Elastic
+        The model.
+    """
+
+    name: str
+    mode: str
+    time: Array
+    travel: Array
+    force: Array
+    phase: NDArray[np.str_]
+    elastic: Elastic
+
+    @classmethod
+    def of_record(cls, name: str, mode: str, record: pd.DataFrame, elastic: Elastic) -> Self:
+        """Specimen of a record with columns `time_s`, `displacement_mm`, `force_N`."""
+        sign = travel_sign(mode)
+        time = record["time_s"].to_numpy(float)
+        travel = sign * 1e-3 * record["displacement_mm"].to_numpy(float)
+        phase = np.empty(len(time), dtype="<U9")
+        for part in phases(time, travel):
+            phase[part.samples] = part.kind
+        return cls(
+            name,
+            mode,
+            time,
+            denoised(time, travel),
+            sign * record["force_N"].to_numpy(float),
+            phase,
+            elastic,
+        )
+
+    @property
+    def axis_sign(self) -> float:
+        """Direction of loading along the machine's axis: -1 in compression."""
+        return travel_sign(self.mode)
+
+    @property
+    def reach(self) -> float:
+        """Largest travel [m]."""
+        return float(self.travel.max())
+
+    @property
+    def peak(self) -> float:
+        """Largest force [N]."""
+        return float(np.abs(self.force).max())

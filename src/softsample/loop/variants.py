@@ -1,0 +1,162 @@
+"""How the elastic force changes with the model: one run of the changed model per effect."""
+
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass, replace
+
+import numpy as np
+from numpy.typing import NDArray
+
+from softsample.constitutive.ogden import Fibres, OgdenMaterial
+from softsample.fem.boundary import Boundary, ContactSettings, mode_boundary, platen_boundary
+from softsample.fem.explicit import ExplicitModel, SolverSettings
+from softsample.fem.family import find_pace
+from softsample.meshing.bond import partial_bond
+from softsample.meshing.mesh import HexMesh
+
+Array = NDArray[np.float64]
+
+MARGIN = 1.05
+"""Runs go this much further than the record, for effects that shift the travel."""
+
+
+@dataclass(frozen=True)
+class VariantSettings:
+    """Steps of the changed models; mirrors config `loop: variants:`.
+
+    Parameters
+    ----------
+    exponent : float
+        Step of each exponent.
+    fibre_ratio : float
+        k1 over mu.
+    tilt_deg : float
+        Tilt of the platen [degrees], the mean of a tilt about x and one about y.
+    missing_bond : float
+        Part of the glued area that is taken off, the mean of four sides.
+    shift_mm : float
+        Shift of the surface [mm].
+    """
+
+    exponent: float = 2.0
+    fibre_ratio: float = 0.1
+    tilt_deg: float = 1.0
+    missing_bond: float = 0.125
+    shift_mm: float = 0.1
+
+
+@dataclass(frozen=True, eq=False)
+class Sample:
+    """A sample on the loop's coarse mesh.
+
+    Parameters
+    ----------
+    mesh, shifted : HexMesh
+        Its surface, and the same moved out by `VariantSettings.shift_mm`.
+    glued, shifted_glued : (n,) int64
+        Nodes glued to the moving platen.
+    mode : str
+        Mode of its test.
+    """
+
+    mesh: HexMesh
+    shifted: HexMesh
+    glued: NDArray[np.int64]
+    shifted_glued: NDArray[np.int64]
+    mode: str
+
+
+def simulate_variants(
+    sample: Sample,
+    material: OgdenMaterial,
+    travel: float,
+    contact: ContactSettings,
+    solver: SolverSettings,
+    settings: VariantSettings,
+    progress: Callable[[str, float], None] | None = None,
+) -> tuple[Array, Mapping[str, Array]]:
+    """Change of the force per modulus by each variant of the model.
+
+    Parameters
+    ----------
+    sample : Sample
+        Mesh and mode.
+    material : OgdenMaterial
+        Two-term material at the optimum; its modulus only sets the scale.
+    travel : float
+        Travel of the record [m].
+    contact, solver, settings
+        As of the config.
+    progress : callable, optional
+        Told what is computed and the finished part.
+
+    Returns
+    -------
+    displacement : (n,) float64
+        Travels [m].
+    changes : dict of (n,) float64
+        Change of the force along the travel per shear modulus [m2]; names as the effects use them.
+    """
+    model, shifted = ExplicitModel(sample.mesh, solver), ExplicitModel(sample.shifted, solver)
+    boundary = mode_boundary(sample.mesh, sample.mode, sample.glued, contact)
+    reach = MARGIN * travel
+    pace = find_pace(lambda t: model.run(material, boundary, reach, loading_time=t), solver)
+    base = pace.run
+
+    def force(on: ExplicitModel, of: OgdenMaterial, held: Boundary) -> Array:
+        return on.run(of, held, reach, loading_time=pace.loading_time).force
+
+    todo: dict[str, Callable[[], Array]] = {
+        name: lambda changed=changed: force(model, changed, boundary)  # type: ignore[misc]
+        for name, changed in _materials(material, settings).items()
+    }
+    todo["boundary_shift"] = lambda: force(
+        shifted,
+        material,
+        mode_boundary(sample.shifted, sample.mode, sample.shifted_glued, contact),
+    )
+    for name, boundaries in _boundaries(sample, contact, settings).items():
+        todo[name] = lambda held=boundaries: np.mean(  # type: ignore[misc]
+            [force(model, material, b) for b in held], axis=0
+        )
+    changes = {}
+    for done, (name, run) in enumerate(todo.items()):
+        if progress is not None:
+            progress(name, done / len(todo))
+        changes[name] = (run() - base.force) / material.shear_modulus
+    return base.displacement, changes
+
+
+def _materials(material: OgdenMaterial, settings: VariantSettings) -> dict[str, OgdenMaterial]:
+    """Materials that differ in one thing."""
+    (first, second), k1 = material.alpha, settings.fibre_ratio * material.shear_modulus
+    return {
+        "poisson_0.47": replace(material, poisson_ratio=0.47),
+        "poisson_0.45": replace(material, poisson_ratio=0.45),
+        "alpha1": replace(material, alpha=(first + settings.exponent, second)),
+        "alpha2": replace(material, alpha=(first, second + settings.exponent)),
+        "fibres_x": replace(material, fibres=Fibres(k1, (1.0, 0.0, 0.0))),
+        "fibres_z": replace(material, fibres=Fibres(k1, (0.0, 0.0, 1.0))),
+    }
+
+
+def _boundaries(
+    sample: Sample, contact: ContactSettings, settings: VariantSettings
+) -> dict[str, list[Boundary]]:
+    """Boundary conditions that differ in one thing; the force is the mean over a list."""
+    if sample.mode != "compression":
+        sides = ((1.0, 0.0), (-1.0, 0.0), (0.0, 1.0), (0.0, -1.0))
+        kept = [
+            partial_bond(sample.mesh, sample.glued, 1.0 - settings.missing_bond, side)
+            for side in sides
+        ]
+        return {
+            "partial_bond": [
+                mode_boundary(sample.mesh, sample.mode, nodes, contact) for nodes in kept
+            ]
+        }
+    tilts = ((settings.tilt_deg, 0.0), (0.0, settings.tilt_deg))
+    slip = replace(contact, friction=0.0)
+    return {
+        "platen_tilt": [platen_boundary(sample.mesh, contact, tilt_deg=t) for t in tilts],
+        "platen_slip": [platen_boundary(sample.mesh, slip)],
+    }

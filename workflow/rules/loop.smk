@@ -1,0 +1,90 @@
+# Closing the loop: what the calibrated model leaves over, and the effect it points at.
+
+
+rule variants:
+    input:
+        distance="<results>/segmentation/{sample}_distance.nii.gz",
+        segmentation="<results>/segmentation/{sample}.json",
+        cuboid="<results>/cuboid/{sample}.json",
+        record=study_file("record"),
+        fit=optimum("json"),
+        code=library("workflow/scripts/variants.py"),
+    output:
+        changes="<results>/loop/variants/{sample}_{geometry}.csv",
+    log:
+        "<logs>/variants/{sample}_{geometry}.log",
+    benchmark:
+        "<benchmarks>/variants/{sample}_{geometry}.tsv"
+    params:
+        mode=row_value("mode"),
+        mesh=config["mesh"],
+        preload_mm=config["protocol"]["preload_mm"],
+        element_size_mm=config["loop"]["element_size_mm"],
+        variants=config["loop"]["variants"],
+        solver=config["solver"],
+        contact=config["contact"],
+    message:
+        "Changed models: {wildcards.sample}, {wildcards.geometry} geometry"
+    script:
+        "../scripts/variants.py"
+
+
+def of_members(pattern):
+    """Input function: a file for every sample of the group."""
+    return lambda wildcards: expand(pattern, sample=GROUPS[wildcards.group])
+
+
+rule diagnose:
+    input:
+        curves=of_members("<results>/curves/{sample}/real/ogden2.csv"),
+        variants=of_members("<results>/loop/variants/{sample}_real.csv"),
+        records=lambda wildcards: [
+            name for sample in GROUPS[wildcards.group] for name in sample_file(sample, "record")
+        ],
+        code=library("workflow/scripts/diagnose.py"),
+    output:
+        verdict="<results>/loop/{group}/verdict.json",
+        page="<results>/loop/{group}/verdict.md",
+        figure="<results>/loop/{group}/verdict.png",
+    log:
+        "<logs>/diagnose/{group}.log",
+    benchmark:
+        "<benchmarks>/diagnose/{group}.tsv"
+    params:
+        samples=lambda wildcards: GROUPS[wildcards.group],
+        modes=lambda wildcards: [SAMPLES[name]["mode"] for name in GROUPS[wildcards.group]],
+        loop=config["loop"],
+    message:
+        "Diagnose the residual: group {wildcards.group}"
+    script:
+        "../scripts/diagnose.py"
+
+
+use rule diagnose as diagnose_ideal with:
+    input:
+        curves=of_members("<results>/curves/{sample}/ideal/ogden2.csv"),
+        real=of_members("<results>/curves/{sample}/real/ogden2.csv"),
+        variants=of_members("<results>/loop/variants/{sample}_ideal.csv"),
+        fit="<results>/calibration/{group}/ideal/ogden2.json",
+        records=lambda wildcards: [
+            name for sample in GROUPS[wildcards.group] for name in sample_file(sample, "record")
+        ],
+        code=library("workflow/scripts/diagnose.py"),
+    output:
+        verdict="<results>/loop/{group}/ideal/verdict.json",
+        page="<results>/loop/{group}/ideal/verdict.md",
+        figure="<results>/loop/{group}/ideal/verdict.png",
+    log:
+        "<logs>/diagnose/{group}_ideal.log",
+    benchmark:
+        "<benchmarks>/diagnose/{group}_ideal.tsv"
+    message:
+        "Diagnose the residual of the cuboid: group {wildcards.group}"
+
+
+rule verdicts:
+    input:
+        expand("<results>/loop/{group}/verdict.json", group=GROUPS),
+        expand("<results>/loop/{group}/ideal/verdict.json", group=GROUPS),
+    message:
+        "Verdicts of all groups"

@@ -59,7 +59,7 @@ class CurveFamily:
         return cls(
             forces.index.to_numpy(),
             1e-3 * abs(forces.columns.to_numpy()),
-            1e-6 * sign * forces.to_numpy(np.float64),
+            np.asarray(1e-6 * sign * forces.to_numpy(), dtype=np.float64),
         )
 
     def force_per_mu(self, fraction: float, displacement: Array) -> Array:

@@ -1,86 +1,162 @@
 """Speed of the explicit solver on the study's nominal cuboid; writes results/bench/solver.json.
 
-Figures are CPU seconds of one thread. Machines differ and are busy: compare ratios within a run.
+All times are CPU seconds, of one thread. Machines differ and are busy: compare ratios within a run.
 """
 
+import os
+import platform
+import subprocess
 import sys
-import time
-from collections.abc import Callable
+from pathlib import Path
+from typing import Any
 
-import numpy as np
-
-from softsample.constitutive.ogden import OgdenMaterial
-from softsample.fem.boundary import ContactSettings, glued_boundary, platen_boundary
-from softsample.fem.denormals import flushed_denormals
-from softsample.fem.explicit import ExplicitModel, SolverSettings
+import flops
+import peers
+from case import EDGES, MATERIAL, TRAVEL, boundary_of, cuboid, rates
+from machine import best_cpu_seconds, fma_peak_gflops, processor, stream_gb_s
+from softsample.fem.explicit import ExplicitModel, Run, SolverSettings
+from softsample.fem.family import find_pace
 from softsample.io import write_json
-from softsample.meshing.cuboid import mesh_cuboid
 from softsample.workflow import versions
 
-EDGES = 23e-3, 20e-3, 13e-3
-TRAVEL = {"tension": 3.25e-3, "compression": 3.9e-3, "shear": 3.9e-3}
-MATERIAL = OgdenMaterial((1196.8, 113.1), (-8.0, 16.0), 0.49)
+SIZES = {5980: 1e-3, 47840: 0.5e-3, 382720: 0.25e-3}
+"""Edge of the elements [m] by their number in the cuboid."""
+
+WORKER = [sys.executable, str(Path(__file__).with_name("worker.py"))]
 
 
-def cpu_seconds(work: Callable[[], object]) -> float:
-    """CPU seconds of one call."""
-    start = time.process_time()
-    work()
-    return time.process_time() - start
-
-
-def throughput(size: float, precision: str, spectral: bool) -> dict[str, object]:
-    """Element evaluations per CPU second of the internal force, warm."""
-    mesh = mesh_cuboid(*EDGES, size)
-    model = ExplicitModel(mesh, SolverSettings(precision=precision))
-    field = 1e-5 * np.random.default_rng(0).standard_normal(mesh.points.shape)
-    with flushed_denormals():
-        model.internal_force(field, MATERIAL, spectral)
-        repeats = 3 if spectral else 20
-        seconds = min(
-            cpu_seconds(lambda: model.internal_force(field, MATERIAL, spectral))
-            for _ in range(repeats)
-        )
+def machine() -> dict[str, Any]:
+    """What the machine can do, measured."""
+    stream = stream_gb_s()
     return {
-        "elements": len(mesh.hexes),
-        "precision": precision,
-        "exponents": "real" if spectral else "even",
-        "element_steps_per_cpu_s": len(mesh.hexes) / seconds,
+        "processor": processor(),
+        "system": f"{platform.system()} {platform.machine()}",
+        "fma_peak_gflops_f32": fma_peak_gflops("float32"),
+        "fma_peak_gflops_f64": fma_peak_gflops("float64"),
+        "stream_gb_s": max(stream.values()),
+        **{f"stream_{name}_gb_s": value for name, value in stream.items()},
     }
 
 
-def curve_seconds(size: float) -> dict[str, float]:
-    """CPU seconds of one whole loading in each mode, and of compression by platen contact."""
-    mesh = mesh_cuboid(*EDGES, size)
-    model = ExplicitModel(mesh, SolverSettings())
-    boundaries = {mode: glued_boundary(mesh, mode, mesh.glued(0.0)) for mode in TRAVEL}
-    boundaries["contact"] = platen_boundary(mesh, ContactSettings())
+def throughput(found: dict[str, Any]) -> list[dict[str, Any]]:
+    """Rates of the kernel and their part of the peak, by size, precision and exponents."""
+    operations = flops.count()
+    rows = []
+    for elements, size in SIZES.items():
+        for precision in ("float32", "float64"):
+            peak = 1e9 * found[f"fma_peak_gflops_f{precision[-2:]}"]
+            for exponents in ("even", "real"):
+                rate = rates(size, precision, exponents == "real")
+                per_element = operations[f"{precision} {exponents}"]
+                rows.append({
+                    "elements": elements,
+                    "precision": f"f{precision[-2:]}",
+                    "exponents": exponents,
+                    **rate,
+                    "flops_per_element_step": per_element,
+                    "fraction_of_fma_peak": rate["element_steps_per_cpu_s"] * per_element / peak,
+                    "fraction_of_fma_peak_forces":
+                        rate["element_forces_per_cpu_s"] * per_element / peak,
+                })  # fmt: skip
+                print(
+                    f"{elements:>7,} elements, f{precision[-2:]}, {exponents} exponents: "
+                    f"{rate['element_steps_per_cpu_s'] / 1e6:5.1f} (forces alone "
+                    f"{rate['element_forces_per_cpu_s'] / 1e6:5.1f}) million per CPU s, "
+                    f"{100 * rows[-1]['fraction_of_fma_peak']:.0f} % of the peak"
+                )
+    return rows
+
+
+def curve(size: float, mode: str) -> dict[str, float]:
+    """CPU seconds of one curve in the shortest loading time that is good enough."""
+    mesh = cuboid(size)
+    built = best_cpu_seconds(lambda: ExplicitModel(mesh, SolverSettings()), 1)
+    model, boundary = ExplicitModel(mesh, SolverSettings()), boundary_of(mesh, mode)
+    runs: list[Run] = []
+
+    def run(loading_time: float) -> Run:
+        runs.append(model.run(MATERIAL, boundary, TRAVEL[mode], loading_time=loading_time))
+        return runs[-1]
+
+    paces = []
+    search = best_cpu_seconds(lambda: paces.append(find_pace(run, model.settings)), 1)
+    cpu = best_cpu_seconds(lambda: run(paces[0].loading_time), 2)
     return {
-        name: cpu_seconds(
-            lambda name=name: model.run(
-                MATERIAL, boundaries[name], TRAVEL.get(name, TRAVEL["compression"])
-            )
-        )
-        for name in boundaries
+        "cpu_s": cpu,
+        "model_cpu_s": built,
+        "pilots_cpu_s": search,
+        "loading_time_s": paces[0].loading_time,
+        "error_percent": paces[0].error_percent(runs[-1]),
+        "steps": runs[-1].steps,
+        "energy_error_percent": 100.0 * runs[-1].energy["imbalance"],
     }
+
+
+def against_peers() -> dict[str, dict[str, Any]]:
+    """CPU seconds of the 1 mm compression curve here and elsewhere, side by side."""
+    mesh, found = cuboid(1e-3), {}
+    for name, other in (("calculix", peers.calculix), ("felupe", peers.felupe)):
+        if name not in peers.versions_of_peers():
+            print(f"{name} is not installed: left out")
+            continue
+        table, cpu = other(mesh, MATERIAL, "compression", TRAVEL["compression"])
+        own = curve(1e-3, "compression")
+        own_cpu = own["cpu_s"] + own["model_cpu_s"]
+        found[name] = {
+            "cpu_s": cpu,
+            "own_cpu_s": own_cpu,
+            "ratio": cpu / own_cpu,
+            "own_with_pilots_cpu_s": own_cpu + own["pilots_cpu_s"],
+            "ratio_with_pilots": cpu / (own_cpu + own["pilots_cpu_s"]),
+            "increments": len(table) - 1,
+            "end_force_n": table[-1, 1],
+        }
+        print(
+            f"{name}: {cpu:.1f} CPU s, here {own_cpu:.3f}: {found[name]['ratio']:.0f} times "
+            f"({found[name]['ratio_with_pilots']:.0f} with the search for the loading time)"
+        )
+    return found
+
+
+def processes(task: str, number: int = 1) -> list[float]:
+    """What `number` workers print that run at the same time."""
+    environment = {**os.environ, "NUMBA_NUM_THREADS": "1"}
+    running = [
+        subprocess.Popen([*WORKER, task], stdout=subprocess.PIPE, env=environment)
+        for _ in range(number)
+    ]
+    return [float(process.communicate()[0]) for process in running]
 
 
 def main(target: str) -> None:
     """Run all benchmarks and write `target`."""
-    rates = [
-        throughput(size, precision, spectral)
-        for size in (1e-3, 0.5e-3)
-        for precision in ("float32", "float64")
-        for spectral in (False, True)
-    ]
-    for rate in rates:
+    found = machine()
+    print(", ".join(f"{k} {v:.0f}" if isinstance(v, float) else f"{v}" for k, v in found.items()))
+    rows = throughput(found)
+    curves = {mode: curve(0.5e-3, mode) for mode in TRAVEL}
+    for mode, row in curves.items():
         print(
-            f"{rate['elements']:>6} elements, {rate['precision']}, {rate['exponents']} exponents: "
-            f"{rate['element_steps_per_cpu_s'] / 1e6:.1f} million element-steps per CPU second"
+            f" 47,840 elements, {mode}: {row['cpu_s']:.2f} CPU s in a loading time of "
+            f"{1e3 * row['loading_time_s']:.0f} ms, error {row['error_percent']:.2f} % of peak"
         )
-    seconds = curve_seconds(0.5e-3)
-    print("47,840 elements, CPU seconds per curve:", {k: round(v, 1) for k, v in seconds.items()})
-    write_json(target, {"throughput": rates, "curve_cpu_s": seconds, "versions": versions()})
+    processes("start")  # fills the cache of kernels
+    start, memory, alone = (min(processes(task)) for task in ("start", "memory", "rate"))
+    speedup = sum(processes("rate", 2)) / alone
+    print(f"start {start:.2f} CPU s, memory {memory:.0f} MB, two runs {speedup:.2f} times one")
+    result = {
+        "case": {"edges_m": EDGES, "travel_m": TRAVEL, "mu_pa": MATERIAL.mu,
+                 "alpha": MATERIAL.alpha, "poisson_ratio": MATERIAL.poisson_ratio},
+        "machine": found,
+        "throughput": rows,
+        "curve_cpu_s": {mode: row["cpu_s"] for mode, row in curves.items()},
+        "curves": curves,
+        "start_s": start,
+        "memory_mb": memory,
+        "two_runs_speedup": speedup,
+        "peers": against_peers(),
+        "versions": {**versions(), **peers.versions_of_peers()},
+    }  # fmt: skip
+    write_json(target, result)
 
 
 if __name__ == "__main__":

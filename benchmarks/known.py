@@ -8,6 +8,7 @@ from scipy.optimize import brentq
 
 from softsample.constitutive.ogden import OgdenMaterial, ogden_stress
 from softsample.fem.boundary import Boundary, ContactSettings, platen_boundary
+from softsample.fem.element import CORNERS
 from softsample.fem.explicit import ExplicitModel, Run, SolverSettings, _March
 from softsample.fem.schedule import Schedule
 from softsample.meshing.cuboid import mesh_cuboid
@@ -33,6 +34,22 @@ def richardson(values: Sequence[float], ratio: float = 2.0) -> tuple[float, floa
     coarse, middle, fine = values[-3:]
     order = float(np.log((coarse - middle) / (middle - fine)) / np.log(ratio))
     return order, float(fine + (fine - middle) / (ratio**order - 1.0))
+
+
+def refined(mesh: HexMesh) -> HexMesh:
+    """The same shape with each hexahedron split into eight at its trilinear midpoints."""
+    parts = np.array([[i, j, k] for k in range(3) for j in range(3) for i in range(3)])
+    shape = np.prod(1.0 + CORNERS * (parts[:, None] - 1.0), axis=2) / 8.0  # (27, 8)
+    # a new node is known by the corners it lies between
+    corners = np.sort(np.where(shape > 0.0, mesh.hexes[:, None, :], -1), axis=2)
+    _, first, node = np.unique(
+        corners.reshape(-1, 8), axis=0, return_index=True, return_inverse=True
+    )
+    points = (shape @ mesh.points[mesh.hexes]).reshape(-1, 3)[first]
+    grid = node.reshape(-1, 27)
+    lower = np.array([i + 3 * j + 9 * k for k in (0, 1) for j in (0, 1) for i in (0, 1)])
+    around = np.array([0, 1, 4, 3, 9, 10, 13, 12])
+    return HexMesh(points, grid[:, lower[:, None] + around].reshape(-1, 8).astype(np.int64))
 
 
 # --- homogeneous compression --------------------------------------------------------------------

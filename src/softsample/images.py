@@ -4,6 +4,7 @@ from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
+from scipy.ndimage import affine_transform
 
 from softsample.errors import InputError
 
@@ -77,6 +78,51 @@ def check_image(
         "extent_mm": [float(size) for size in extent],
         "intensity_percentiles": [low, middle, high],
     }
+
+
+def on_grid_of(
+    image: tuple[NDArray[np.float32], NDArray[np.float64]],
+    mask: NDArray[np.float32],
+    affine: NDArray[np.float64],
+    source: str,
+) -> NDArray[np.float32]:
+    """A mask of any grid on the grid of an image, by the nearest voxel.
+
+    Parameters
+    ----------
+    image : (nx, ny, nz) float32, (4, 4) float64
+        The image and its affine from voxel index to world [mm].
+    mask : (mx, my, mz) float32
+        Not zero inside the sample; may be cropped to it, as 3D Slicer does.
+    affine : (4, 4) float64
+        Of the mask, to the same world [mm].
+    source
+        The mask's path, for the message.
+
+    Returns
+    -------
+    (nx, ny, nz) float32
+        1 inside, 0 outside; voxels beyond the mask are outside.
+
+    Raises
+    ------
+    InputError
+        If the mask marks no voxel of the image.
+    """
+    if np.linalg.matrix_rank(affine[:3, :3]) < 3:
+        raise InputError(f"{source}: the affine is singular; export the mask with its geometry")
+    data, to_world = image
+    to_mask = np.linalg.inv(affine) @ to_world
+    inside = (mask != 0.0).astype(np.float32)
+    found = affine_transform(
+        inside, to_mask, output_shape=data.shape, order=0, mode="grid-constant"
+    )
+    if not found.any():
+        raise InputError(
+            f"{source}: marks no voxel of the image; draw the sample on the image itself, and save "
+            "both with their geometry"
+        )
+    return np.asarray(found, dtype=np.float32)
 
 
 def _sizes(values: NDArray[Any]) -> str:

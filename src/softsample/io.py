@@ -19,10 +19,9 @@ import yaml
 from numpy.typing import ArrayLike, NDArray
 
 from softsample.errors import InputError, MeshError
+from softsample.formats import LPS_TO_RAS, PathLike, read_image
 from softsample.meshing.mesh import HexMesh
 from softsample.meshing.surface import TriangleSurface
-
-PathLike = str | os.PathLike[str]
 
 MM = 1e-3
 """One millimetre [m]."""
@@ -174,33 +173,6 @@ def read_record(path: PathLike) -> pd.DataFrame:
     return table
 
 
-def read_image(path: PathLike) -> tuple[NDArray[np.float32], NDArray[np.float64]]:
-    """Read a NIfTI volume.
-
-    Returns
-    -------
-    data : (nx, ny, nz) float32
-        Intensities.
-    affine : (4, 4) float64
-        From voxel index to world RAS+ [mm].
-    """
-    import nibabel  # a third of a second that only the jobs with images spend
-    from nibabel.filebasedimages import ImageFileError
-
-    try:
-        image = nibabel.load(path)
-        data = np.asarray(image.dataobj, dtype=np.float32)
-    except (ImageFileError, EOFError, OSError, ValueError) as error:
-        raise InputError(
-            f"{path}: not a readable NIfTI image ({error}); export it again as .nii or .nii.gz"
-        ) from error
-    if data.ndim == 4 and data.shape[3] == 1:
-        data = data[..., 0]
-    if data.ndim != 3:
-        raise InputError(f"{path}: image has shape {data.shape}; give one three-dimensional volume")
-    return data, np.asarray(image.affine, dtype=np.float64)
-
-
 def write_image(path: PathLike, data: NDArray[Any], affine: ArrayLike) -> None:
     """Write a NIfTI volume (`.nii.gz`), atomically and with the same bytes every time.
 
@@ -219,6 +191,26 @@ def write_image(path: PathLike, data: NDArray[Any], affine: ArrayLike) -> None:
     image.header.set_xyzt_units("mm", "sec")
     with written_aside(path) as aside:
         aside.write_bytes(gzip.compress(image.to_bytes(), compresslevel=6, mtime=0))
+
+
+def write_segmentation(path: PathLike, mask: NDArray[Any], affine: ArrayLike, name: str) -> None:
+    """Write a segmentation for 3D Slicer (`.seg.nrrd`), atomically, the same bytes every time.
+
+    Parameters
+    ----------
+    path
+        Target, ending in `.seg.nrrd`.
+    mask : (nx, ny, nz)
+        Not zero inside the sample.
+    affine : (4, 4)
+        From voxel index to world RAS+ [mm].
+    name
+        Of the segment.
+    """
+    from softsample.formats.nrrd import segmentation_bytes
+
+    with written_aside(path) as aside:
+        aside.write_bytes(segmentation_bytes(mask, affine, name))
 
 
 def read_distance(
@@ -372,3 +364,35 @@ def read_surface(path: PathLike) -> TriangleSurface:
     surface = TriangleSurface(points, corners.reshape(-1, 3), str(path))
     surface.check_closed()
     return surface
+
+
+def write_surface(
+    path: PathLike, surface: TriangleSurface, sample_to_world_mm: ArrayLike | None = None
+) -> None:
+    """Write a surface as binary STL in mm, atomically.
+
+    Parameters
+    ----------
+    path
+        Target, ending in `.stl`.
+    surface
+        Points [m] in the sample frame.
+    sample_to_world_mm : (4, 4), optional
+        From the sample frame to world RAS+ [mm]. With it the file is in LPS, the world of other
+        programs' files, and its header says so: `SPACE=LPS`, as 3D Slicer writes it. Without it
+        the file is in the sample frame.
+    """
+    placed, title = surface, "sample frame, mm"
+    if sample_to_world_mm is not None:
+        placed, title = surface.moved(LPS_TO_RAS @ np.asarray(sample_to_world_mm)), "SPACE=LPS, mm"
+    corners = (placed.points / MM).astype(np.float32)[placed.triangles]
+    # corners that fall together in single precision leave slivers that other programs refuse
+    sound = np.all(np.any(corners != np.roll(corners, 1, axis=1), axis=2), axis=1)
+    corners, normals = corners[sound], placed.area_vectors[sound]
+    normals /= np.maximum(np.linalg.norm(normals, axis=1, keepdims=True), 1e-300)
+    kinds = [("normal", "<f4", 3), ("corners", "<f4", (3, 3)), ("attribute", "<u2")]
+    facets = np.zeros(len(corners), dtype=kinds)
+    facets["normal"], facets["corners"] = normals, corners
+    header = f"softsample {title}".encode().ljust(80)
+    with written_aside(path) as aside:
+        aside.write_bytes(header + np.uint32(len(facets)).tobytes() + facets.tobytes())

@@ -122,7 +122,8 @@ def provenance(job: Job) -> dict[str, Any]:
     Parameters
     ----------
     job
-        Snakemake's `snakemake` object; inputs that end in `.py` are counted as code.
+        Snakemake's `snakemake` object; inputs that end in `.py` are counted as code. A folder
+        stands for its files, which are inputs as well.
 
     Returns
     -------
@@ -130,7 +131,7 @@ def provenance(job: Job) -> dict[str, Any]:
         `rule`, `versions`, `settings` (the rule's params), `settings_sha256`, `inputs`
         (file: sha256), `code_sha256`. Equal inputs give equal records: no time, no host.
     """
-    files = sorted({str(name) for name in job.input})
+    files = sorted({str(name) for name in job.input if not Path(name).is_dir()})
     code = [name for name in files if name.endswith(".py")]
     settings = json.loads(json.dumps(dict(job.params.items()), sort_keys=True, default=str))
     return {

@@ -8,10 +8,16 @@ import pytest
 import pyvista
 
 from softsample.errors import MeshError
-from softsample.io import read_surface
+from softsample.io import read_surface, write_surface
+from softsample.meshing.cuboid import mesh_cuboid
 from softsample.meshing.hexahedral import mesh_solid
 from softsample.meshing.quality import element_volumes, scaled_jacobian, surface_samples
-from softsample.meshing.surface import TriangleSurface, distance_grid
+from softsample.meshing.surface import (
+    TriangleSurface,
+    boundary_surface,
+    distance_grid,
+    level_surface,
+)
 
 MM = 1e-3
 PLACE = (3.0, -2.0, 11.0)  # of the base's middle in the file, mm
@@ -146,3 +152,50 @@ def test_spacing_and_surface_are_checked():
         distance_grid(TriangleSurface(np.zeros((0, 3)), np.zeros((0, 3), int)), 0.0)
     with pytest.raises(MeshError, match="holds no triangles"):
         distance_grid(TriangleSurface(np.zeros((0, 3)), np.zeros((0, 3), int)), 1e-3)
+
+
+def level_set():
+    """A block of 12 x 10 x 8 mm with round edges whose walls lean; no grid plane at z = 0."""
+    spacing, origin = 0.25, np.array([-8.0, -7.0, -3.1])
+    x, y, z = (
+        origin[k] + spacing * i for k, i in enumerate(np.indices((66, 58, 60)).astype(float))
+    )
+    outside = np.stack([np.abs(x - 0.1 * z) - 6.0, np.abs(y) - 5.0, z - 8.0]) + 1.0
+    far = np.linalg.norm(np.clip(outside, 0.0, None), axis=0)
+    return MM * (far + np.minimum(outside.max(axis=0), 0.0) - 1.0), MM * origin, MM * spacing
+
+
+def test_the_surface_of_a_distance_is_closed_and_stands_on_a_flat_base():
+    surface = level_surface(*level_set())
+    surface.check_closed()
+    assert surface.points[:, 2].min() == 0.0
+    section = 12.0 * 10.0 - (4.0 - np.pi)
+    rounded_top = (4.0 - np.pi) * 0.25 * (2 * 12.0 + 2 * 10.0) - 1.1  # edges, less in the corners
+    assert surface.volume / MM**3 == pytest.approx(section * 8.0 - rounded_top, rel=3e-3)
+    base = surface.area_vectors[np.all(surface.points[surface.triangles, 2] == 0.0, axis=1)]
+    assert -base[:, 2].sum() / MM**2 == pytest.approx(section, rel=3e-3)
+
+
+def test_a_surface_is_written_in_the_world_of_slicer(tmp_path):
+    surface, path = level_surface(*level_set()), tmp_path / "a.stl"
+    place = np.diag([1.0, -1.0, -1.0, 1.0])  # upside down
+    place[:3, 3] = [40.0, -70.0, 33.0]
+    write_surface(path, surface, place)
+    assert b"SPACE=LPS" in path.read_bytes()[:80]
+    assert not path.read_bytes().startswith(b"solid")  # what readers take for text
+    found = pyvista.read(path)
+    assert found.is_manifold
+    assert found.volume == pytest.approx(surface.volume / MM**3, rel=1e-5)
+    low, high = surface.points.min(axis=0) / MM, surface.points.max(axis=0) / MM
+    expected = [-40 - high[0], -40 - low[0], 70 + low[1], 70 + high[1], 33 - high[2], 33 - low[2]]
+    np.testing.assert_allclose(found.bounds, expected, atol=1e-5)  # LPS: x and y change sign
+    write_surface(path, surface)
+    assert b"SPACE" not in path.read_bytes()[:80]
+    np.testing.assert_allclose(read_surface(path).points.max(axis=0) / MM, high, atol=1e-5)
+
+
+def test_the_boundary_of_a_mesh_is_a_closed_surface():
+    surface = boundary_surface(mesh_cuboid(6e-3, 4e-3, 5e-3, 1e-3))
+    surface.check_closed()
+    assert surface.volume == pytest.approx(120e-9)
+    assert len(surface.triangles) == 4 * (24 + 30 + 20)

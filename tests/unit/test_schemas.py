@@ -171,8 +171,15 @@ def test_the_shipped_table_is_accepted():
 
 
 def test_marked_images_are_accepted():
-    marks = {"bond_mask": "b.nii.gz", "labels": "l.nii"}
+    marks = {"bond_mask": "b.seg.nrrd", "labels": "l.nii"}
     assert check_samples(table(marks), SCHEMAS["samples"], "t") == [{**ROW, **marks}]
+
+
+@pytest.mark.parametrize(
+    "name", ["T7.nrrd", "T7.nhdr", "T7.nii", "dicom/T7", "dicom", "../mri/T7/", "1.2.840.7/"]
+)
+def test_every_kind_of_image_is_accepted(name):
+    check_samples(table({"image": name, "labels": name}), SCHEMAS["samples"], "t")
 
 
 @pytest.mark.parametrize("label", [2, "2"])
@@ -208,6 +215,8 @@ BAD_TABLES = {
         [{"mode": "compression", "bond_mask": "b.nii"}],
         "row 2 .A1., column 'bond_mask': the top is not glued in compression; leave the cell",
     ),
+    "image for a segmentation": ([{"image": "a.seg.nrrd"}], "'a.seg.nrrd' has another form"),
+    "folder with a dot": ([{"image": "1.2.840"}], "'1.2.840' has another form.*end it with /"),
     "mask": ([{"bond_mask": "b.stl"}], "column 'bond_mask': 'b.stl' has another form"),
     "axis": ([{"loading_axis": "z"}], "column 'loading_axis': 'z' is not one of .x, -x"),
 }

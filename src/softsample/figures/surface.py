@@ -5,9 +5,10 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 from skimage.draw import polygon
-from skimage.measure import find_contours, marching_cubes
+from skimage.measure import find_contours
 
 from softsample.meshing.mesh import HexMesh
+from softsample.meshing.surface import level_surface as closed_surface
 
 Array = NDArray[np.float64]
 
@@ -113,15 +114,10 @@ def level_surface(distance: Array, origin: Array, spacing: float) -> Surface:
     Returns
     -------
     Surface
-        Triangles, open at the base, whose face no view from above shows.
+        Triangles.
     """
-    corners, faces, _, _ = marching_cubes(distance, 0.0, gradient_direction="descent")
-    points = (origin + spacing * corners.astype(np.float64)) / MM
-    kept = faces[points[faces, 2].max(axis=1) > 0.0].astype(np.int64)
-    used, renumbered = np.unique(kept, return_inverse=True)
-    points = points[used]
-    points[:, 2] = np.maximum(points[:, 2], 0.0)
-    return Surface(points, renumbered.reshape(kept.shape))
+    found = closed_surface(distance, origin, spacing)
+    return Surface(found.points / MM, found.triangles)
 
 
 def above_base(distance: Array, origin: Array, spacing: float) -> Array:

@@ -6,8 +6,10 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.sparse import coo_matrix
 from scipy.sparse.csgraph import connected_components
+from skimage.measure import marching_cubes
 
 from softsample.errors import MeshError
+from softsample.meshing.mesh import HexMesh
 
 Array = NDArray[np.float64]
 Ids = NDArray[np.int64]
@@ -66,6 +68,11 @@ class TriangleSurface:
             np.sort(self.sides, axis=1), axis=0, return_inverse=True, return_counts=True
         )
         return np.asarray(count[place.ravel()] == 1)
+
+    def moved(self, rigid_mm: Array) -> "TriangleSurface":
+        """The surface after a rigid map (4, 4) whose lengths are in mm."""
+        points = self.points @ rigid_mm[:3, :3].T + 1e-3 * rigid_mm[:3, 3]
+        return TriangleSurface(points, self.triangles, self.source)
 
     def check_closed(self) -> None:
         """Refuse what is no closed, manifold surface of one sample that looks outward.
@@ -190,6 +197,44 @@ def signed_distances(surface: TriangleSurface, points: Array) -> Array:
     function.SetInput(mesh)
     function.FunctionValue(numpy_to_vtk(np.ascontiguousarray(points), deep=True), values)
     return np.asarray(vtk_to_numpy(values), dtype=np.float64).copy()
+
+
+def boundary_surface(mesh: HexMesh) -> TriangleSurface:
+    """The boundary of a mesh, each of its quads cut in two triangles."""
+    quads = mesh.boundary_quads
+    used, places = np.unique(quads[:, [0, 1, 2, 0, 2, 3]], return_inverse=True)
+    return TriangleSurface(mesh.points[used], places.reshape(-1, 3), "boundary of the mesh")
+
+
+def level_surface(distance: Array, origin: Array, spacing: float) -> TriangleSurface:
+    """Closed surface of a sample from its signed distance, the reverse of `distance_grid`.
+
+    Parameters
+    ----------
+    distance : (nx, ny, nz) float64
+        Signed distance [m], negative inside; the walls go on below the base plane z = 0.
+    origin : (3,) float64
+        Position [m] of grid point ``[0, 0, 0]``.
+    spacing : float
+        Of the grid [m].
+
+    Returns
+    -------
+    TriangleSurface
+        Cut off at z = 0 and closed by a flat base.
+    """
+    heights = origin[2] + spacing * np.arange(distance.shape[2])
+    first = int(np.argmax(heights > 1e-6 * spacing))
+    share = heights[first] / spacing
+    base = share * distance[..., first - 1] + (1.0 - share) * distance[..., first]
+    # outside begins right below the base: the two lowest layers have the same height
+    below = np.full_like(base, 1e6 * spacing)
+    layers = np.concatenate([below[..., None], base[..., None], distance[..., first:]], axis=2)
+    levels = np.concatenate([[0.0, 0.0], heights[first:]])
+    corners, triangles, _, _ = marching_cubes(layers, 0.0, gradient_direction="descent")
+    points = origin + spacing * corners.astype(np.float64)
+    points[:, 2] = np.interp(corners[:, 2], np.arange(len(levels)), levels)
+    return TriangleSurface(points, triangles.astype(np.int64), "surface of the sample")
 
 
 def _without_base(surface: TriangleSurface) -> TriangleSurface:

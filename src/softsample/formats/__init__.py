@@ -1,0 +1,81 @@
+"""Images as labs keep them: NIfTI, NRRD, segmentations of 3D Slicer, DICOM folders."""
+
+import os
+import re
+from collections.abc import Sequence
+from pathlib import Path
+
+import numpy as np
+from numpy.typing import NDArray
+
+from softsample.errors import InputError
+
+PathLike = str | os.PathLike[str]
+
+Volume = tuple[NDArray[np.float32], NDArray[np.float64]]
+"""Values (nx, ny, nz) and affine (4, 4) from voxel index to world RAS+ [mm]."""
+
+LPS_TO_RAS = np.diag([-1.0, -1.0, 1.0, 1.0])
+"""World of DICOM and of Slicer's files (left, posterior, superior) to ours; its own inverse."""
+
+IMAGE_ENDINGS = (".nii", ".nii.gz", ".nrrd", ".nhdr")
+"""How a file with an image ends; a folder is taken for a DICOM series."""
+
+
+def read_image(path: PathLike, segments: Sequence[str] = ()) -> Volume:
+    """Read a volume of any supported format; the world comes back as RAS+ in mm.
+
+    Parameters
+    ----------
+    path
+        `.nii`, `.nii.gz`, `.nrrd`, `.nhdr`, `.seg.nrrd`, or a folder with one DICOM series.
+    segments
+        Names, in order of preference, of the segment that is wanted of a segmentation made in
+        3D Slicer (upper and lower case count as the same); the only one is taken by any name.
+        Without names the labels of all segments are read. Ignored for other files.
+
+    Returns
+    -------
+    data : (nx, ny, nz) float32
+        Intensities or labels; of one segment, 1 inside and 0 outside.
+    affine : (4, 4) float64
+        From voxel index to world RAS+ [mm].
+
+    Raises
+    ------
+    InputError
+        If there is no single volume with a known place in the world; names file and cure.
+    """
+    from softsample.formats import dicom, nifti, nrrd  # each loads a library of its own
+
+    name = os.fspath(path).lower()
+    if Path(path).is_dir():
+        return dicom.read(path)
+    if not Path(path).is_file():
+        raise InputError(f"{path}: no such image; correct its path")
+    if name.endswith((".nrrd", ".nhdr")):
+        return nrrd.read(path, segments)
+    if name.endswith((".nii", ".nii.gz")):
+        return nifti.read(path)
+    raise InputError(
+        f"{path}: not an image of a known kind; give {', '.join(IMAGE_ENDINGS)} or a DICOM folder"
+    )
+
+
+def files_of(path: PathLike) -> list[str]:
+    """The path of an image and, behind it, the files that its content lies in besides.
+
+    These are the files of a DICOM folder, and the data files that a `.nhdr` header names. An
+    edited slice is then seen, which leaves the time stamp of its folder as it was.
+    """
+    image = Path(path)
+    if image.is_dir():
+        parts = [file for file in image.iterdir() if file.is_file() and file.name[0] != "."]
+    elif image.suffix.lower() == ".nhdr" and image.is_file():
+        lines = image.read_text(encoding="utf-8", errors="replace").splitlines()
+        names = (re.sub(r"^data ?file:", "", line).strip() for line in lines)
+        parts = [image.parent / name for name in names if name]
+        parts = [file for file in parts if file.is_file() and file != image]
+    else:
+        parts = []
+    return [os.fspath(path), *sorted(map(str, parts))]

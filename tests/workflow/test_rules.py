@@ -9,7 +9,9 @@ import time
 from pathlib import Path
 
 import nibabel
+import nrrd
 import numpy as np
+import pydicom
 import pytest
 import pyvista
 import toy
@@ -166,6 +168,97 @@ def test_other_axes_and_a_segmentation_made_elsewhere(project):
         assert cuboid["height_mm"] == pytest.approx(toy.HEIGHT, abs=0.35)
         assert toy.LENGTH - 1.0 < cuboid["length_mm"] < toy.LENGTH + 0.1
         assert toy.WIDTH - 1.0 < cuboid["width_mm"] < toy.WIDTH + 0.1
+
+
+def save_series(folder, data, affine):
+    """DICOM slices along the third axis of an image, the topmost first, by file name."""
+    folder.mkdir()
+    to_lps = np.diag([-1.0, -1.0, 1.0, 1.0]) @ affine
+    size = np.linalg.norm(to_lps[:3, :3], axis=0)
+    for k in range(data.shape[2]):
+        found = pydicom.Dataset()
+        found.file_meta = pydicom.dataset.FileMetaDataset()
+        found.file_meta.TransferSyntaxUID = pydicom.uid.ExplicitVRLittleEndian
+        found.file_meta.MediaStorageSOPClassUID = found.SOPClassUID = pydicom.uid.MRImageStorage
+        found.SOPInstanceUID = found.file_meta.MediaStorageSOPInstanceUID = f"1.2.3.{k + 1}"
+        found.SeriesInstanceUID, found.PhotometricInterpretation = "1.2.3", "MONOCHROME2"
+        found.Rows, found.Columns, found.SamplesPerPixel = data.shape[1], data.shape[0], 1
+        found.BitsAllocated = found.BitsStored = 16
+        found.HighBit, found.PixelRepresentation = 15, 1
+        found.PixelSpacing = [size[1], size[0]]
+        found.ImageOrientationPatient = list((to_lps[:3, :2] / size[:2]).T.ravel())
+        found.ImagePositionPatient = list(to_lps[:3, 2] * k + to_lps[:3, 3])
+        found.PixelData = np.ascontiguousarray(data[:, :, k].T).tobytes()
+        name = folder / f"MR{data.shape[2] - k:03}.dcm"
+        found.save_as(name, enforce_file_format=True)
+
+
+def slicer_segments(path, labels, affine, names):
+    """Segmentation in the manner of 3D Slicer, cropped to its segments."""
+    ends = [np.flatnonzero(labels.any(axis=tuple({0, 1, 2} - {a})))[[0, -1]] for a in range(3)]
+    low, high = np.transpose(ends)
+    to_lps = np.diag([-1.0, -1.0, 1.0, 1.0]) @ affine
+    header = {
+        "space": "left-posterior-superior",
+        "space directions": to_lps[:3, :3].T,
+        "space origin": to_lps[:3, :3] @ low + to_lps[:3, 3],
+    }
+    for number, name in enumerate(names):
+        header[f"Segment{number}_Name"] = name
+        header[f"Segment{number}_LabelValue"] = str(number + 1)
+        header[f"Segment{number}_Layer"] = "0"
+    box = tuple(slice(a, b + 1) for a, b in zip(low, high, strict=True))
+    nrrd.write(str(path), labels[box].astype(np.uint8), header)
+
+
+def test_a_dicom_folder_and_a_segmentation_of_slicer(project):
+    """A is a series of slices; B is a NRRD that shows nothing, with a segmentation beside it."""
+    data, affine = toy.image(0)
+    save_series(project.study / "A", data, affine)
+    data, affine = toy.image(1)
+    labels = np.where(data > 150, 2, 0)
+    labels[:, :, :3] = 1  # of the platen, to be left out
+    segments = project.study / "B.seg.nrrd"
+    slicer_segments(segments, labels, affine, ["platen", "B"])
+    noise = np.random.default_rng(0).normal(100.0, 5.0, data.shape).astype(np.int16)
+    vectors, origin = affine[:3, :3].T, affine[:3, 3]
+    header = {"space": "RAS", "space directions": vectors, "space origin": origin}
+    nrrd.write(str(project.study / "B.nrrd"), noise, header)
+    rows = [line.split("\t") for line in project.table.read_text().splitlines()]
+    rows[0] += ["segmentation"]
+    rows[1][3:] = ["A/", "A.csv", ""]
+    rows[2][3:] = ["B.nrrd", "B.csv", "B.seg.nrrd"]
+    project.table.write_text("\n".join("\t".join(row) for row in rows) + "\n")
+    targets = [str(project.results / f"cuboid/{sample}.json") for sample in "AB"]
+    status, text = project.run(*targets)
+    assert status == 0, text
+    for target in targets:
+        cuboid = json.loads(Path(target).read_text())
+        assert cuboid["height_mm"] == pytest.approx(toy.HEIGHT, abs=0.35)
+        assert toy.LENGTH - 1.0 < cuboid["length_mm"] < toy.LENGTH + 0.1
+
+    found = json.loads(checked(project).read_text())["provenance"]["inputs"]
+    assert len([name for name in found if name.endswith(".dcm")]) == toy.image(0)[0].shape[2]
+    for sample, volume in zip("AB", (toy.image(0)[0], data), strict=True):
+        marked, header = nrrd.read(str(project.results / f"segmentation/{sample}.seg.nrrd"))
+        assert header["Segment0_Name"] == sample
+        assert header["space"] == "left-posterior-superior"
+        np.testing.assert_allclose(header["space origin"], [-1, -1, 1] * affine[:3, 3], atol=1e-6)
+        assert np.mean((marked == 1) == (volume > 150)) > 0.99
+        surface = pyvista.read(project.results / f"segmentation/{sample}.stl")
+        assert surface.is_manifold
+        assert surface.volume == pytest.approx(marked.sum() * toy.VOXEL**3, rel=0.06)
+        np.testing.assert_allclose(surface.center[:2], [0.0, 0.0], atol=0.5)
+        assert surface.bounds[5] == pytest.approx(toy.HEIGHT, abs=1.0)
+
+    assert NOTHING in project.run(*targets, *DRY)[1]
+    touched = project.study / "A/MR007.dcm"
+    touched.write_bytes(touched.read_bytes()[:-2] + b"\1\0")
+    assert jobs(project.run(*targets, *DRY)[1])["check_inputs"] == 1
+    touched.unlink()
+    status, text = project.run(*targets)
+    assert status != 0
+    assert re.search(r"A, series .*: 0.8 mm lie between MR00\d.dcm and MR00\d.dcm", text)
 
 
 def draw(project, name, values):

@@ -15,6 +15,7 @@ search_path = [SOURCES, *filter(None, os.environ.get("PYTHONPATH", "").split(os.
 os.environ.update(PYTHONPATH=os.pathsep.join(dict.fromkeys(search_path)))
 
 from softsample.errors import SoftsampleError
+from softsample.formats import files_of
 from softsample.io import read_samples, read_yaml, write_text
 from softsample.validation import DEFAULT_AXES, check_config, check_samples
 from softsample.workflow import failed_jobs, sha256_of_files
@@ -121,7 +122,7 @@ for variable in ("NUMBA_NUM_THREADS", "OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS")
 def sample_file(sample, column):
     """The file that a column of the sample's row names, as a list; empty if the cell is."""
     name = SAMPLES[known(sample)].get(column, "")
-    return [os.path.join(os.path.dirname(TABLE), name)] if name else []
+    return [os.path.normpath(os.path.join(os.path.dirname(TABLE), name))] if name else []
 
 
 def study_file(column):
@@ -133,9 +134,19 @@ def study_file(column):
     return find
 
 
-def real_file(column):
-    """Input function: the file that a column of the sample's row names, for the real geometry."""
-    find = study_file(column)
+def sample_image(sample, column):
+    """The image that a column of the sample's row names, first, and the files that it consists of."""
+    return [file for path in sample_file(sample, column) for file in files_of(path)]
+
+
+def study_image(column):
+    """Input function: the image that a column of the sample's row names, with its files."""
+    return lambda wildcards: sample_image(wildcards.sample, column)
+
+
+def real_image(column):
+    """Input function: the image that a column names, with its files, for the real geometry."""
+    find = study_image(column)
     return lambda wildcards: find(wildcards) if wildcards.geometry == "real" else []
 
 

@@ -3,13 +3,15 @@
 
 rule segment:
     input:
-        image=study_file("image"),
-        segmentation=study_file("segmentation"),
+        image=study_image("image"),
+        segmentation=study_image("segmentation"),
         checked="<results>/inputs/{sample}.json",
         code=library("workflow/scripts/segment.py"),
     output:
         mask="<results>/segmentation/{sample}.nii.gz",
+        segments="<results>/segmentation/{sample}.seg.nrrd",
         distance="<results>/segmentation/{sample}_distance.nii.gz",
+        surface="<results>/segmentation/{sample}.stl",
         report="<results>/segmentation/{sample}.json",
     log:
         "<logs>/segment/{sample}.log",

@@ -18,7 +18,7 @@ rule check_manifest:
 
 rule check_inputs:
     input:
-        image=study_file("image"),
+        image=study_image("image"),
         record=study_file("record"),
         manifest="<results>/manifest.json" if SHIPPED else [],
         schema=str(ROOT / "workflow/schemas/record.schema.yaml"),

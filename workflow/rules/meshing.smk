@@ -6,11 +6,12 @@ rule mesh:
         distance="<results>/segmentation/{sample}_distance.nii.gz",
         segmentation="<results>/segmentation/{sample}.json",
         cuboid="<results>/cuboid/{sample}.json",
-        bond_mask=real_file("bond_mask"),
-        labels=real_file("labels"),
+        bond_mask=real_image("bond_mask"),
+        labels=real_image("labels"),
         code=library("workflow/scripts/mesh.py"),
     output:
         mesh="<results>/mesh/{sample}/{geometry}.vtu",
+        surface="<results>/mesh/{sample}/{geometry}.stl",
         report="<results>/mesh/{sample}/{geometry}.json",
     log:
         "<logs>/mesh/{sample}_{geometry}.log",
@@ -28,6 +29,7 @@ rule mesh:
 use rule mesh as mesh_coarse with:
     output:
         mesh="<results>/mesh/{sample}/{geometry}_coarse.vtu",
+        surface="<results>/mesh/{sample}/{geometry}_coarse.stl",
         report="<results>/mesh/{sample}/{geometry}_coarse.json",
     log:
         "<logs>/mesh/{sample}_{geometry}_coarse.log",

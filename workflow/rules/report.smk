@@ -150,7 +150,7 @@ rule numbers:
 
 rule figure2:
     input:
-        image=sample_file(SHOWN, "image"),
+        image=sample_image(SHOWN, "image"),
         distance=f"<results>/segmentation/{SHOWN}_distance.nii.gz",
         segmentation=f"<results>/segmentation/{SHOWN}.json",
         real=f"<results>/mesh/{SHOWN}/real.vtu",

@@ -6,7 +6,7 @@ from softsample.records import check_record
 from softsample.workflow import logged_to, provenance
 
 with logged_to(snakemake.log[0]):
-    image, record = snakemake.input.image, snakemake.input.record
+    image, record = snakemake.input.image[0], snakemake.input.record
     report = {
         "sample": snakemake.wildcards.sample,
         "mode": snakemake.params.mode,

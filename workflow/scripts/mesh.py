@@ -1,9 +1,17 @@
 """Mesh the real or the idealised geometry of one sample (rule `mesh`)."""
 
-from softsample.io import read_distance, read_image, read_json, write_json, write_mesh
+from softsample.io import (
+    read_distance,
+    read_image,
+    read_json,
+    write_json,
+    write_mesh,
+    write_surface,
+)
 from softsample.meshing.hexahedral import MeshSettings
 from softsample.meshing.marks import MarkedImage
 from softsample.meshing.sample import mesh_ideal, mesh_real
+from softsample.meshing.surface import boundary_surface
 from softsample.workflow import logged_to, provenance
 
 MM = 1e-3
@@ -15,11 +23,12 @@ with logged_to(snakemake.log[0]):
     if snakemake.wildcards.geometry == "real":
         grid = read_distance(snakemake.input.distance, snakemake.input.segmentation)
         frame = read_json(snakemake.input.segmentation)["sample_to_world"]
-        files = {name: getattr(snakemake.input, name) for name in ("bond_mask", "labels")}
+        # of a segmentation of 3D Slicer, the segment with the column's name; labels are all of it
+        segments = {"bond_mask": ("bond_mask",), "labels": ()}
         marks = {
-            name: MarkedImage.in_world(*read_image(path), frame, path)
-            for name, path in files.items()
-            if path
+            name: MarkedImage.in_world(*read_image(path, wanted), frame, path)
+            for name, wanted in segments.items()
+            for path in getattr(snakemake.input, name)[:1]
         }
         preload = snakemake.params.preload_mm * MM
         made = mesh_real(*grid, size, preload, MeshSettings(**keys), boundary_shift=shift, **marks)
@@ -28,4 +37,5 @@ with logged_to(snakemake.log[0]):
         edges = (cuboid[f"{name}_mm"] * MM for name in ("length", "width", "height"))
         made = mesh_ideal(*edges, size)
     write_mesh(snakemake.output.mesh, made.mesh, made.point_data, made.cell_data)
+    write_surface(snakemake.output.surface, boundary_surface(made.mesh))
     write_json(snakemake.output.report, {**made.report, "provenance": provenance(snakemake)})

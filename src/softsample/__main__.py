@@ -6,11 +6,26 @@ from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
+import numpy as np
+from numpy.typing import NDArray
+
 from softsample.errors import InputError, SoftsampleError
-from softsample.io import read_image, read_json, read_mesh_with_data, read_table, written_aside
+from softsample.formats import IMAGE_ENDINGS, read_image
+from softsample.io import (
+    read_json,
+    read_mesh_with_data,
+    read_surface,
+    read_table,
+    written_aside,
+)
+
+KINDS = f".json, .csv, .tsv, .vtu, .stl, {', '.join(IMAGE_ENDINGS)}"
+"""Files that can be shown."""
 
 LONG = 12
 """Longer lists are abbreviated when printed."""
+
+MM = 1e-3
 
 
 def main(arguments: Sequence[str] | None = None) -> int:
@@ -18,36 +33,41 @@ def main(arguments: Sequence[str] | None = None) -> int:
     parser = argparse.ArgumentParser(prog="python -m softsample", description=__doc__)
     commands = parser.add_subparsers(required=True)
     show = commands.add_parser("show", help="print or draw a result file")
-    show.add_argument("file", help=".json, .csv, .tsv, .nii, .nii.gz or .vtu")
+    show.add_argument("file", help=f"{KINDS} or a DICOM folder")
+    show.add_argument("--segment", help="the segment to draw of a .seg.nrrd with several")
     show.add_argument("-o", "--output", help="picture to write (default: beside where you are)")
     show.add_argument("--all", action="store_true", help="print provenance and long tables too")
     given = parser.parse_args(arguments)
     try:
-        _show(given.file, given.output, given.all)
+        _show(given.file, given.output, given.all, given.segment)
     except (SoftsampleError, OSError) as error:
         print(error, file=sys.stderr)
         return 1
     return 0
 
 
-def _show(file: str, output: str | None, everything: bool) -> None:
+def _show(file: str, output: str | None, everything: bool, segment: str | None) -> None:
     name = Path(file).name
-    stem = name.removesuffix(".gz").rsplit(".", 1)[0]
+    stem = name if Path(file).is_dir() else name.removesuffix(".gz").rsplit(".", 1)[0]
     picture = output or f"{Path(file).parent.name}_{stem}.png"
     if name.endswith(".json"):
         print("\n".join(_lines(read_json(file), everything)))
     elif name.endswith((".csv", ".tsv")):
         _show_table(file, picture, everything)
-    elif name.endswith((".nii", ".nii.gz")):
+    elif name.endswith(IMAGE_ENDINGS) or Path(file).is_dir():
         from softsample.figures.quicklook import slices
 
-        data, affine = read_image(file)
-        print(f"{data.shape[0]} x {data.shape[1]} x {data.shape[2]} voxels")
+        data, affine = read_image(file, [segment] if segment else [])
+        voxel = np.linalg.norm(affine[:3, :3], axis=0)
+        print(f"{' x '.join(map(str, data.shape))} voxels")
+        print(f"{' x '.join(f'{size:.4g}' for size in voxel)} mm each")
         _save(slices(data, affine, name), picture)
     elif name.endswith(".vtu"):
         _show_mesh(file, picture)
+    elif name.endswith(".stl"):
+        _show_surface(file, picture)
     else:
-        raise InputError(f"{file}: cannot show this kind; .json, .csv, .tsv, .nii(.gz) or .vtu")
+        raise InputError(f"{file}: cannot show this kind; give {KINDS} or a DICOM folder")
 
 
 def _lines(data: Mapping[str, Any], everything: bool, indent: str = "") -> list[str]:
@@ -77,25 +97,49 @@ def _show_table(file: str, picture: str, everything: bool) -> None:
         _save(curves(table, str(Path(*Path(file).parts[-3:]))), picture)
 
 
+def _show_surface(file: str, picture: str) -> None:
+    surface = read_surface(file)
+    low, high = (f(surface.points, axis=0) / MM for f in (np.min, np.max))
+    print(f"{len(surface.triangles)} triangles around {surface.volume / MM**3:.6g} mm3")
+    for axis in range(3):
+        print(f"{'xyz'[axis]}: {low[axis]:.4g} to {high[axis]:.4g} mm")
+    _draw(file, picture, surface.points[surface.triangles])
+
+
 def _show_mesh(file: str, picture: str) -> None:
-    from softsample.figures.offscreen import ADVICE, rendering_works
-    from softsample.figures.quicklook import render, surface
+    from softsample.figures.quicklook import owners
 
     mesh, point_data, cell_data = read_mesh_with_data(file)
     print(f"{len(mesh.hexes)} elements, {len(mesh.points)} nodes")
     for kind, arrays in (("node", point_data), ("element", cell_data)):
         for name, values in arrays.items():
             print(f"{kind} data {name}: {values.min():g} to {values.max():g}")
+    first = next(iter(cell_data), None)
+    colours = None if first is None else cell_data[first][owners(mesh)]
+    _draw(file, picture, mesh.points[mesh.boundary_quads], first, colours)
+
+
+def _draw(
+    file: str,
+    picture: str,
+    corners: NDArray[np.float64],
+    name: str | None = None,
+    values: NDArray[Any] | None = None,
+) -> None:
+    """Picture of a mesh file by VTK, or of its faces (n, k, 3) [m] where VTK cannot draw."""
+    from softsample.figures.offscreen import ADVICE, rendering_works
+    from softsample.figures.quicklook import faces, render
+
     if rendering_works():
         from matplotlib.image import imsave
 
-        image = render(file, next(iter(cell_data), None))
+        image = render(file, name)
         with written_aside(picture) as aside:
             imsave(aside, image)
         print(f"picture: {picture}")
     else:
         print(ADVICE, file=sys.stderr)
-        _save(surface(mesh, cell_data, Path(file).name), picture)
+        _save(faces(corners, Path(file).name, name, values), picture)
 
 
 def _save(figure: Any, picture: str) -> None:

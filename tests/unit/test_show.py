@@ -5,8 +5,9 @@ import pytest
 
 from softsample.__main__ import main
 from softsample.figures import offscreen
-from softsample.io import write_json, write_mesh, write_table
+from softsample.io import write_json, write_mesh, write_segmentation, write_surface, write_table
 from softsample.meshing.cuboid import mesh_cuboid
+from softsample.meshing.surface import boundary_surface
 
 
 def test_json_is_printed_line_by_line_without_provenance(tmp_path, capsys):
@@ -49,7 +50,28 @@ def test_a_probe_that_crashes_means_no_rendering(monkeypatch, status):
     offscreen.rendering_works.cache_clear()
 
 
-@pytest.mark.parametrize("name", ["a.docx", "none.json", "none.vtu"])
+@pytest.mark.parametrize("name", ["a.docx", "none.json", "none.vtu", "none.stl", "none.nrrd"])
 def test_what_cannot_be_shown_is_one_message(tmp_path, capsys, name):
     assert main(["show", str(tmp_path / name)]) == 1
     assert name in capsys.readouterr().err
+
+
+def test_a_segmentation_of_slicer_is_drawn(tmp_path, capsys):
+    path, picture = tmp_path / "T7.seg.nrrd", tmp_path / "a.png"
+    mask = np.zeros((6, 5, 4))
+    mask[2:4, 1:3, 1:3] = 1
+    write_segmentation(path, mask, np.diag([0.4, 0.4, 0.5, 1.0]), "T7")
+    assert main(["show", str(path), "--segment", "T7", "-o", str(picture)]) == 0
+    assert "6 x 5 x 4 voxels\n0.4 x 0.4 x 0.5 mm each" in capsys.readouterr().out
+    assert picture.read_bytes()[:4] == b"\x89PNG"
+
+
+def test_a_surface_is_measured_and_drawn(tmp_path, capsys, monkeypatch):
+    monkeypatch.setattr(offscreen, "rendering_works", lambda: False)
+    path, picture = tmp_path / "a.stl", tmp_path / "a.png"
+    write_surface(path, boundary_surface(mesh_cuboid(6e-3, 4e-3, 5e-3, 1e-3)))
+    assert main(["show", str(path), "-o", str(picture)]) == 0
+    shown = capsys.readouterr().out
+    assert "296 triangles around 120 mm3" in shown
+    assert "z: 0 to 5 mm" in shown
+    assert picture.read_bytes()[:4] == b"\x89PNG"

@@ -1,6 +1,5 @@
 """Quick looks at intermediate results: an image, a mesh, a curve."""
 
-from collections.abc import Mapping
 from typing import Any
 
 import matplotlib as mpl
@@ -56,31 +55,34 @@ def slices(data: NDArray[Any], affine: NDArray[np.float64], title: str) -> Figur
     return figure
 
 
-def surface(mesh: HexMesh, cell_data: Mapping[str, NDArray[Any]], title: str) -> Figure:
-    """The surface of a mesh, coloured by its first cell value if there is one (matplotlib).
+def faces(
+    corners: NDArray[np.float64],
+    title: str,
+    name: str | None = None,
+    values: NDArray[Any] | None = None,
+) -> Figure:
+    """Faces of a surface, coloured if they have values (matplotlib).
 
     Parameters
     ----------
-    mesh
-        Points [m].
-    cell_data
-        Values of the elements by name.
+    corners : (n, 3, 3) or (n, 4, 3) float64
+        Corners of the triangles or quads [m].
     title
         Written above.
+    name, values : (n,)
+        What to colour the faces by, if anything.
     """
     figure = Figure(figsize=(8, 6), layout="constrained")
     ax = figure.add_subplot(projection="3d")
-    corners = mesh.points[mesh.boundary_quads] / MM
-    faces = Poly3DCollection(corners, linewidths=0.1, edgecolors="0.2")
-    name = next(iter(cell_data), None)
-    if name is None:
-        faces.set_facecolor("0.8")
+    corners = corners / MM
+    drawn = Poly3DCollection(corners, linewidths=0.1, edgecolors="0.2")
+    if name is None or values is None:
+        drawn.set_facecolor("0.8")
     else:
-        values = cell_data[name][_owners(mesh)]
         scale = mpl.cm.ScalarMappable(mpl.colors.Normalize(values.min(), values.max()), "viridis")
-        faces.set_facecolor(scale.to_rgba(values))
+        drawn.set_facecolor(scale.to_rgba(values))
         figure.colorbar(scale, ax=ax, label=name.replace("_", " "), shrink=0.6)
-    ax.add_collection3d(faces)
+    ax.add_collection3d(drawn)
     low, high = corners.min(axis=(0, 1)), corners.max(axis=(0, 1))
     ax.set(xlim=(low[0], high[0]), ylim=(low[1], high[1]), zlim=(low[2], high[2]))
     ax.set_box_aspect(high - low)
@@ -88,7 +90,7 @@ def surface(mesh: HexMesh, cell_data: Mapping[str, NDArray[Any]], title: str) ->
     return figure
 
 
-def _owners(mesh: HexMesh) -> NDArray[np.int64]:
+def owners(mesh: HexMesh) -> NDArray[np.int64]:
     """(n_quads,) element that each quad of the boundary belongs to, in the boundary's order."""
     quads = np.sort(mesh.hexes[:, FACES].reshape(-1, 4), axis=1)
     _, first, count = np.unique(quads, axis=0, return_index=True, return_counts=True)
@@ -96,7 +98,7 @@ def _owners(mesh: HexMesh) -> NDArray[np.int64]:
 
 
 def render(path: str, cell_name: str | None) -> NDArray[np.uint8]:
-    """(height, width, 3) picture of a VTU file by VTK; ask `rendering_works` before."""
+    """(height, width, 3) picture of a VTU or STL file by VTK; ask `rendering_works` before."""
     import pyvista
 
     plotter = pyvista.Plotter(off_screen=True, window_size=(1200, 900))

@@ -58,7 +58,7 @@ class CurveFamily:
         sign = travel_sign(mode)
         return cls(
             forces.index.to_numpy(),
-            1e-3 * abs(forces.columns.to_numpy()),
+            np.asarray(1e-3 * abs(forces.columns.to_numpy()), dtype=np.float64),
             np.asarray(1e-6 * sign * forces.to_numpy(), dtype=np.float64),
         )
 

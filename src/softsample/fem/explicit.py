@@ -62,11 +62,11 @@ class SolverSettings:
 
     backend: str = "vector"
     precision: str = "float32"
-    loading_time_s: float = 0.06
+    loading_time_s: float = 0.12
     curve_error_percent: float = 0.5
     reference_modulus_pa: float = 1000.0
     density_kg_m3: float = 1000.0
-    safety_factor: float = 0.9
+    safety_factor: float = 0.85
     step_updates: int = 12
     hourglass_coefficient: float = 0.5
     curve_points: int = 60

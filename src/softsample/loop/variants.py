@@ -4,14 +4,18 @@ from collections.abc import Callable, Mapping
 from dataclasses import dataclass, replace
 
 import numpy as np
+import pandas as pd
 from numpy.typing import NDArray
 
+from softsample.calibration.curves import CurveFamily
 from softsample.constitutive.ogden import Fibres, OgdenMaterial
 from softsample.fem.boundary import Boundary, ContactSettings, mode_boundary, platen_boundary
 from softsample.fem.explicit import ExplicitModel, SolverSettings
 from softsample.fem.family import find_pace
 from softsample.meshing.bond import partial_bond
 from softsample.meshing.mesh import HexMesh
+from softsample.meshing.sample import SampleMesh
+from softsample.protocol import travel_sign
 
 Array = NDArray[np.float64]
 
@@ -63,6 +67,32 @@ class Sample:
     glued: NDArray[np.int64]
     shifted_glued: NDArray[np.int64]
     mode: str
+
+
+def coarse_sample(
+    mesh_shifted: Callable[[float], SampleMesh], mode: str, settings: VariantSettings
+) -> Sample:
+    """A sample from a function that meshes it with its surface moved out by a length [m]."""
+    plain, shifted = mesh_shifted(0.0), mesh_shifted(1e-3 * settings.shift_mm)
+    return Sample(
+        plain.mesh,
+        shifted.mesh,
+        np.flatnonzero(plain.point_data["glued"]),
+        np.flatnonzero(shifted.point_data["glued"]),
+        mode,
+    )
+
+
+def read_changes(table: pd.DataFrame, family: CurveFamily, mode: str) -> dict[str, Array]:
+    """Changes of the force per modulus [m2] on the displacements of a family, from their file."""
+    sign = travel_sign(mode)
+    travel = 1e-3 * sign * table["displacement_mm"].to_numpy()
+    return {
+        name.removesuffix("_mm2"): np.interp(
+            family.displacement, travel, 1e-6 * sign * table[name].to_numpy()
+        )
+        for name in table.columns.drop("displacement_mm")
+    }
 
 
 def simulate_variants(

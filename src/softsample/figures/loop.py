@@ -37,7 +37,7 @@ def _forces(ax: Axes, specimen: Specimen, fits: dict[str, Fit], size: int) -> No
     travel = 1e3 * blocks(specimen.travel, size)
     ax.plot(travel, blocks(specimen.force, size), color="0.6", lw=2.5, label="measured")
     for colour, (name, fit) in zip(colours(2), fits.items(), strict=True):
-        model = fit.model.predict(specimen, fit.state.material, fit.state.values)
+        model = fit.model.predict(specimen, fit.state)
         ax.plot(travel, blocks(model, size), color=colour, label=name)
     ax.set(title=f"{specimen.name}, {specimen.mode}", xlabel="travel [mm]")
 
@@ -52,6 +52,6 @@ def _residuals(
 ) -> None:
     ax.axhspan(-2.0 * band, 2.0 * band, color="0.88", lw=0)
     for colour, fit in zip(colours(2), fits.values(), strict=True):
-        model = fit.model.predict(specimen, fit.state.material, fit.state.values)
+        model = fit.model.predict(specimen, fit.state)
         left = 1e3 * blocks(specimen.force - model, size)
         ax.plot(blocks(across, size), left, color=colour, lw=0.8)

@@ -1,7 +1,7 @@
 """From the tests of one group to a verdict."""
 
 from collections.abc import Mapping, Sequence
-from dataclasses import asdict, dataclass, field, replace
+from dataclasses import asdict, dataclass, field
 from typing import Any
 
 import numpy as np
@@ -11,7 +11,7 @@ from softsample.loop.effects import library
 from softsample.loop.effects.base import Effect
 from softsample.loop.errors import Error, errors, held_out
 from softsample.loop.fit import Fit, Problem
-from softsample.loop.model import Packing
+from softsample.loop.model import FIXED
 from softsample.loop.noise import (
     Noise,
     NoiseSettings,
@@ -72,32 +72,27 @@ class Diagnosis:
 def pose(specimens: Sequence[Specimen], settings: NoiseSettings) -> tuple[Problem, list[Noise]]:
     """The records with their noise; its floor needs a first fit of the material."""
     noises = [measure_noise(specimen, settings) for specimen in specimens]
-    rough = replace(settings, contact_zero_mm=0.0)
-    stiffness = [np.zeros(len(s.force) // block_size(s.time, settings)) for s in specimens]
-    problem = _whitened(specimens, noises, stiffness, rough)
-    fit = problem.fit_material()
-    mu, mixture, step = fit.state.material.mu, fit.state.material.mixture, 1e-5
-    for k, s in enumerate(specimens):
-        ahead, behind = (
-            s.elastic.force_per_mu(mixture, s.travel + side * step) for side in (1.0, -1.0)
-        )
-        slope = mu * (ahead - behind) / (2.0 * step)
-        stiffness[k] = blocks(slope, block_size(s.time, settings))
-    return _whitened(specimens, noises, stiffness, settings), noises
+    nothing = [np.zeros(len(s.force) // block_size(s.time, settings)) for s in specimens]
+    rough = _whitened(specimens, noises, nothing, settings).fit_material()
+    predicted = [
+        blocks(rough.model.predict(s, rough.state), block_size(s.time, settings)) for s in specimens
+    ]
+    return _whitened(specimens, noises, predicted, settings), noises
 
 
 def _whitened(
     specimens: Sequence[Specimen],
     noises: Sequence[Noise],
-    stiffness: Sequence[Array],
+    models: Sequence[Array],
     settings: NoiseSettings,
 ) -> Problem:
     return Problem(
         specimens,
         [
-            Whitener(covariance(s, noise, slope, settings), block_size(s.time, settings))
-            for s, noise, slope in zip(specimens, noises, stiffness, strict=True)
+            Whitener(covariance(s, noise, model, settings), block_size(s.time, settings))
+            for s, noise, model in zip(specimens, noises, models, strict=True)
         ],
+        settings.contact_zero_mm,
     )
 
 
@@ -140,8 +135,9 @@ def _block_noise(specimen: Specimen, noise: Noise, settings: NoiseSettings) -> f
 
 
 def _verdict(selection: Selection, settings: SelectionSettings) -> str:
-    left = selection.final.cost / len(selection.final.white)
-    if left > settings.unknown_ratio:
+    n = len(selection.final.white)
+    left, before = selection.final.cost, selection.base.cost
+    if left / n > settings.unknown_ratio and left - n > settings.unknown_share * (before - n):
         return "unknown"
     return "explained" if selection.final.model.effects else "none"
 
@@ -213,11 +209,10 @@ def _theta(fit: Fit) -> dict[str, dict[str, float | str]]:
 
 
 def _effect_report(effect: Effect, selection: Selection, final: Fit) -> dict[str, Any]:
-    packing = Packing(final.model)
-    deviation = np.sqrt(np.diag(final.covariance))[2:] * (packing.high - packing.low)[2:]
+    deviation = np.sqrt(np.diag(final.covariance))[FIXED:]
     unit = {
-        (e.name, p.name): (d / (packing.high - packing.low)[2 + k]) * (p.high - p.low)
-        for k, ((e, p), d) in enumerate(zip(final.model.parameters, deviation, strict=True))
+        (e.name, p.name): float(d) * (p.high - p.low)
+        for (e, p), d in zip(final.model.parameters, deviation, strict=True)
     }
     (chosen,) = (
         step.chosen for step in selection.steps if step.chosen and step.chosen.name == effect.name

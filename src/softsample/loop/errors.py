@@ -93,7 +93,7 @@ def held_out(problem: Problem, fit: Fit, noises: Sequence[float]) -> dict[str, d
     report = {}
     for name, masks in folds(problem).items():
         kept = [w.on(~mask) for w, mask in zip(problem.whiteners, masks, strict=True)]
-        fitted = Problem(problem.specimens, kept).fit(fit.model, fit.state)
+        fitted = Problem(problem.specimens, kept, problem.contact_zero_mm).fit(fit.model, fit.state)
         parts = residuals(fit.model, problem.specimens, fitted.state)
         report[name] = {
             specimen.mode: _error(blocks(part, w.size)[mask], noise, specimen.peak)

@@ -2,14 +2,13 @@
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from itertools import product
 
 import numpy as np
 from numpy.typing import NDArray
 from scipy.optimize import least_squares
 
-from softsample.loop.model import Material, Model, Packing, State, residuals
-from softsample.loop.noise import Whitener
+from softsample.loop.model import FIXED, Material, Model, Packing, State, residuals
+from softsample.loop.noise import Whitener, blocks
 from softsample.loop.specimen import Specimen
 
 Array = NDArray[np.float64]
@@ -58,18 +57,49 @@ class Problem:
         Tests that share their material and machine.
     whiteners : sequence of Whitener
         One for each.
+    contact_zero_mm : float
+        Standard deviation of where compression begins [mm].
     """
 
-    def __init__(self, specimens: Sequence[Specimen], whiteners: Sequence[Whitener]) -> None:
+    def __init__(
+        self,
+        specimens: Sequence[Specimen],
+        whiteners: Sequence[Whitener],
+        contact_zero_mm: float,
+    ) -> None:
         self.specimens, self.whiteners = list(specimens), list(whiteners)
+        self.contact_zero_mm = contact_zero_mm
 
     def white(self, parts: Sequence[Array]) -> Array:
         """White residual of all tests from one per test."""
         return np.concatenate([w(part) for w, part in zip(self.whiteners, parts, strict=True)])
 
     def residual(self, model: Model, state: State) -> Array:
-        """White residual of a state."""
-        return self.white(residuals(model, self.specimens, state))
+        """White residual of a state, its last entry that of the prior of the contact zero."""
+        prior = state.contact_zero / self.contact_zero_mm
+        return np.append(self.white(residuals(model, self.specimens, state)), prior)
+
+    def doubting(self, fit: Fit, doubt: float, time: float) -> "Problem":
+        """The same with room for error in the form of a fit's last effect.
+
+        Parameters
+        ----------
+        fit : Fit
+            What has been chosen.
+        doubt : float
+            Standard deviation of the effect's contribution as a part of it.
+        time : float
+            Correlation time of that error [s].
+        """
+        without = fit.model.without(fit.model.names[-1])
+        whiteners = []
+        for specimen, whitener in zip(self.specimens, self.whiteners, strict=True):
+            part = fit.model.predict(specimen, fit.state) - without.predict(specimen, fit.state)
+            size = doubt * blocks(part, whitener.size)
+            clock = blocks(specimen.time, whitener.size)
+            apart = np.subtract.outer(clock, clock) / time
+            whiteners.append(whitener.with_more(np.outer(size, size) * np.exp(-0.5 * apart**2)))
+        return Problem(self.specimens, whiteners, self.contact_zero_mm)
 
     def fit(self, model: Model, start: State, starts: Sequence[State] = ()) -> Fit:
         """Best fit of material and effects, from one or several starts."""
@@ -98,24 +128,10 @@ class Problem:
             float(2.0 * found.cost),
             np.asarray(found.fun),
             np.asarray(found.jac),
-            tuple(name for name, end in zip(names, ends[2:], strict=True) if end),
+            tuple(name for name, end in zip(names, ends[FIXED:], strict=True) if end),
         )
 
     def fit_material(self, mu: float = 1000.0) -> Fit:
         """The plain model, from several mixtures."""
         starts = [State(Material(mu, r)) for r in (0.2, 0.5, 0.8, 0.95)]
         return self.fit(Model(), starts[0], starts[1:])
-
-    def fit_effect(self, base: Fit, model: Model) -> Fit:
-        """A model with one more effect than the base, from its neutral and its nominal values."""
-        effect = model.effects[-1]
-        grids = [p.grid or (p.neutral + 0.3 * (p.nominal - p.neutral),) for p in effect.parameters]
-        starts = [
-            State(
-                base.state.material,
-                {**base.state.values, effect.name: dict(zip(names, point, strict=True))},
-            )
-            for names in [[p.name for p in effect.parameters]]
-            for point in product(*grids)
-        ]
-        return self.fit(model, starts[0], starts[1:])

@@ -54,11 +54,12 @@ class Model:
         """Values without effect, by effect."""
         return {effect.name: effect.neutral() for effect in self.effects}
 
-    def predict(
-        self, specimen: Specimen, material: Material, values: Mapping[str, Values]
-    ) -> Array:
+    def predict(self, specimen: Specimen, state: "State") -> Array:
         """Force along the travel at every sample of the record (n,) [N]."""
+        material, values = state.material, state.values
         travel = specimen.travel
+        if specimen.elastic.contact:
+            travel = travel - 1e-3 * state.contact_zero
         for effect in self.effects:
             travel = effect.travel(specimen, travel, values[effect.name])
         per_mu = specimen.elastic.force_per_mu(material.mixture, travel)
@@ -69,6 +70,8 @@ class Model:
         force = material.mu * per_mu
         for effect in self.effects:
             force = effect.tissue(specimen, force, travel, values[effect.name])
+        if specimen.elastic.contact:  # the platen leaves a sample that would have to pull on it
+            force = np.maximum(force, 0.0)
         for effect in self.effects:
             force = effect.instrument(specimen, force, travel, values[effect.name])
         return force
@@ -84,18 +87,32 @@ class Model:
 
 @dataclass(frozen=True)
 class State:
-    """A material and values of all effects of a model."""
+    """A material, values of all effects of a model, and what is only known within a prior.
+
+    Parameters
+    ----------
+    material : Material
+        Of the group.
+    values : mapping
+        Values of the parameters by effect.
+    contact_zero : float
+        Travel at which compression begins [mm].
+    """
 
     material: Material
     values: Mapping[str, Values] = field(default_factory=dict)
+    contact_zero: float = 0.0
 
+
+FIXED = 3
+"""Entries of a packed state before the effects: ln mu, r, contact zero."""
 
 MIXTURE = (0.02, 0.98)
 """Bounds of r, those of the simulated families."""
 
 
 class Packing:
-    """Between a state and the vector that a fit moves: ln mu, r, then all parameters.
+    """Between a state and the vector that a fit moves: ln mu, r, contact zero, all parameters.
 
     Parameters of effects are scaled by their range.
     """
@@ -103,23 +120,25 @@ class Packing:
     def __init__(self, model: Model, bounds: tuple[float, float] = MIXTURE) -> None:
         self.model = model
         self.low = np.array(
-            [np.log(20.0), bounds[0], *(p.low / _unit(p) for _, p in model.parameters)]
+            [np.log(20.0), bounds[0], -1.0, *(p.low / _unit(p) for _, p in model.parameters)]
         )
         self.high = np.array(
-            [np.log(5e4), bounds[1], *(p.high / _unit(p) for _, p in model.parameters)]
+            [np.log(5e4), bounds[1], 1.0, *(p.high / _unit(p) for _, p in model.parameters)]
         )
 
     def pack(self, state: State) -> Array:
         """Vector of a state."""
         parts = [state.values[e.name][p.name] / _unit(p) for e, p in self.model.parameters]
-        return np.array([np.log(state.material.mu), state.material.mixture, *parts])
+        head = np.log(state.material.mu), state.material.mixture, state.contact_zero
+        return np.array([*head, *parts])
 
     def unpack(self, vector: Array) -> State:
         """State of a vector."""
         values: dict[str, Values] = {effect.name: {} for effect in self.model.effects}
-        for (effect, p), x in zip(self.model.parameters, vector[2:], strict=True):
+        for (effect, p), x in zip(self.model.parameters, vector[FIXED:], strict=True):
             values[effect.name][p.name] = float(x * _unit(p))
-        return State(Material(float(np.exp(vector[0])), float(vector[1])), values)
+        material = Material(float(np.exp(vector[0])), float(vector[1]))
+        return State(material, values, float(vector[2]))
 
 
 def _unit(parameter: Parameter) -> float:
@@ -128,4 +147,4 @@ def _unit(parameter: Parameter) -> float:
 
 def residuals(model: Model, specimens: Sequence[Specimen], state: State) -> list[Array]:
     """Measured less predicted force of every test, per sample [N]."""
-    return [s.force - model.predict(s, state.material, state.values) for s in specimens]
+    return [s.force - model.predict(s, state) for s in specimens]

@@ -26,14 +26,22 @@ class NoiseSettings:
         element type, segmentation.
     floor_length : float
         Its correlation length, as a part of the stroke.
+    fine_percent, fine_length : float
+        The same for error of the size of elements: nodes that meet the platen one by one.
+    scale_percent : float
+        Standard deviation of the scale of each test [%]: element type, volume, glued area.
     contact_zero_mm : float
-        Standard deviation of the height of the highest point [mm], compression only.
+        Standard deviation of the height of the highest point [mm]; where compression begins is
+        fitted with this prior, so that only a gap beyond it counts as an effect.
     """
 
     block_s: float = 0.2
     correlation_s: float = 1.0
     floor_percent: float = 1.0
     floor_length: float = 0.25
+    fine_percent: float = 0.3
+    fine_length: float = 0.05
+    scale_percent: float = 2.0
     contact_zero_mm: float = 0.06
 
 
@@ -91,9 +99,7 @@ def measure_noise(specimen: Specimen, settings: NoiseSettings) -> Noise:
     return Noise(white, float(np.sqrt(max(excess, 0.0) / share)))
 
 
-def covariance(
-    specimen: Specimen, noise: Noise, stiffness: Array, settings: NoiseSettings
-) -> Array:
+def covariance(specimen: Specimen, noise: Noise, model: Array, settings: NoiseSettings) -> Array:
     """Covariance (n, n) [N2] of the block means of one test.
 
     Parameters
@@ -102,8 +108,8 @@ def covariance(
         The test.
     noise : Noise
         Of its record.
-    stiffness : (n,) float64
-        Slope of the model's force over travel at the blocks [N/m], for the contact zero.
+    model : (n,) float64
+        Force that a first fit of the material predicts at the blocks [N], for the scale.
     settings : NoiseSettings
         What the model does not resolve. Its smooth error goes with the travel, so that loading
         and unloading share it, and is nothing before the platen moves.
@@ -113,13 +119,16 @@ def covariance(
     lag = np.abs(np.subtract.outer(time, time))
     total = noise.white**2 / size * np.eye(len(time))
     total += noise.slow**2 * np.exp(-lag / settings.correlation_s)
-    apart = np.subtract.outer(travel, travel) / (settings.floor_length * specimen.reach)
-    largest = 0.01 * settings.floor_percent * specimen.peak
-    amount = largest * np.clip(travel / (0.1 * specimen.reach), 0.0, 1.0)
-    total += np.outer(amount, amount) * np.exp(-0.5 * apart**2)
-    if specimen.mode == "compression":
-        shift = 1e-3 * settings.contact_zero_mm * stiffness
-        total += np.outer(shift, shift)
+    apart = np.subtract.outer(travel, travel) / specimen.reach
+    moved = 0.01 * specimen.peak * np.clip(travel / (0.02 * specimen.reach), 0.0, 1.0)
+    for percent, length in (
+        (settings.floor_percent, settings.floor_length),
+        (settings.fine_percent, settings.fine_length),
+    ):
+        error = percent**2 * np.exp(-0.5 * (apart / length) ** 2)
+        total += np.outer(moved, moved) * error
+    scale = 0.01 * settings.scale_percent * model
+    total += np.outer(scale, scale)
     return np.asarray(total)
 
 
@@ -151,6 +160,10 @@ class Whitener:
     def __call__(self, residual: Array) -> Array:
         """White residual of the blocks that count, from one per sample (n_samples,) [N]."""
         return np.asarray(solve_triangular(self._factor, self.blocks(residual), lower=True))
+
+    def with_more(self, covariance: Array) -> "Whitener":
+        """The same with more noise [N2]."""
+        return Whitener(self._matrix + covariance, self.size, self.keep)
 
     def on(self, keep: NDArray[np.bool_]) -> "Whitener":
         """The same with other blocks."""

@@ -1,7 +1,7 @@
 """Which effects could explain a residual: signatures that no change of the material imitates."""
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from itertools import product
 
 import numpy as np
@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 
 from softsample.loop.effects.base import Effect, Parameter, Values
 from softsample.loop.fit import Fit, Problem
-from softsample.loop.model import Model, State
+from softsample.loop.model import Model
 
 Array = NDArray[np.float64]
 
@@ -88,7 +88,7 @@ def _change(
     """Change of the white residual per nominal size of one parameter."""
     step = 0.1
     values = {**start, parameter.name: parameter.neutral + step * nominal_step(parameter)}
-    state = State(base.state.material, {**base.state.values, effect.name: values})
+    state = replace(base.state, values={**base.state.values, effect.name: values})
     return (base.white - problem.residual(model, state)) / step
 
 

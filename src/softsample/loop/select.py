@@ -1,14 +1,14 @@
 """Forward selection of effects with a backward check, and classes that data cannot split."""
 
 from collections.abc import Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
+from itertools import product
 
 import numpy as np
 from numpy.typing import NDArray
 
 from softsample.loop.effects.base import Effect
 from softsample.loop.fit import Fit, Problem
-from softsample.loop.model import State
 from softsample.loop.screen import (
     LEAST_SIGNATURE,
     Signature,
@@ -40,18 +40,25 @@ class SelectionSettings:
         Candidates within this much evidence of the best share its class.
     class_cosine : float
         So do those whose explanation of the residual is this parallel to the best one's.
-    unknown_ratio : float
-        White mean square left above which the residual is called unexplained.
+    form_doubt, form_time_s : float
+        Error in the form of an effect that has been chosen, as a part of its contribution, and
+        its correlation time [s]; what comes after has to explain more than that.
+    unknown_ratio, unknown_share : float
+        The rest is called unknown if its white mean square is above the first and more than the
+        second of the sum of squares beyond noise is left.
     """
 
     most_effects: int = 3
-    least_gain: float = 6.0
+    least_gain: float = 25.0
     null_draws: int = 2000
     seed: int = 1
     refits: int = 8
-    class_gain: float = 6.0
+    class_gain: float = 10.0
     class_cosine: float = 0.95
+    form_doubt: float = 0.05
+    form_time_s: float = 20.0
     unknown_ratio: float = 1.5
+    unknown_share: float = 0.3
 
 
 @dataclass(frozen=True)
@@ -134,7 +141,9 @@ def select(problem: Problem, effects: Sequence[Effect], settings: SelectionSetti
         if step.chosen is None:
             break
         classes[step.chosen.name] = step.members
-        current = _pruned(problem, step.chosen.fit, settings)
+        problem = problem.doubting(step.chosen.fit, settings.form_doubt, settings.form_time_s)
+        chosen = problem.fit(step.chosen.fit.model, step.chosen.fit.state)
+        current = _pruned(problem, chosen, settings)
         classes = {name: classes[name] for name in current.model.names}
     return Selection(base, current, steps, classes, weak, strengths)
 
@@ -181,16 +190,29 @@ def _round(
 
 
 def _joint(problem: Problem, current: Fit, signature: Signature) -> Fit:
-    """Joint fit from the linear estimate of the sizes."""
+    """Joint fit from the linear estimate of the sizes, and from every point of the grid."""
     effect = signature.effect
     sizes, *_ = np.linalg.lstsq(signature.columns, current.white, rcond=None)
-    values = dict(signature.start)
+    estimate = dict(signature.start)
     for x, p in zip(sizes, effect.sizes, strict=True):
         margin = 0.02 * (p.high - p.low)
         size = p.neutral + x * nominal_step(p)
-        values[p.name] = float(np.clip(size, p.low + margin, p.high - margin))
-    state = State(current.state.material, {**current.state.values, effect.name: values})
-    return problem.fit(current.model.with_effect(effect), state)
+        estimate[p.name] = float(np.clip(size, p.low + margin, p.high - margin))
+    shapes = [p for p in effect.parameters if not p.is_size]
+    points = product(*(p.grid for p in shapes)) if len(effect.sizes) < 3 else []
+    starts = [estimate, {**signature.start, **_small(effect)}] + [
+        {**estimate, **dict(zip([p.name for p in shapes], point, strict=True))} for point in points
+    ]
+    states = [
+        replace(current.state, values={**current.state.values, effect.name: values})
+        for values in starts
+    ]
+    return problem.fit(current.model.with_effect(effect), states[0], states[1:])
+
+
+def _small(effect: Effect) -> dict[str, float]:
+    """Sizes just off their neutral values."""
+    return {p.name: p.neutral + 0.01 * nominal_step(p) for p in effect.sizes}
 
 
 def _cosine(current: Fit, one: Fit, other: Fit) -> float:
@@ -204,7 +226,7 @@ def _pruned(problem: Problem, fit: Fit, settings: SelectionSettings) -> Fit:
     for effect in fit.model.effects[:-1]:
         model = fit.model.without(effect.name)
         values = {name: v for name, v in fit.state.values.items() if name != effect.name}
-        less = problem.fit(model, State(fit.state.material, values))
+        less = problem.fit(model, replace(fit.state, values=values))
         if less.cost - fit.cost - penalty(effect, len(fit.white)) < settings.least_gain:
             return _pruned(problem, less, settings)
     return fit

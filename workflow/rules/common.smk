@@ -218,6 +218,11 @@ def optimum(kind):
     return find
 
 
+def of_members(pattern):
+    """Input function: a file for every sample of the group."""
+    return lambda wildcards: expand(pattern, sample=GROUPS[wildcards.group])
+
+
 def everything_of(sample):
     """What `sample_{id}` builds: the sample's files, its group's calibration and checks."""
     group = SAMPLES[sample]["group"]

@@ -29,11 +29,6 @@ rule variants:
         "../scripts/variants.py"
 
 
-def of_members(pattern):
-    """Input function: a file for every sample of the group."""
-    return lambda wildcards: expand(pattern, sample=GROUPS[wildcards.group])
-
-
 rule diagnose:
     input:
         curves=of_members("<results>/curves/{sample}/real/ogden2.csv"),

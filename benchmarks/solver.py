@@ -86,7 +86,7 @@ def curve(size: float, mode: str) -> dict[str, float]:
         "model_cpu_s": built,
         "pilots_cpu_s": search,
         "loading_time_s": paces[0].loading_time,
-        "error_percent": paces[0].error_percent(runs[-1]),
+        "error_percent": paces[0].error_percent,
         "steps": runs[-1].steps,
         "energy_error_percent": 100.0 * runs[-1].energy["imbalance"],
     }

@@ -21,6 +21,7 @@ from matplotlib import pyplot as plt
 from numpy.typing import NDArray
 
 import known
+import mechanics
 import peers
 from case import EDGES, MATERIAL, TRAVEL, boundary_of, cuboid
 from machine import processor
@@ -478,6 +479,7 @@ def main(task: str) -> None:
     draw_hertz(found["hertz"])
     draw_programs(found["side_by_side"])
     draw_refinement(found["refinement"], found["real_shapes"])
+    mechanics.main(str(FIGURES / "mechanics.png"))
     render(found)
 
 

@@ -173,11 +173,13 @@ def marched(mesh, material, boundary, path, dt):
     """The compiled march in double precision: displacements, velocities, holders, history."""
     model = ExplicitModel(mesh, DOUBLE)
     steps, held, state = len(path) - 1, boundary.held.copy(), model.blank_state()
+    count = state.shape[-1]
+    registers = tuple(np.zeros((-(-4 * len(held) // count), count)) for _ in range(4))
     motion = kernels.Motion(
-        model.nodal(), model.nodal(), model.nodal(),
-        np.where(held == kernels.FREE, 1.0 / model.mass, 0.0), held, model.mass, mesh.points, state,
-        np.empty((0, 1, 6, state.shape[-1])),
+        *(part.reshape(-1, 4)[: len(held)] for part in registers), held, model.mass, mesh.points,
+        state, np.empty((0, 1, 6, count)), registers,
     )  # fmt: skip
+    motion.mobility[:, :3] = np.where(held == kernels.FREE, 1.0 / model.mass, 0.0)[:, None]
     history = np.empty((steps, 7))
     kernels.advance(
         path, np.zeros((steps, 3)), np.empty((steps, 2, 0)), dt, dt, motion,

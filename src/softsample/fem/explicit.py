@@ -391,11 +391,12 @@ class _March:
         self.records = _Records()
         state, terms = model.blank_state(), self.solid.prony.size
         blocks, count = state.shape[1:] if terms else (0, state.shape[2])
+        rows = -(-4 * len(model.mass) // count)
+        registers = tuple(_aligned((rows, count), model.settings.dtype) for _ in range(4))
         self.motion = kernels.Motion(
-            model.nodal(), model.nodal(), model.nodal(),
-            np.zeros(len(model.mass), model.settings.dtype), boundary.held.copy(), model.mass,
-            model.mesh.points, state,
-            _aligned((blocks, terms + 1, 6, count), model.settings.dtype),
+            *(part.reshape(-1, 4)[: len(model.mass)] for part in registers),
+            boundary.held.copy(), model.mass, model.mesh.points, state,
+            _aligned((blocks, terms + 1, 6, count), model.settings.dtype), registers,
         )  # fmt: skip
         if gravity and gravity.settle_first:
             self._lift_platen()
@@ -425,7 +426,7 @@ class _March:
     def _free(self) -> None:
         """Inverse masses of the nodes that nothing holds."""
         free = self.motion.held == kernels.FREE
-        self.motion.mobility[:] = np.where(free, 1.0 / self.model.mass, 0.0)
+        self.motion.mobility[:, :3] = np.where(free, 1.0 / self.model.mass, 0.0)[:, None]
 
     def go(self, snapshots: Array, progress: Progress | None) -> None:
         """March through the schedule in slices of constant step, then record the final state."""

@@ -710,7 +710,7 @@ class Motion(NamedTuple):
     force: NDArray
     """(n_nodes, 4) internal less body force [N] of the last step."""
     mobility: NDArray
-    """(n_nodes,) inverse mass of free nodes [1/kg], zero for held ones; dtype of `u`."""
+    """(n_nodes, 4) inverse mass of free nodes [1/kg], zero for held ones; dtype of `u`."""
     held: NDArray
     """(n_nodes,) int8: FREE, BASE or PLATEN; contact changes it."""
     mass: NDArray
@@ -721,6 +721,8 @@ class Motion(NamedTuple):
     """(3, n_blocks, n) strain energy, hourglass energy [J], J - 1 of the elements."""
     viscous: NDArray
     """(n_blocks, n_prony + 1, 6, n) history of the relaxing stress."""
+    registers: tuple[NDArray, NDArray, NDArray, NDArray]
+    """`u`, `v`, `force` and `mobility` again, as rows (n_rows, n) of one register each."""
 
 
 class Platens(NamedTuple):
@@ -780,13 +782,11 @@ def advance(path, gravity, relax, dt, dt_before, motion, elements, solid, platen
         if gravity[step, 0] != 0.0 or gravity[step, 1] != 0.0 or gravity[step, 2] != 0.0:
             record[6] += _weigh(gravity[step], dt, motion)
         for node in platens.glued:
-            _hold(node, kick, speed, motion, platens, record)
+            _hold(node, 1.0 / kick, speed, motion, platens, record)
         for node in platens.candidates:
             if motion.held[node] != FREE:
                 _press(node, kick, speed, dt, motion, platens, record)
-        _move(u, v, force, motion.mobility, u.dtype.type(kick), u.dtype.type(dt))
-        if not last:
-            force[:] = 0.0
+        _move(motion.registers, kick, dt, last, lane)
         for node in platens.candidates:
             if motion.held[node] == FREE:
                 _catch(node, BASE, 0.0, dt, kick, motion, platens, record)
@@ -809,20 +809,32 @@ def _weigh(gravity, dt, motion):
 
 
 @_inline
-def _move(u, v, force, mobility, kick, dt):
-    """Kick and drift all nodes; held ones keep the velocity that was set for them."""
-    for node in range(u.shape[0]):
-        impulse = kick * mobility[node]
-        for i in range(4):
-            v[node, i] -= impulse * force[node, i]
-            u[node, i] += dt * v[node, i]
+def _move(registers, kick, dt, last, lane):
+    """Kick and drift all nodes and clear the forces; held ones keep the velocity set for them."""
+    for row in range(registers[0].shape[0]):
+        if lane is None:
+            _move_row(registers, kick, dt, last, row, None)
+        else:
+            for k in range(registers[0].shape[1]):
+                _move_row(registers, kick, dt, last, row, k)
 
 
 @_inline
-def _reaction(node, i, kick, speed, motion, platens):
+def _move_row(registers, kick, dt, last, row, lane):
+    u, v, force, mobility = registers
+    f = load(force, (row,), lane)
+    speed = load(v, (row,), lane) - like(f, kick) * load(mobility, (row,), lane) * f
+    store(v, (row,), lane, speed)
+    store(u, (row,), lane, load(u, (row,), lane) + like(f, dt) * speed)
+    if not last:
+        store(force, (row,), lane, like(f, 0.0))
+
+
+@_inline
+def _reaction(node, i, rate, speed, motion, platens):
     """Force of the platen on a held node [N]: its force plus mass times acceleration."""
     new = speed * platens.direction[i] if motion.held[node] == PLATEN else 0.0
-    return motion.force[node, i] + motion.mass[node] * (new - motion.v[node, i]) / kick
+    return motion.force[node, i] + motion.mass[node] * (new - motion.v[node, i]) * rate
 
 
 @_inline
@@ -832,11 +844,11 @@ def _column(holder):
 
 
 @_inline
-def _hold(node, kick, speed, motion, platens, record):
+def _hold(node, rate, speed, motion, platens, record):
     """Give a held node its platen's velocity and record the force that this takes."""
     column = _column(motion.held[node])
     for i in range(3):
-        record[column + i] += _reaction(node, i, kick, speed, motion, platens)
+        record[column + i] += _reaction(node, i, rate, speed, motion, platens)
         motion.v[node, i] = speed * platens.direction[i] if column == 0 else 0.0
 
 
@@ -845,15 +857,16 @@ def _press(node, kick, speed, dt, motion, platens, record):
     """Hold a touching node as long as its platen pushes, with no more than friction sideways."""
     holder = motion.held[node]
     n = platens.planes[holder - 1]
-    x = _reaction(node, 0, kick, speed, motion, platens)
-    y = _reaction(node, 1, kick, speed, motion, platens)
-    z = _reaction(node, 2, kick, speed, motion, platens)
+    x = _reaction(node, 0, 1.0 / kick, speed, motion, platens)
+    y = _reaction(node, 1, 1.0 / kick, speed, motion, platens)
+    z = _reaction(node, 2, 1.0 / kick, speed, motion, platens)
     pull = x * n[0] + y * n[1] + z * n[2]
     if platens.release and pull > 0.0:
         motion.held[node] = FREE
-        motion.mobility[node] = 1.0 / motion.mass[node]
+        for i in range(3):
+            motion.mobility[node, i] = 1.0 / motion.mass[node]
         return
-    _hold(node, kick, speed, motion, platens, record)
+    _hold(node, 1.0 / kick, speed, motion, platens, record)
     if platens.friction[holder - 1] < np.inf:
         x, y, z = x - pull * n[0], y - pull * n[1], z - pull * n[2]
         sideways = np.sqrt(x * x + y * y + z * z)
@@ -880,7 +893,8 @@ def _catch(node, holder, shift, dt, kick, motion, platens, record):
         gap += (motion.points[node, i] + motion.u[node, i]) * n[i]
     if gap > 0.0:
         motion.held[node] = holder
-        motion.mobility[node] = 0.0
+        for i in range(3):
+            motion.mobility[node, i] = 0.0
         column = _column(holder)
         for i in range(3):
             back = gap * n[i]

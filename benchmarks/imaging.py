@@ -82,7 +82,7 @@ def judged(seed: int, film: bool, bumps: float = 1.0, mesh: bool = True) -> Reco
     try:
         start = time.process_time()
         found = segment(image, affine)
-        record["segment_cpu_s"] = time.process_time() - start
+        record |= {"segment_cpu_s": time.process_time() - start, "film_found_mm": found.film / MM}
         record |= accuracy(found, shape, scan)
         if mesh:
             record |= mesh_quality(found)
@@ -122,8 +122,7 @@ def at_true_surface(found: Segmentation, scan: Scan, points: Array) -> tuple[Arr
     place = world @ to_found[:3, :3].T + to_found[:3, 3]
     index = ((place - found.origin) / found.spacing).T
     gap = -map_coordinates(found.distance, index, order=3, mode="nearest")
-    sigma = np.full(len(gap), found.boundary_sigma)
-    return gap / MM, sigma / MM
+    return gap / MM, map_coordinates(found.sigma, index, order=1, mode="nearest") / MM
 
 
 def edge_error(found: Segmentation, true: Truth) -> float:

@@ -3,7 +3,7 @@
 The steps and the definitions are in ``docs/geometry.md``.
 """
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
@@ -12,7 +12,7 @@ from scipy import ndimage
 
 from softsample.errors import InputError, SegmentationError
 from softsample.imaging import distance as sdf
-from softsample.imaging import frame, intensity
+from softsample.imaging import film, frame, intensity
 
 Array = NDArray[np.float64]
 Mask = NDArray[np.bool_]
@@ -33,7 +33,7 @@ class SegmentationSettings:
     bias_order : int
         Total degree of the polynomial of the bias field.
     smoothing_mm : float
-        Standard deviation of the Gaussian smoothing [mm].
+        Standard deviation of the Gaussian smoothing, at least 0.6 voxel edges [mm].
     level_reach_mm : float
         Standard deviation of the mean that gives the local tissue level [mm].
     level_margin_mm : float
@@ -42,6 +42,8 @@ class SegmentationSettings:
         Voxels this many times brighter than the tissue next to them are free fluid.
     fluid_reach_mm : float
         Around free fluid the boundary is replaced by its smooth continuation up to here [mm].
+    fluid_brightness : float
+        Expected brightness of saline over that of tissue.
     base_clearance_mm : float
         Walls lower than this above the platen (meniscus) are continued from above [mm].
     continuation_mm : float
@@ -62,6 +64,7 @@ class SegmentationSettings:
     level_margin_mm: float = 0.5
     fluid_ratio: float = 1.5
     fluid_reach_mm: float = 1.0
+    fluid_brightness: float = 2.2
     base_clearance_mm: float = 0.75
     continuation_mm: float = 1.5
     max_tilt_deg: float = 10.0
@@ -88,8 +91,10 @@ class Segmentation:
         Grid spacing of `distance` [m].
     sample_to_world : (4, 4) float64
         Rigid map from the sample frame to world RAS+ [m].
-    boundary_sigma : float
-        One standard deviation of the position of the boundary [m].
+    sigma : (mx, my, mz) float64
+        One standard deviation of the position of the surface nearest to each grid point [m].
+    film : float
+        Mean thickness of the film of fluid that was taken off [m].
     tilt : float
         Angle between the base normal and the nominal loading axis [rad].
     base_spread : float
@@ -106,7 +111,8 @@ class Segmentation:
     origin: Array
     spacing: float
     sample_to_world: Array
-    boundary_sigma: float
+    sigma: Array
+    film: float
     tilt: float
     base_spread: float
     snr: float
@@ -119,6 +125,13 @@ class Segmentation:
     def volume(self) -> float:
         """Volume above the base plane [m3]."""
         return sdf.volume_above_base(self.distance, self.origin, self.spacing)
+
+    @property
+    def boundary_sigma(self) -> float:
+        """Mean of `sigma` over the surface above the base [m]."""
+        base = round(float(-self.origin[2] / self.spacing))
+        near = np.abs(self.distance[:, :, base:]) < 0.5 * self.spacing
+        return float(self.sigma[:, :, base:][near].mean())
 
     @property
     def highest_point(self) -> Array:
@@ -148,6 +161,7 @@ class Segmentation:
             "highest_point_mm": float(self.highest_point[2] / MM),
             "highest_point_position_mm": (self.highest_point / MM).tolist(),
             "boundary_sigma_mm": self.boundary_sigma / MM,
+            "film_mm": self.film / MM,
             "tilt_deg": float(np.degrees(self.tilt)),
             "base_flatness_mm": self.base_spread / MM,
             **known,
@@ -214,16 +228,16 @@ def segmentation_from_mask(
     spacing = voxel_size(to_world)
     solid = intensity.largest_component(image != 0.0)
     check_component(solid, spacing, settings)
-    sigma = np.maximum(settings.smoothing_mm * MM, 0.6 * spacing)
     share = TissueShare(
-        share=intensity.smooth(solid.astype(np.float64), sigma, spacing),
+        share=intensity.smooth(solid.astype(np.float64), _blur(spacing, settings), spacing),
         mask=solid,
         fluid=np.zeros_like(solid),
+        power=None,
+        relative_noise=None,
         snr=np.nan,
         noise=np.nan,
         level=np.nan,
         threshold=np.nan,
-        sigma=float(np.max(spacing) / np.sqrt(12.0)),
     )
     return _from_share(share, to_world, settings, up, shear)
 
@@ -238,18 +252,22 @@ class TissueShare:
         Smoothed image on the scale from surroundings (0) to the tissue nearby (1).
     mask, fluid : (nx, ny, nz) bool
         Sample, and free fluid (drops).
-    snr, noise, level, threshold, sigma : float
-        As in `Segmentation`; `sigma` is its `boundary_sigma`.
+    power, relative_noise : (nx, ny, nz) float64, or None
+        Square of the intensity over that of the tissue nearby, less the surroundings'; noise over
+        that of the tissue nearby. None for a given mask.
+    snr, noise, level, threshold : float
+        As in `Segmentation`.
     """
 
     share: Array
     mask: Mask
     fluid: Mask
+    power: Array | None
+    relative_noise: Array | None
     snr: float
     noise: float
     level: float
     threshold: float
-    sigma: float
 
 
 def tissue_share(image: Array, spacing: Array, settings: SegmentationSettings) -> TissueShare:
@@ -258,7 +276,7 @@ def tissue_share(image: Array, spacing: Array, settings: SegmentationSettings) -
     The boundary is where the smoothed image is half-way between the surroundings and the robust
     local level of the tissue itself. A bright film or drop at the wall thus does not raise it.
     """
-    blur = settings.smoothing_mm * MM
+    blur = _blur(spacing, settings)
     rough = intensity.rough_mask(image, spacing, blur)
     if np.count_nonzero(rough) * np.prod(spacing) < settings.min_volume_mm3 * MM**3:
         raise SegmentationError(
@@ -273,6 +291,7 @@ def tissue_share(image: Array, spacing: Array, settings: SegmentationSettings) -
             " its scale"
         )
     noise = intensity.noise_level(image, rough, spacing, 2.0 * margin)
+    square = image**2 - np.mean(intensity.surroundings(image, rough, spacing, 2.0 * margin) ** 2)
     image = intensity.without_noise_floor(image, noise)
     floor = float(np.mean(intensity.surroundings(image, rough, spacing, 2.0 * margin)))
     level = float(np.median(image[interior]))
@@ -281,7 +300,8 @@ def tissue_share(image: Array, spacing: Array, settings: SegmentationSettings) -
             f"no sample found: its brightest region ({level:.4g}) does not stand out from the"
             f" surroundings ({floor:.4g}) and noise ({noise:.3g}); check the image"
         )
-    even = (image - floor) / intensity.bias_field(image, interior, settings.bias_order)
+    bias = intensity.bias_field(image, interior, settings.bias_order)
+    even = (image - floor) / bias
     local = intensity.tissue_level(even, interior, spacing, settings.level_reach_mm * MM)
     raw = even / local
     share = intensity.smooth(raw, blur, spacing)
@@ -291,11 +311,12 @@ def tissue_share(image: Array, spacing: Array, settings: SegmentationSettings) -
         share=share,
         mask=mask,
         fluid=_free_fluid(raw, settings.fluid_ratio),
+        power=square / (bias * local) ** 2,
+        relative_noise=noise / (bias * local),
         snr=snr,
         noise=noise,
         level=level,
         threshold=floor + HALF * (level - floor),
-        sigma=_boundary_sigma(snr, spacing, blur),
     )
 
 
@@ -306,25 +327,12 @@ def _free_fluid(raw: Array, ratio: float) -> Mask:
     return np.asarray((sizes[labels] >= 3) & (labels > 0), dtype=bool)
 
 
-def _boundary_sigma(snr: float, spacing: Array, blur: float) -> float:
-    """One-sigma of the boundary's position: noise, local level, film and voxel edges together.
+def _blur(spacing: Array, settings: SegmentationSettings) -> Array:
+    """Standard deviation of the smoothing along each axis, (3,) [m].
 
-    At the half-maximum the share falls with ``1 / (sqrt(2 pi) s)``, s the width of the blur.
+    Less than 0.6 voxel edges and the surface would follow the voxels' steps.
     """
-    width = np.sqrt(2.0 * np.pi) * np.sqrt(blur**2 + np.max(spacing) ** 2 / 12.0)
-    smoothed_voxels = max(np.prod(2.0 * np.sqrt(np.pi) * np.maximum(blur / spacing, 0.28)), 1.0)
-    noise = width / snr / np.sqrt(smoothed_voxels)
-    level = width * HALF * LEVEL_SIGMA
-    voxels = VOXEL_SIGMA * float(np.max(spacing))
-    return float(np.sqrt(noise**2 + level**2 + voxels**2 + FILM_SIGMA**2))
-
-
-LEVEL_SIGMA = 0.05
-"""Relative one-sigma of the tissue level at the boundary (texture)."""
-VOXEL_SIGMA = 0.05
-"""One-sigma of the boundary's position by interpolation between voxels, in voxel edges."""
-FILM_SIGMA = 0.03 * MM
-"""One-sigma of the boundary's position by a film of fluid too thin to be seen [m]."""
+    return np.maximum(settings.smoothing_mm * MM, 0.6 * spacing)
 
 
 def _from_share(
@@ -337,7 +345,8 @@ def _from_share(
     point, normal, spread = frame.fit_base(surface, up, np.radians(settings.max_tilt_deg))
     x = frame.wall_direction(surface, normal, shear)
     sample_to_world = frame.rigid(x, normal, point)
-    distance, origin = _distance(kept, share.fluid, surface, to_world, sample_to_world, settings)
+    found = _boundary(kept, share, surface, to_world, sample_to_world, settings)
+    distance, origin = found.distance, found.origin
     spacing = settings.grid_spacing_mm * MM
     shift = sdf.base_centroid(distance, origin, spacing)
     sample_to_world = frame.rigid(x, normal, point + sample_to_world[:3, :3] @ shift)
@@ -349,7 +358,8 @@ def _from_share(
         origin=origin,
         spacing=spacing,
         sample_to_world=sample_to_world,
-        boundary_sigma=share.sigma,
+        sigma=found.sigma,
+        film=found.film,
         tilt=tilt,
         base_spread=spread,
         snr=share.snr,
@@ -360,33 +370,73 @@ def _from_share(
     )
 
 
-def _distance(
-    share: Array,
-    fluid: Mask,
+@dataclass(frozen=True)
+class Boundary:
+    """Signed distance, its first grid point, its standard deviation and the mean film [m]."""
+
+    distance: Array
+    origin: Array
+    sigma: Array
+    film: float
+
+
+def _boundary(
+    kept: Array,
+    share: TissueShare,
     surface: frame.Surface,
     to_world: Array,
     sample_to_world: Array,
     settings: SegmentationSettings,
-) -> tuple[Array, Array]:
-    """Signed distance in the frame `sample_to_world`, and the position of its first grid point."""
+) -> Boundary:
+    """Boundary in the frame `sample_to_world`: half-maximum, film off, walls carried on."""
     spacing = settings.grid_spacing_mm * MM
     origin, shape = _grid(surface, sample_to_world, spacing, settings.padding_mm * MM)
     grid = frame.grid_affine(origin, spacing)
-    to_voxel = np.linalg.inv(to_world) @ sample_to_world @ grid
-    local = frame.sampled(share, to_voxel, shape, order=3)
+    to_sample = np.linalg.inv(sample_to_world) @ to_world
+    to_voxel = np.linalg.inv(to_sample) @ grid
+    local = frame.sampled(kept, to_voxel, shape, order=3)
     first = round(float(settings.base_clearance_mm * MM - origin[2]) / spacing)
     walls = frame.iso_surface(local[:, :, first - 1 :], HALF, _raised(grid, first - 1))
     band = 1.5 * MM
-    wet = frame.sampled(fluid.astype(np.float64), to_voxel, shape, order=1) > 0.01
+    wet = frame.sampled(share.fluid.astype(np.float64), to_voxel, shape, order=1) > 0.01
     reach = settings.fluid_reach_mm * MM
     away = _away(wet, spacing)
     walls = walls.where(frame.values_at(away, grid, walls.centres) > 0.75 * reach)
     rough = sdf.signed_distance(local > HALF, walls, origin, spacing, band)
     rough = sdf.fill_smoothly(rough, away < reach)
+    found = _fitted(rough, away > reach, origin, share, to_sample, settings)
     layers = round(settings.continuation_mm * MM / spacing)
-    whole = sdf.continue_below(rough, first, layers, blur=2.0)
+    whole = sdf.continue_below(found.distance, first, layers, blur=2.0)
     boundary = frame.iso_surface(-whole, 0.0, grid)
-    return sdf.signed_distance(whole < 0.0, boundary, origin, spacing, band), origin
+    distance = sdf.signed_distance(whole < 0.0, boundary, origin, spacing, band)
+    return replace(found, distance=distance)
+
+
+def _fitted(
+    rough: Array,
+    seen: Mask,
+    origin: Array,
+    share: TissueShare,
+    to_sample: Array,
+    settings: SegmentationSettings,
+) -> Boundary:
+    """Move the half-maximum to where the voxels near it say that tissue ends."""
+    spacing = settings.grid_spacing_mm * MM
+    if share.power is None or share.relative_noise is None:
+        voxel = float(np.max(voxel_size(to_sample)))
+        return Boundary(rough, origin, np.full(rough.shape, voxel / np.sqrt(12.0)), 0.0)
+    height = origin[2] + spacing * np.arange(rough.shape[2])
+    usable = seen & (height > settings.base_clearance_mm * MM)
+    voxels = film.voxels_near(
+        share.power, share.relative_noise, usable, rough, origin, spacing, to_sample
+    )
+    fit = film.fit(voxels, settings.fluid_brightness)
+    near = np.abs(rough) < 2.0 * MM
+    points = origin + spacing * np.argwhere(near)
+    distance, sigma = rough.copy(), np.full(rough.shape, float(np.median(fit.sigma.values)))
+    distance[near] -= fit.shift(points)
+    sigma[near] = fit.sigma(points)
+    return Boundary(distance, origin, sigma, float(np.mean(fit.film.values)))
 
 
 def _away(marked: Mask, spacing: float) -> Array:

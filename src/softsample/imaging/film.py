@@ -1,0 +1,322 @@
+"""Where tissue ends below a film of fluid: a model of the scanner, fitted to the voxels.
+
+A film much thinner than a voxel moves the half-maximum outward by its thickness times its
+brightness, and sharpens the edge. The sharpening tells film from tissue, but so faintly that one
+place alone does not show it. The shift of the boundary, the thickness of the film and the level of
+the tissue are therefore fields over the surface, smooth by their priors, and estimated together:
+maximum a posteriori by Gauss-Newton steps. The derivation is in ``docs/geometry.md``.
+
+References
+----------
+.. [1] A. Tarantola, Inverse problem theory, SIAM 2005, doi:10.1137/1.9780898717921, chapter 3.
+"""
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy import linalg, sparse
+from scipy.ndimage import map_coordinates
+from scipy.spatial import cKDTree
+from scipy.spatial.distance import cdist
+
+Array = NDArray[np.float64]
+
+MM = 1e-3
+"""One millimetre [m]."""
+
+BAND = (-1.2 * MM, 0.8 * MM)
+"""Depth of the voxels that are fitted [m], from inside to outside."""
+
+FINE = 0.16 * MM
+"""Longest edge of the cells that a voxel is divided into [m]."""
+
+NEIGHBOURS = 6
+"""Places that a voxel's values are interpolated from."""
+
+ROUNDS = 12
+"""Gauss-Newton steps at most."""
+
+OUTLIER = 4.0
+"""Residuals beyond this many standard deviations lose weight (Huber)."""
+
+TEXTURE = 0.03
+"""Standard deviation of the tissue about its smooth level."""
+
+TYPICAL = 0.04 * MM
+"""Median of the film's thickness before the image is seen [m]."""
+
+BRIGHTNESS_SIGMA = 0.15
+"""Standard deviation of the fluid's brightness over the tissue's, before the image is seen."""
+
+
+UNRESOLVED = 0.25
+"""Standard deviation of a film's thickness within a patch, relative."""
+
+
+@dataclass(frozen=True)
+class Prior:
+    """What is expected of a field over the surface before the image is seen.
+
+    Attributes
+    ----------
+    common : float
+        Standard deviation of its mean over the sample, in units of `local`.
+    local : float
+        Standard deviation about that mean.
+    reach : float
+        Distance over which it forgets itself [m].
+    patch : float
+        Distance of the places that carry it [m].
+    """
+
+    common: float
+    local: float
+    reach: float
+    patch: float
+
+    def precision(self, places: Array) -> Array:
+        """Inverse covariance (n, n) between `places` (n, 3) [m] in units of `local`."""
+        near = np.exp(-cdist(places, places) / self.reach)
+        return np.asarray(np.linalg.inv(self.common**2 + near))
+
+
+SHIFT = Prior(5.0, 0.04 * MM, 3.0 * MM, 1.1 * MM)
+"""Of the boundary outward [m]."""
+
+FILM = Prior(3.0, 0.3, 4.0 * MM, 2.0 * MM)
+"""Logarithm of the film's thickness over `TYPICAL`."""
+
+LEVEL = Prior(1.0, 0.05, 3.0 * MM, 2.0 * MM)
+"""Of the tissue, relative to that of the segmentation."""
+
+
+@dataclass(frozen=True)
+class Voxels:
+    """Voxels near a surface.
+
+    Attributes
+    ----------
+    depth : (n, q) float64
+        Signed distance of the cells of each voxel to the surface [m], negative inside.
+    cell : float
+        Edge of a cell [m].
+    place : (n, 3) float64
+        Centres in the sample frame [m].
+    power, noise : (n,) float64
+        Square of the intensity over that of tissue, less that of the noise; standard deviation
+        of the noise. Squares, since the mean of a magnitude's square is exact at any noise.
+    """
+
+    depth: Array
+    cell: float
+    place: Array
+    power: Array
+    noise: Array
+
+
+@dataclass(frozen=True)
+class Field:
+    """Values at places of the surface.
+
+    Attributes
+    ----------
+    places : (m, 3) float64
+        Sample frame [m].
+    values : (m,) float64
+    """
+
+    places: Array
+    values: Array
+
+    def __call__(self, points: Array) -> Array:
+        """Values (n,) at `points` (n, 3) [m]."""
+        return np.asarray(_weights(self.places, points) @ self.values)
+
+
+@dataclass(frozen=True)
+class Fit:
+    """Where the boundary is.
+
+    Attributes
+    ----------
+    shift, sigma : Field
+        Way outward from the given surface to the boundary, and its standard deviation [m].
+    film : Field
+        Thickness of the film [m]; zero without one.
+    brightness : float
+        Of the fluid over the tissue.
+    evidence : float
+        Logarithm of the probability of the image under this model, but for a constant.
+    """
+
+    shift: Field
+    sigma: Field
+    film: Field
+    brightness: float
+    evidence: float
+
+
+def fit(voxels: Voxels, brightness: float) -> Fit:
+    """Fit the boundary with a film and without one; the more probable model is taken.
+
+    Parameters
+    ----------
+    voxels : Voxels
+        Near the surface.
+    brightness : float
+        Expected brightness of the fluid over that of the tissue.
+    """
+    dry, wet = (_fit(voxels, brightness, film) for film in (False, True))
+    return wet if wet.evidence > dry.evidence else dry
+
+
+def _fit(voxels: Voxels, brightness: float, with_film: bool) -> Fit:
+    """Most probable fields (Gauss-Newton), with the evidence by Laplace's approximation."""
+    priors = [SHIFT, LEVEL, FILM] if with_film else [SHIFT, LEVEL]
+    places = [_places(voxels, prior.patch) for prior in priors]
+    weights = [_weights(place, voxels.place) for place in places]
+    prior = linalg.block_diag(
+        *(p.precision(place) for p, place in zip(priors, places, strict=True)),
+        *([[1.0]] if with_film else []),
+    )
+    ends = np.cumsum([len(place) for place in places])
+    state = np.zeros(len(prior))
+    if with_film:
+        state[: ends[0]] = -brightness * TYPICAL / SHIFT.local
+    best = np.inf
+    for _ in range(ROUNDS):
+        values = [p.local * part for p, part in zip(priors, np.split(state, ends), strict=False)]
+        shift, level = weights[0] @ values[0], 1.0 + weights[1] @ values[1]
+        ratio = brightness + BRIGHTNESS_SIGMA * state[-1] if with_film else brightness
+        film = TYPICAL * np.exp(weights[2] @ values[2]) if with_film else np.zeros(len(shift))
+        expected, slopes = _expected(voxels, shift, level, film, ratio)
+        sigma = np.sqrt(
+            4.0 * voxels.noise**2 * (expected**2 + voxels.noise**2)
+            + (2.0 * TEXTURE * expected**2) ** 2
+        )
+        residual = (voxels.power - expected**2) / sigma
+        far = np.maximum(np.abs(residual) / OUTLIER, 1.0)
+        cost = float(np.sum(residual**2 * (2.0 / far - 1.0 / far**2) + 2.0 * np.log(sigma)))
+        cost += float(state @ prior @ state)
+        columns = [
+            weight.multiply((2.0 * expected * p.local * slope / sigma)[:, None])
+            for p, weight, slope in zip(priors, weights, slopes, strict=False)
+        ]
+        if with_film:
+            columns.append(sparse.csr_matrix((2.0 * expected * BRIGHTNESS_SIGMA * slopes[3] / sigma)[:, None]))
+        jacobian = sparse.hstack(columns).tocsr()
+        weighted = jacobian.multiply((1.0 / far)[:, None]).T.tocsr()
+        hessian = (weighted @ jacobian).toarray() + prior
+        factor = linalg.cho_factor(hessian)
+        if abs(best - cost) < 0.5:
+            break
+        best = cost
+        step = linalg.cho_solve(factor, weighted @ residual - prior @ state)
+        state = state + step / max(1.0, float(np.abs(step).max()) / 3.0)
+    covariance = linalg.cho_solve(factor, np.eye(len(state)))
+    variance = SHIFT.local**2 * np.diag(covariance)[: ends[0]]
+    if with_film:
+        below = ratio * TYPICAL * np.exp(_weights(places[2], places[0]) @ values[2])
+        variance = variance + (UNRESOLVED * below) ** 2
+    occam = 2.0 * np.sum(np.log(np.diag(factor[0]))) - np.linalg.slogdet(prior)[1]
+    return Fit(
+        shift=Field(places[0], values[0]),
+        sigma=Field(places[0], np.sqrt(variance)),
+        film=Field(places[-1], TYPICAL * np.exp(values[-1]) if with_film else 0.0 * values[-1]),
+        brightness=float(ratio),
+        evidence=-0.5 * (cost + float(occam)),
+    )
+
+
+def _places(voxels: Voxels, patch: float) -> Array:
+    """Places (m, 3) about `patch` apart on the surface: means of what lies in each cube."""
+    near = np.abs(voxels.depth.mean(axis=1)) < 0.3 * MM
+    points = voxels.place[near]
+    _, cube = np.unique(np.floor(points / patch), axis=0, return_inverse=True)
+    count = np.bincount(cube.ravel())
+    return np.stack([np.bincount(cube.ravel(), points[:, k]) / count for k in range(3)], axis=1)
+
+
+def _weights(places: Array, points: Array) -> sparse.csr_matrix:
+    """Weights (n, m) that carry values at `places` (m, 3) to `points` (n, 3) smoothly."""
+    away, which = cKDTree(places).query(points, k=min(NEIGHBOURS, len(places)))
+    width = 0.5 * away[:, -1:]
+    weight = np.exp(-0.5 * (away**2 - away[:, :1] ** 2) / width**2)
+    weight /= weight.sum(axis=1, keepdims=True)
+    rows = np.repeat(np.arange(len(points)), which.shape[1])
+    shape = (len(points), len(places))
+    return sparse.csr_matrix((weight.ravel(), (rows, which.ravel())), shape=shape)
+
+
+def _expected(
+    voxels: Voxels, shift: Array, level: Array, film: Array, ratio: float
+) -> tuple[Array, list[Array]]:
+    """Expected intensity (n,) and its slopes by shift, level, logarithm of film, brightness."""
+    tissue, at_tissue = _share(voxels, shift)
+    wet, at_wet = _share(voxels, shift + film)
+    expected = level * (tissue + ratio * (wet - tissue))
+    return expected, [
+        level * (at_tissue + ratio * (at_wet - at_tissue)),
+        expected / level,
+        level * ratio * at_wet * film,
+        level * (wet - tissue),
+    ]
+
+
+def _share(voxels: Voxels, shift: Array) -> tuple[Array, Array]:
+    """Share (n,) of each voxel inside the surface moved outward by `shift`; its slope."""
+    height = 0.5 + (shift[:, None] - voxels.depth) / voxels.cell
+    inside = np.clip(height, 0.0, 1.0).mean(axis=1)
+    slope = np.mean((height > 0.0) & (height < 1.0), axis=1) / voxels.cell
+    return inside, slope
+
+
+def voxels_near(
+    power: Array,
+    noise: Array,
+    usable: NDArray[np.bool_],
+    distance: Array,
+    origin: Array,
+    spacing: float,
+    to_sample: Array,
+) -> Voxels:
+    """Voxels near a surface, with the depth of their cells.
+
+    Parameters
+    ----------
+    power, noise : (nx, ny, nz) float64
+        As of `Voxels`, on the grid of the image.
+    usable : (mx, my, mz) bool
+        Where voxels may be taken, on the grid of `distance`.
+    distance : (mx, my, mz) float64
+        Signed distance to the surface [m], sample frame.
+    origin : (3,) float64
+        Position of ``distance[0, 0, 0]`` [m].
+    spacing : float
+        Of the grid of `distance` [m].
+    to_sample : (4, 4) float64
+        From voxel index to the sample frame [m].
+    """
+    matrix = to_sample[:3, :3] / spacing
+    first = (to_sample[:3, 3] - origin) / spacing
+
+    def looked_up(field: Array, index: Array, outside: float) -> Array:
+        place = matrix @ index.T + first[:, None]
+        return np.asarray(map_coordinates(field, place, order=1, cval=outside))
+
+    index = np.indices(power.shape).reshape(3, -1).T
+    depth = looked_up(distance, index, 1.0)
+    index = index[(depth > BAND[0]) & (depth < BAND[1])]
+    index = index[looked_up(usable.astype(np.float64), index, 0.0) > 0.99]
+    edge = np.linalg.norm(to_sample[:3, :3], axis=0)
+    parts = np.ceil(edge / FINE - 1e-6).astype(int)
+    steps = [(np.arange(n) + 0.5) / n - 0.5 for n in parts]
+    cells = np.stack(np.meshgrid(*steps, indexing="ij"), axis=-1).reshape(-1, 3)
+    return Voxels(
+        depth=np.stack([looked_up(distance, index + cell, 1.0) for cell in cells], axis=1),
+        cell=float(np.max(edge / parts)),
+        place=index @ to_sample[:3, :3].T + to_sample[:3, 3],
+        power=power[tuple(index.T)],
+        noise=noise[tuple(index.T)],
+    )

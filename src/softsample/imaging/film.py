@@ -53,6 +53,9 @@ BRIGHTNESS_SIGMA = 0.15
 UNRESOLVED = 0.25
 """Standard deviation of a film's thickness within a patch, relative."""
 
+UNSEEN = 0.02
+"""Standard deviation of the shift by a film too thin to be seen, in voxel edges."""
+
 
 @dataclass(frozen=True)
 class Prior:
@@ -99,8 +102,8 @@ class Voxels:
     ----------
     depth : (n, q) float64
         Signed distance of the cells of each voxel to the surface [m], negative inside.
-    cell : float
-        Edge of a cell [m].
+    cell, edge : float
+        Edge of a cell; geometric mean of the voxel's edges [m].
     place : (n, 3) float64
         Centres in the sample frame [m].
     power, noise : (n,) float64
@@ -110,6 +113,7 @@ class Voxels:
 
     depth: Array
     cell: float
+    edge: float
     place: Array
     power: Array
     noise: Array
@@ -219,6 +223,8 @@ def _fit(voxels: Voxels, brightness: float, with_film: bool) -> Fit:
     if with_film:
         below = ratio * TYPICAL * np.exp(_weights(places[2], places[0]) @ values[2])
         variance = variance + (UNRESOLVED * below) ** 2
+    else:
+        variance = variance + (UNSEEN * voxels.edge) ** 2
     occam = 2.0 * np.sum(np.log(np.diag(factor[0]))) - np.linalg.slogdet(prior)[1]
     return Fit(
         shift=Field(places[0], values[0]),
@@ -316,6 +322,7 @@ def voxels_near(
     return Voxels(
         depth=np.stack([looked_up(distance, index + cell, 1.0) for cell in cells], axis=1),
         cell=float(np.max(edge / parts)),
+        edge=float(np.prod(edge) ** (1.0 / 3.0)),
         place=index @ to_sample[:3, :3].T + to_sample[:3, 3],
         power=power[tuple(index.T)],
         noise=noise[tuple(index.T)],

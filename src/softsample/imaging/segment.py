@@ -232,6 +232,7 @@ def segmentation_from_mask(
         share=intensity.smooth(solid.astype(np.float64), _blur(spacing, settings), spacing),
         mask=solid,
         fluid=np.zeros_like(solid),
+        hole=np.zeros_like(solid),
         power=None,
         relative_noise=None,
         snr=np.nan,
@@ -250,8 +251,8 @@ class TissueShare:
     ----------
     share : (nx, ny, nz) float64
         Smoothed image on the scale from surroundings (0) to the tissue nearby (1).
-    mask, fluid : (nx, ny, nz) bool
-        Sample, and free fluid (drops).
+    mask, fluid, hole : (nx, ny, nz) bool
+        Sample, free fluid (drops), and holes of the sample that were filled (bubbles).
     power, relative_noise : (nx, ny, nz) float64, or None
         Square of the intensity over that of the tissue nearby, less the surroundings'; noise over
         that of the tissue nearby. None for a given mask.
@@ -262,6 +263,7 @@ class TissueShare:
     share: Array
     mask: Mask
     fluid: Mask
+    hole: Mask
     power: Array | None
     relative_noise: Array | None
     snr: float
@@ -285,6 +287,7 @@ def tissue_share(image: Array, spacing: Array, settings: SegmentationSettings) -
         )
     margin = max(settings.level_margin_mm * MM, float(np.max(spacing))) + 0.25 * MM
     interior = intensity.eroded(rough, spacing, margin)
+    interior &= image > HALF * np.median(image[rough])  # no bubbles
     if np.count_nonzero(interior) < 100:
         raise SegmentationError(
             "no sample found: the largest bright region has no interior; check the image and"
@@ -311,6 +314,7 @@ def tissue_share(image: Array, spacing: Array, settings: SegmentationSettings) -
         share=share,
         mask=mask,
         fluid=_free_fluid(raw, settings.fluid_ratio),
+        hole=mask & (share <= HALF),
         power=square / (bias * local) ** 2,
         relative_noise=noise / (bias * local),
         snr=snr,
@@ -340,7 +344,7 @@ def _from_share(
 ) -> Segmentation:
     """Find the sample frame and bring the boundary into it."""
     kept = np.where(intensity.grown(share.mask), share.share, np.minimum(share.share, 0.0))
-    kept = np.where(share.mask, np.maximum(kept, HALF + 1e-6), kept)
+    kept = np.where(share.hole, 1.0, kept)
     surface = frame.iso_surface(kept, HALF, to_world)
     point, normal, spread = frame.fit_base(surface, up, np.radians(settings.max_tilt_deg))
     x = frame.wall_direction(surface, normal, shear)
@@ -404,7 +408,9 @@ def _boundary(
     walls = walls.where(frame.values_at(away, grid, walls.centres) > 0.75 * reach)
     rough = sdf.signed_distance(local > HALF, walls, origin, spacing, band)
     rough = sdf.fill_smoothly(rough, away < reach)
-    found = _fitted(rough, away > reach, origin, share, to_sample, settings)
+    hole = frame.sampled(share.hole.astype(np.float64), to_voxel, shape, order=1) > 0.01
+    seen = np.minimum(away, _away(hole, spacing)) > reach
+    found = _fitted(rough, seen, origin, share, to_sample, settings)
     layers = round(settings.continuation_mm * MM / spacing)
     whole = sdf.continue_below(found.distance, first, layers, blur=2.0)
     boundary = frame.iso_surface(-whole, 0.0, grid)
@@ -487,6 +493,8 @@ def _flags(share: TissueShare, spread: float, voxel: Array) -> tuple[str, ...]:
     flags = []
     if share.fluid.any():
         flags.append("free fluid on the sample was left out")
+    if share.hole.any():
+        flags.append("a hole in the sample was filled")
     if spread > 0.5 * float(np.max(voxel)):
         flags.append("base is not flat")
     if share.snr < 8.0:

@@ -21,7 +21,7 @@ export PYTHONPATH := src
 export NUMBA_CACHE_DIR ?= $(CURDIR)/.numba/$(shell cat src/softsample/fem/*.py | sha256sum | cut -c1-16)
 unexport VIRTUAL_ENV
 
-.PHONY: help env run quick test test-long check bench bench-solver verify format clean clean-env
+.PHONY: help env run quick test test-long check bench bench-solver bench-imaging verify format clean clean-env
 
 help:
 	@echo "make run        the study: every sample at 0.5 mm, tables, figures, results/report.html"
@@ -31,6 +31,7 @@ help:
 	echo "make check      ruff, snakefmt, mypy, snakemake --lint"
 	echo "make bench      speed of the solver on this machine, into results/bench/"
 	echo "make verify     the solver against exact solutions and other solvers: docs/verification.md"
+	echo "make bench-imaging  accuracy of segmentation and mesh on made-up images, into results/bench/"
 	echo "make format     let ruff and snakefmt rewrite the sources"
 	echo "make clean      remove results (clean-env: the environment)"
 
@@ -91,13 +92,16 @@ check: $(stamp)
 	$(bin)/mypy
 	$(bin)/python tests/workflow/lint.py
 
-bench: bench-solver
+bench: bench-solver bench-imaging
 
 bench-solver: $(stamp)
 	$(bin)/python benchmarks/solver.py results/bench/solver.json
 
 verify: $(stamp)
 	$(bin)/python benchmarks/verification.py
+
+bench-imaging: $(stamp)
+	$(bin)/python benchmarks/imaging.py results/bench/imaging.json
 
 format: $(stamp)
 	$(bin)/ruff check --fix .

@@ -1,4 +1,4 @@
-"""Accuracy of segmentation and mesh on phantoms of known surface; writes results/bench/imaging.json.
+"""Accuracy of segmentation and mesh on phantoms; writes results/bench/imaging.json.
 
 40 phantoms, both protocols, half of them with a film of up to 0.1 mm, and ten stress shapes with
 doubled bumps. The seeds were used for nothing else. Prints which bars hold.
@@ -21,7 +21,7 @@ from softsample.meshing.sample import mesh_real
 from softsample.phantom.draw import random_cuboid, random_cylinder, random_scan
 from softsample.phantom.scan import Scan
 from softsample.phantom.shapes import Shape
-from softsample.phantom.truth import Truth, measured, surface_points
+from softsample.phantom.sizes import Sizes, measured, surface_points
 from softsample.workflow import versions
 
 Array = NDArray[np.float64]
@@ -60,7 +60,7 @@ BARS: dict[str, dict[str, tuple[str, float]]] = {
         "mesh_cpu_s": ("<", 15.0),
     },
 }
-"""Each holds for 38 of 40 phantoms; of those that are better when less, half of it for the median."""
+"""Each holds for 38 of 40 phantoms, and half of it for the median where less is better."""
 
 COVERAGE = (0.60, 0.76)
 """Share of the true surface within the stated one-sigma band, pooled."""
@@ -125,7 +125,7 @@ def at_true_surface(found: Segmentation, scan: Scan, points: Array) -> tuple[Arr
     return gap / MM, map_coordinates(found.sigma, index, order=1, mode="nearest") / MM
 
 
-def edge_error(found: Segmentation, true: Truth) -> float:
+def edge_error(found: Segmentation, true: Sizes) -> float:
     """Largest error of length, width and height of the cuboid [mm]."""
     cuboid = measure(found.distance, found.origin, found.spacing)
     names = ("length", "width", "height")

@@ -14,6 +14,7 @@ ALLOWED = {
     "errors": set(),
     "meshing": {"errors"},
     "imaging": {"errors"},
+    "phantom": set(),
     "constitutive": {"errors"},
     "protocol": {"errors"},
     "validation": {"errors"},

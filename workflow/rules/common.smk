@@ -265,9 +265,10 @@ def tables():
 
 
 def figures():
-    """The figures of the study; numbers are those of the paper."""
+    """The figures of the study, numbered as in the paper, and one of each sample."""
     names = [2, 4, 5, *([6] if groups_with("ogden1") else []), 7]
-    return [f"<results>/figures/figure{name}.{kind}" for name in names for kind in FORMATS]
+    numbered = [f"<results>/figures/figure{name}.{kind}" for name in names for kind in FORMATS]
+    return numbered + [f"<results>/figures/samples/{sample}.png" for sample in SAMPLES]
 
 
 def groups_with(model):

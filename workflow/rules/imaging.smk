@@ -12,6 +12,7 @@ rule segment:
         segments="<results>/segmentation/{sample}.seg.nrrd",
         distance="<results>/segmentation/{sample}_distance.nii.gz",
         surface="<results>/segmentation/{sample}.stl",
+        sigma="<results>/segmentation/{sample}_sigma.nii.gz",
         report="<results>/segmentation/{sample}.json",
     log:
         "<logs>/segment/{sample}.log",

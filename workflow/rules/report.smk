@@ -175,6 +175,29 @@ rule figure2:
         "../scripts/figure2.py"
 
 
+rule figure_sample:
+    input:
+        image=study_file("image"),
+        distance="<results>/segmentation/{sample}_distance.nii.gz",
+        sigma="<results>/segmentation/{sample}_sigma.nii.gz",
+        segmentation="<results>/segmentation/{sample}.json",
+        mesh="<results>/mesh/{sample}/real.vtu",
+        code=library("workflow/scripts/figure_sample.py"),
+    output:
+        png=report(
+            "<results>/figures/samples/{sample}.png",
+            caption="../report/sample.rst",
+            category="Samples",
+            labels={"sample": "{sample}"},
+        ),
+    log:
+        "<logs>/figure_sample/{sample}.log",
+    message:
+        "Contours, uncertainty and mesh quality: {wildcards.sample}"
+    script:
+        "../scripts/figure_sample.py"
+
+
 rule figure4:
     input:
         table="<results>/tables/stress_strain.csv",

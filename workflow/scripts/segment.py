@@ -29,11 +29,12 @@ with logged_to(snakemake.log[0]):
         loading_axis=world_axis(given.axes["loading_axis"]),
         shear_axis=world_axis(given.axes["shear_axis"]),
     )
-    distance_mm = (M_TO_MM * found.distance).astype("float32")
     report = found.summary()
     surface = level_surface(found.distance, found.origin, found.spacing)
     write_image(written.mask, found.mask.astype("uint8"), affine)
     write_segmentation(written.segments, found.mask, affine, sample)
-    write_image(written.distance, distance_mm, found.distance_affine_mm)
+    for name in ("distance", "sigma"):
+        in_mm = (M_TO_MM * getattr(found, name)).astype("float32")
+        write_image(written[name], in_mm, found.distance_affine_mm)
     write_surface(written.surface, surface, report["sample_to_world"])
     write_json(written.report, {**report, "provenance": provenance(snakemake)})

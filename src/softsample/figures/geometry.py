@@ -104,39 +104,39 @@ def geometry_figure(
     figure = page_figure(height_mm=130.0)
     parts: Any = figure.subfigures(2, 1, height_ratios=[1.0, 1.0], hspace=0.04)
     upper, lower = parts
-    widths = [_extent(image, axis)[0] for axis, _ in PLANES]
+    widths = [extent(image, axis)[0] for axis, _ in PLANES]
     slices = upper.subplots(1, 3, width_ratios=widths)
     for ax, letter, (axis, name) in zip(slices, "abc", PLANES, strict=True):
-        _draw_slice(ax, image, axis)
+        draw_slice(ax, image, axis)
         label_panel(ax, letter, name)
     shapes = (
         (image.surface(), "Segmented surface", False),
         (real[0], f"Real mesh, {real[1]} elements", True),
         (ideal[0], f"Idealised mesh, {ideal[1]} elements", True),
     )
-    limits = _page_limits([surface for surface, _, _ in shapes])
+    limits = page_limits([surface for surface, _, _ in shapes])
     for ax, letter, (surface, name, edges) in zip(lower.subplots(1, 3), "def", shapes, strict=True):
         ax.set(xlim=limits[0], ylim=limits[1])
         draw_surface(ax, surface, OBLIQUE, Look(edges=edges), renderer)
         ax.set_axis_off()
         label_panel(ax, letter, name)
-        _scale_bar(ax, 10.0)
+        scale_bar(ax, 10.0)
     figure.suptitle(title)
     return figure
 
 
-def _extent(image: SegmentedImage, axis: int) -> tuple[float, float]:
+def extent(image: SegmentedImage, axis: int) -> tuple[float, float]:
     """Width and height [mm] of the slice normal to an image axis."""
     across, up = (i for i in range(3) if i != axis)
     shape, voxel = np.array(image.data.shape), image.voxel_mm
     return float(shape[across] * voxel[across]), float(shape[up] * voxel[up])
 
 
-def _draw_slice(ax: Axes, image: SegmentedImage, axis: int) -> None:
+def draw_slice(ax: Axes, image: SegmentedImage, axis: int) -> None:
     """Slice through the sample's middle, with its contour; coordinates in mm from the corner."""
     across, up = (i for i in range(3) if i != axis)
     at = round(float(image.centre()[axis]))
-    width, height = _extent(image, axis)
+    width, height = extent(image, axis)
     shown = np.take(image.data, at, axis=axis).T
     ax.imshow(
         shown, origin="lower", extent=(0.0, width, 0.0, height), cmap="gray", vmin=0.0,
@@ -155,14 +155,15 @@ def _draw_slice(ax: Axes, image: SegmentedImage, axis: int) -> None:
     ax.spines[["top", "right"]].set_visible(True)
 
 
-def _page_limits(surfaces: list[Surface]) -> tuple[tuple[float, float], tuple[float, float]]:
+def page_limits(surfaces: list[Surface]) -> tuple[tuple[float, float], tuple[float, float]]:
     """Common limits of the page for several surfaces, so that all have one scale."""
     page = np.concatenate([OBLIQUE.project(surface.points) for surface in surfaces])
     low, high = page.min(axis=0) - 1.0, page.max(axis=0) + 1.0
     return (float(low[0]), float(high[0])), (float(low[1]) - 2.0, float(high[1]))
 
 
-def _scale_bar(ax: Axes, length_mm: float) -> None:
+def scale_bar(ax: Axes, length_mm: float) -> None:
+    """Bar of a given length in the lower left corner of axes in mm."""
     left, bottom = ax.get_xlim()[0] + 0.5, ax.get_ylim()[0] + 0.6
     ax.plot([left, left + length_mm], [bottom, bottom], color="black", lw=2, solid_capstyle="butt")
     ax.annotate(f"{length_mm:g} mm", (left + length_mm, bottom), xytext=(3, 0),

@@ -12,6 +12,7 @@ References
 """
 
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -36,6 +37,12 @@ NEIGHBOURS = 6
 
 ROUNDS = 12
 """Gauss-Newton steps at most."""
+
+CONVERGED = 0.5
+"""Change of minus twice the logarithm of the probability that ends the steps."""
+
+LONGEST_STEP = 3.0
+"""Largest change of an unknown in a step, in standard deviations of its prior."""
 
 OUTLIER = 4.0
 """Residuals beyond this many standard deviations lose weight (Huber)."""
@@ -175,64 +182,130 @@ def fit(voxels: Voxels, brightness: float) -> Fit:
     return wet if wet.evidence > dry.evidence else dry
 
 
+@dataclass(frozen=True)
+class _Unknowns:
+    """Fields of a model, whitened: one standard deviation of the prior is 1.
+
+    Attributes
+    ----------
+    priors, places : tuple of Prior, tuple of (m, 3) float64
+        Shift, level and, with a film, the logarithm of its thickness.
+    carry : tuple of (n, m) sparse
+        From places to voxels.
+    precision : (u, u) float64
+        Of the prior; with a film, its brightness is the last unknown.
+    brightness : float
+        Expected.
+    """
+
+    priors: tuple[Prior, ...]
+    places: tuple[Array, ...]
+    carry: tuple[Any, ...]
+    precision: Array
+    brightness: float
+
+    @classmethod
+    def over(cls, voxels: Voxels, brightness: float, with_film: bool) -> "_Unknowns":
+        priors = (SHIFT, LEVEL, FILM) if with_film else (SHIFT, LEVEL)
+        places = tuple(_places(voxels, prior.patch) for prior in priors)
+        blocks = [prior.precision(place) for prior, place in zip(priors, places, strict=True)]
+        return cls(
+            priors,
+            places,
+            tuple(_weights(place, voxels.place) for place in places),
+            linalg.block_diag(*blocks, *([np.eye(1)] if with_film else [])),
+            brightness,
+        )
+
+    @property
+    def with_film(self) -> bool:
+        return len(self.priors) == 3
+
+    def start(self) -> Array:
+        """No shift without a film; with one, that of a film of typical thickness."""
+        state = np.zeros(len(self.precision))
+        if self.with_film:
+            state[: len(self.places[0])] = -self.brightness * TYPICAL / SHIFT.local
+        return state
+
+    def values(self, state: Array) -> list[Array]:
+        """Fields at their places."""
+        ends = np.cumsum([len(place) for place in self.places])
+        parts = np.split(state, ends)
+        return [prior.local * part for prior, part in zip(self.priors, parts, strict=False)]
+
+    def ratio(self, state: Array) -> float:
+        """Brightness of the fluid."""
+        return self.brightness + (BRIGHTNESS_SIGMA * float(state[-1]) if self.with_film else 0.0)
+
+    def expected(self, voxels: Voxels, state: Array) -> tuple[Array, Any]:
+        """Expected intensity (n,) and its derivative (n, u) by the state."""
+        fields = [carry @ part for carry, part in zip(self.carry, self.values(state), strict=True)]
+        film = TYPICAL * np.exp(fields[2]) if self.with_film else np.zeros(len(fields[0]))
+        level, ratio = 1.0 + fields[1], self.ratio(state)
+        tissue, at_tissue = _share(voxels, fields[0])
+        wet, at_wet = _share(voxels, fields[0] + film)
+        expected = level * (tissue + ratio * (wet - tissue))
+        slopes = [
+            level * (at_tissue + ratio * (at_wet - at_tissue)),
+            expected / level,
+            level * ratio * at_wet * film,
+        ]
+        columns: list[Any] = [
+            carry.multiply((prior.local * slope)[:, None])
+            for carry, prior, slope in zip(self.carry, self.priors, slopes, strict=False)
+        ]
+        if self.with_film:
+            columns.append(BRIGHTNESS_SIGMA * (level * (wet - tissue))[:, None])
+        return expected, sparse.hstack(columns).tocsr()
+
+
 def _fit(voxels: Voxels, brightness: float, with_film: bool) -> Fit:
     """Most probable fields (Gauss-Newton), with the evidence by Laplace's approximation."""
-    priors = [SHIFT, LEVEL, FILM] if with_film else [SHIFT, LEVEL]
-    places = [_places(voxels, prior.patch) for prior in priors]
-    weights = [_weights(place, voxels.place) for place in places]
-    prior = linalg.block_diag(
-        *(p.precision(place) for p, place in zip(priors, places, strict=True)),
-        *([[1.0]] if with_film else []),
-    )
-    ends = np.cumsum([len(place) for place in places])
-    state = np.zeros(len(prior))
-    if with_film:
-        state[: ends[0]] = -brightness * TYPICAL / SHIFT.local
-    best = np.inf
+    unknowns = _Unknowns.over(voxels, brightness, with_film)
+    state, before = unknowns.start(), np.inf
     for _ in range(ROUNDS):
-        values = [p.local * part for p, part in zip(priors, np.split(state, ends), strict=False)]
-        shift, level = weights[0] @ values[0], 1.0 + weights[1] @ values[1]
-        ratio = brightness + BRIGHTNESS_SIGMA * state[-1] if with_film else brightness
-        film = TYPICAL * np.exp(weights[2] @ values[2]) if with_film else np.zeros(len(shift))
-        expected, slopes = _expected(voxels, shift, level, film, ratio)
-        sigma = np.sqrt(
-            4.0 * voxels.noise**2 * (expected**2 + voxels.noise**2)
-            + (2.0 * TEXTURE * expected**2) ** 2
-        )
-        residual = (voxels.power - expected**2) / sigma
-        far = np.maximum(np.abs(residual) / OUTLIER, 1.0)
-        cost = float(np.sum(residual**2 * (2.0 / far - 1.0 / far**2) + 2.0 * np.log(sigma)))
-        cost += float(state @ prior @ state)
-        columns = [
-            weight.multiply((2.0 * expected * p.local * slope / sigma)[:, None])
-            for p, weight, slope in zip(priors, weights, slopes, strict=False)
-        ]
-        if with_film:
-            columns.append(sparse.csr_matrix((2.0 * expected * BRIGHTNESS_SIGMA * slopes[3] / sigma)[:, None]))
-        jacobian = sparse.hstack(columns).tocsr()
-        weighted = jacobian.multiply((1.0 / far)[:, None]).T.tocsr()
-        hessian = (weighted @ jacobian).toarray() + prior
+        cost, hessian, descent = _normal_equations(voxels, unknowns, state)
         factor = linalg.cho_factor(hessian)
-        if abs(best - cost) < 0.5:
+        if abs(before - cost) < CONVERGED:
             break
-        best = cost
-        step = linalg.cho_solve(factor, weighted @ residual - prior @ state)
-        state = state + step / max(1.0, float(np.abs(step).max()) / 3.0)
-    covariance = linalg.cho_solve(factor, np.eye(len(state)))
-    variance = SHIFT.local**2 * np.diag(covariance)[: ends[0]]
+        before = cost
+        step = linalg.cho_solve(factor, descent)
+        state = state + step / max(1.0, float(np.abs(step).max()) / LONGEST_STEP)
+    occam = 2.0 * np.sum(np.log(np.diag(factor[0]))) - np.linalg.slogdet(unknowns.precision)[1]
+    values, place = unknowns.values(state), unknowns.places[0]
+    film = Field(place, np.zeros(len(place)))
     if with_film:
-        below = ratio * TYPICAL * np.exp(_weights(places[2], places[0]) @ values[2])
-        variance = variance + (UNRESOLVED * below) ** 2
-    else:
-        variance = variance + (UNSEEN * voxels.edge) ** 2
-    occam = 2.0 * np.sum(np.log(np.diag(factor[0]))) - np.linalg.slogdet(prior)[1]
+        film = Field(unknowns.places[2], TYPICAL * np.exp(values[2]))
+    covariance = linalg.cho_solve(factor, np.eye(len(state)))[: len(place), : len(place)]
+    unseen = UNRESOLVED * unknowns.ratio(state) * film(place) if with_film else UNSEEN * voxels.edge
     return Fit(
-        shift=Field(places[0], values[0]),
-        sigma=Field(places[0], np.sqrt(variance)),
-        film=Field(places[-1], TYPICAL * np.exp(values[-1]) if with_film else 0.0 * values[-1]),
-        brightness=float(ratio),
+        shift=Field(place, values[0]),
+        sigma=Field(place, np.sqrt(SHIFT.local**2 * np.diag(covariance) + unseen**2)),
+        film=film,
+        brightness=unknowns.ratio(state),
         evidence=-0.5 * (cost + float(occam)),
     )
+
+
+def _normal_equations(
+    voxels: Voxels, unknowns: _Unknowns, state: Array
+) -> tuple[float, Array, Array]:
+    """Minus twice the logarithm of the probability, half its second and minus half its first
+    derivative (Gauss-Newton), of the squares of the intensities.
+    """
+    expected, jacobian = unknowns.expected(voxels, state)
+    sigma = np.sqrt(
+        4.0 * voxels.noise**2 * (expected**2 + voxels.noise**2) + (2.0 * TEXTURE * expected**2) ** 2
+    )
+    residual = (voxels.power - expected**2) / sigma
+    far = np.maximum(np.abs(residual) / OUTLIER, 1.0)
+    cost = np.sum(residual**2 * (2.0 / far - 1.0 / far**2) + 2.0 * np.log(sigma))
+    jacobian = jacobian.multiply((2.0 * expected / sigma)[:, None]).tocsr()
+    weighted = jacobian.multiply((1.0 / far)[:, None]).T.tocsr()
+    pull = unknowns.precision @ state
+    hessian = (weighted @ jacobian).toarray() + unknowns.precision
+    return float(cost + state @ pull), hessian, weighted @ residual - pull
 
 
 def _places(voxels: Voxels, patch: float) -> Array:
@@ -244,30 +317,18 @@ def _places(voxels: Voxels, patch: float) -> Array:
     return np.stack([np.bincount(cube.ravel(), points[:, k]) / count for k in range(3)], axis=1)
 
 
-def _weights(places: Array, points: Array) -> sparse.csr_matrix:
+def _weights(places: Array, points: Array) -> Any:
     """Weights (n, m) that carry values at `places` (m, 3) to `points` (n, 3) smoothly."""
-    away, which = cKDTree(places).query(points, k=min(NEIGHBOURS, len(places)))
+    count = min(NEIGHBOURS, len(places))
+    away, which = (
+        np.reshape(found, (len(points), count)) for found in cKDTree(places).query(points, k=count)
+    )
     width = 0.5 * away[:, -1:]
     weight = np.exp(-0.5 * (away**2 - away[:, :1] ** 2) / width**2)
     weight /= weight.sum(axis=1, keepdims=True)
     rows = np.repeat(np.arange(len(points)), which.shape[1])
     shape = (len(points), len(places))
     return sparse.csr_matrix((weight.ravel(), (rows, which.ravel())), shape=shape)
-
-
-def _expected(
-    voxels: Voxels, shift: Array, level: Array, film: Array, ratio: float
-) -> tuple[Array, list[Array]]:
-    """Expected intensity (n,) and its slopes by shift, level, logarithm of film, brightness."""
-    tissue, at_tissue = _share(voxels, shift)
-    wet, at_wet = _share(voxels, shift + film)
-    expected = level * (tissue + ratio * (wet - tissue))
-    return expected, [
-        level * (at_tissue + ratio * (at_wet - at_tissue)),
-        expected / level,
-        level * ratio * at_wet * film,
-        level * (wet - tissue),
-    ]
 
 
 def _share(voxels: Voxels, shift: Array) -> tuple[Array, Array]:
@@ -311,7 +372,7 @@ def voxels_near(
         place = matrix @ index.T + first[:, None]
         return np.asarray(map_coordinates(field, place, order=1, cval=outside))
 
-    index = np.indices(power.shape).reshape(3, -1).T
+    index = np.indices(power.shape).reshape(3, -1).T.astype(np.float64)
     depth = looked_up(distance, index, 1.0)
     index = index[(depth > BAND[0]) & (depth < BAND[1])]
     index = index[looked_up(usable.astype(np.float64), index, 0.0) > 0.99]
@@ -324,6 +385,6 @@ def voxels_near(
         cell=float(np.max(edge / parts)),
         edge=float(np.prod(edge) ** (1.0 / 3.0)),
         place=index @ to_sample[:3, :3].T + to_sample[:3, 3],
-        power=power[tuple(index.T)],
-        noise=noise[tuple(index.T)],
+        power=power[tuple(index.astype(np.int64).T)],
+        noise=noise[tuple(index.astype(np.int64).T)],
     )

@@ -32,7 +32,7 @@ def largest_component(mask: Mask) -> Mask:
     return np.asarray(ndimage.binary_fill_holes(labels == np.argmax(sizes)), dtype=bool)
 
 
-def rough_mask(data: Array, spacing: Array, smoothing: float) -> Mask:
+def rough_mask(data: Array, spacing: Array, smoothing: float | Array) -> Mask:
     """First guess of the sample: largest component above Otsu's threshold of the smoothed image."""
     smoothed = smooth(data, smoothing, spacing)
     return largest_component(smoothed > threshold_otsu(smoothed))

@@ -93,7 +93,7 @@ def random_scan(
         image_rotation=axes,
         snr=float(random.uniform(12.0, 40.0)),
         bias=float(random.uniform(0.05, 0.3)),
-        texture=float(random.uniform(0.05, 0.15)),
+        texture=float(random.uniform(0.05, 0.35)),
         film=film,
         fluid=float(random.uniform(1.9, 2.5)),
         meniscus=float(random.uniform(0.0, 0.25)),

@@ -6,7 +6,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from softsample.phantom.shapes import Shape
-from softsample.phantom.truth import shares
+from softsample.phantom.sizes import shares
 
 Array = NDArray[np.float64]
 
@@ -107,7 +107,7 @@ class Scan:
         """Image (nx, ny, nz) and its affine (4, 4) to world [mm]."""
         count, affine = self._grid(shape)
         to_sample = np.linalg.inv(self.sample_to_world) @ affine
-        index = np.indices(count).reshape(3, -1).T
+        index = np.indices(count).reshape(3, -1).T.astype(np.float64)
         signal = self._voxel_means(shape, index, to_sample).reshape(count)
         signal *= 1.0 + self._bias(index, count)
         noise = np.random.default_rng(self.seed).normal(0.0, TISSUE / self.snr, (2, *count))
@@ -124,7 +124,12 @@ class Scan:
         """Numbers of voxels and affine of a field of view around the shape's box."""
         half, low = shape.box, -2.0
         corners = np.array(
-            [[a * half[0], b * half[1], c] for a in (-1, 1) for b in (-1, 1) for c in (low, half[2])]
+            [
+                [a * half[0], b * half[1], c]
+                for a in (-1, 1)
+                for b in (-1, 1)
+                for c in (low, half[2])
+            ]
         )
         world = corners @ self.rotation.T + self.place
         axes = self.image_rotation * np.where(self.flips, -1.0, 1.0)

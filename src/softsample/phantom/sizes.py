@@ -1,4 +1,4 @@
-"""What is true of a shape: surface, volume, highest point, areas, cuboid."""
+"""Exact sizes of a shape: surface, volume, highest point, areas, cuboid."""
 
 from dataclasses import dataclass
 
@@ -18,7 +18,7 @@ CORE = 0.7
 
 
 @dataclass(frozen=True)
-class Truth:
+class Sizes:
     """Sizes of a shape, defined as in ``docs/geometry.md``.
 
     Attributes
@@ -42,7 +42,7 @@ class Truth:
     top_area: float
 
 
-def measured(shape: Shape, step: float = 0.1) -> Truth:
+def measured(shape: Shape, step: float = 0.1) -> Sizes:
     """Sizes of a shape on a grid of `step` [mm], points on its surface found by bisection."""
     x, y = (np.arange(-half, half, step) + 0.5 * step for half in shape.box[:2])
     top = _tops(shape, x, y)
@@ -60,7 +60,7 @@ def measured(shape: Shape, step: float = 0.1) -> Truth:
     points, vectors = surface_points(shape, step=0.3)
     steep = vectors[:, 2] > np.cos(np.radians(30.0)) * np.linalg.norm(vectors, axis=1)
     upper = steep & (points[:, 2] > 0.5 * np.nanmax(top))
-    return Truth(
+    return Sizes(
         length=length,
         width=width,
         height=height,
@@ -103,7 +103,11 @@ def _volume(shape: Shape, step: float) -> float:
     coarse = parts * step
     axes = [
         np.arange(a, b, coarse) + 0.5 * coarse
-        for a, b in ((-shape.box[0], shape.box[0]), (-shape.box[1], shape.box[1]), (0.0, shape.box[2]))
+        for a, b in (
+            (-shape.box[0], shape.box[0]),
+            (-shape.box[1], shape.box[1]),
+            (0.0, shape.box[2]),
+        )
     ]
     centres = np.stack(np.meshgrid(*axes, indexing="ij"), axis=-1).reshape(-1, 3)
     value = shape.value(*centres.T)
@@ -143,7 +147,11 @@ def _mean_width(shape: Shape, z: float, axis: int, step: float = 0.05) -> float:
     reach = [np.arange(-half, half, step) + 0.5 * step for half in shape.box[:2]]
     place = np.stack(np.meshgrid(reach[axis], reach[across], indexing="ij"), axis=-1)
     points = np.empty((place[..., 0].size, 3))
-    points[:, axis], points[:, across], points[:, 2] = place[..., 0].ravel(), place[..., 1].ravel(), z
+    points[:, axis], points[:, across], points[:, 2] = (
+        place[..., 0].ravel(),
+        place[..., 1].ravel(),
+        z,
+    )
     inside = shares(shape, points, step).reshape(place.shape[:2])
     rows = np.flatnonzero(inside.max(axis=0) > 0.5)
     first, last = reach[across][rows[0]] - 0.5 * step, reach[across][rows[-1]] + 0.5 * step

@@ -1,0 +1,37 @@
+"""Segmentation and mesh of one sample at a glance (rule `figure_sample`)."""
+
+import numpy as np
+
+from softsample.figures.geometry import SegmentedImage
+from softsample.figures.render import available_renderer
+from softsample.figures.sample import sample_figure
+from softsample.figures.style import save
+from softsample.io import (
+    read_distance,
+    read_image,
+    read_json,
+    read_mesh_with_data,
+    written_aside,
+)
+from softsample.workflow import logged_to
+
+with logged_to(snakemake.log[0]):
+    given = snakemake.input
+    report = read_json(given.segmentation)
+    mesh, _, cell_data = read_mesh_with_data(given.mesh)
+    sigma, _, _ = read_distance(given.sigma, given.segmentation)
+    image = SegmentedImage(
+        *read_image(given.image),
+        *read_distance(given.distance, given.segmentation),
+        np.array(report["sample_to_world"]),
+    )
+    figure = sample_figure(
+        image,
+        sigma,
+        mesh,
+        cell_data["scaled_jacobian"],
+        title=f"Sample {snakemake.wildcards.sample}, film taken off {report['film_mm']:.3f} mm",
+        renderer=available_renderer(),
+    )
+    with written_aside(snakemake.output.png) as aside:
+        save(figure, aside)

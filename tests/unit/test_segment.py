@@ -5,22 +5,36 @@ from functools import cache
 
 import numpy as np
 import pytest
+from scipy.ndimage import map_coordinates
 
-from phantom import Cuboid, Scan, turned
 from softsample.errors import InputError, SegmentationError
 from softsample.imaging import distance as sdf
 from softsample.imaging import frame, intensity
 from softsample.imaging.segment import segment, segmentation_from_mask
+from softsample.phantom.draw import turned
+from softsample.phantom.scan import Scan
+from softsample.phantom.shapes import ImperfectCuboid, Waves
+from softsample.phantom.sizes import measured, surface_points
 
-SHAPE = Cuboid()
+WALL = Waves((0.2,), ((0.5, 0.3),), (0.4,), (0.01, 0.0))
+SHAPE = ImperfectCuboid(
+    14.0, 12.0, 9.0, (WALL,) * 4, Waves((0.3,), ((0.45, 0.37),), (0.0,)), 0.02, (0.03, 0.0), 1.0
+)
+PLAIN = Scan(voxel=(0.3, 0.3, 0.5), margin=0.5)
 SCANS = {
-    "plain": Scan(),
-    "tilted": Scan(rotation=turned(4.0, 3.0, 50.0)),
-    "shear": Scan(voxel=(0.6, 0.6, 0.6)),
-    "noisy": Scan(snr=12.0, bias=0.3, flip=True),
-    "film": Scan(voxel=(0.25, 0.25, 0.5), film=0.03),
-    "drop": Scan(voxel=(0.25, 0.25, 0.25), drop=(7.1, 0.5, 4.0, 0.5)),
+    "plain": PLAIN,
+    "tilted": replace(PLAIN, rotation=turned(4.0, 3.0, 50.0)),
+    "shear": replace(PLAIN, voxel=(0.6, 0.6, 0.6)),
+    "noisy": replace(PLAIN, snr=12.0, bias=0.3, texture=0.3, flips=(True, False, False)),
+    "film": replace(PLAIN, voxel=(0.25, 0.25, 0.5), film=0.06, meniscus=0.1),
+    "thick film": replace(PLAIN, voxel=(0.6, 0.6, 0.6), film=0.1, fluid=2.4),
+    "drop": replace(PLAIN, voxel=(0.25, 0.25, 0.25), drops=((7.1, 0.5, 4.0, 0.5),)),
+    "bubble": replace(PLAIN, bubbles=((6.0, 0.5, 4.0, 0.4),)),
+    "neighbour": replace(
+        PLAIN, neighbours=((9.0, 8.0, 3.0, 1.5),), image_rotation=turned(11.0, 7.0, 30.0)
+    ),
 }
+DRY = ["plain", "tilted", "shear", "noisy", "bubble", "neighbour"]
 
 
 @cache
@@ -30,29 +44,33 @@ def found(name):
 
 @cache
 def truth():
-    return SHAPE.volume(), SHAPE.highest()
+    return measured(SHAPE)
 
 
-# A film of 0.03 mm, 2.2 times as bright, moves the boundary by up to 0.07 mm: 3 % of this volume.
-@pytest.mark.parametrize(
-    ("name", "percent"),
-    [("plain", 0.6), ("tilted", 0.6), ("shear", 1.0), ("noisy", 0.8), ("film", 3.5), ("drop", 0.6)],
-)
-def test_volume(name, percent):
-    assert 1e9 * found(name).volume == pytest.approx(truth()[0], rel=0.01 * percent)
+# A film of 0.06 mm moves the half-maximum by 0.13 mm: 6 % of this volume; one of 0.1 mm, 11 %.
+@pytest.mark.parametrize("name", SCANS)
+def test_volume(name):
+    percent = {"film": 1.0, "thick film": 2.0}.get(name, 0.6)
+    assert 1e9 * found(name).volume == pytest.approx(truth().volume, rel=0.01 * percent)
 
 
-@pytest.mark.parametrize("name", ["plain", "tilted", "noisy", "drop", "shear"])
+@pytest.mark.parametrize("name", SCANS)
 def test_highest_point(name):
-    assert 1e3 * found(name).highest_point[2] == pytest.approx(truth()[1], abs=0.1)
+    assert 1e3 * found(name).highest_point[2] == pytest.approx(truth().highest, abs=0.1)
+
+
+def test_film_is_found_where_there_is_one_and_none_elsewhere():
+    assert all(found(name).film == 0.0 for name in DRY)
+    assert 1e3 * found("film").film == pytest.approx(0.06, abs=0.015)
+    assert 1e3 * found("thick film").film == pytest.approx(0.1, abs=0.03)
 
 
 @pytest.mark.parametrize("name", SCANS)
 def test_sample_frame(name):
-    """Base normal within 0.15 degrees, base plane within 0.05 mm, walls within 1.5 degrees."""
-    true, got = SCANS[name].matrix(), found(name).sample_to_world
+    """Base normal within 0.15 degrees (0.4 at the worst noise and texture), base plane within 0.05 mm, walls within 1.5 degrees."""
+    true, got = SCANS[name].sample_to_world, found(name).sample_to_world
     between = true[:3, :3].T @ got[:3, :3]
-    assert np.degrees(np.arccos(between[2, 2])) < 0.15
+    assert np.degrees(np.arccos(between[2, 2])) < (0.4 if name == "noisy" else 0.15)
     assert abs(np.degrees(np.arctan2(between[1, 0], between[0, 0]))) < 1.5
     offset = true[:3, :3].T @ (1e3 * got[:3, 3] - true[:3, 3])
     assert abs(offset[2]) < 0.05
@@ -65,18 +83,30 @@ def test_tilt_is_the_angle_between_base_and_loading_axis():
     assert np.degrees(found("plain").tilt) < 0.15
 
 
-@pytest.mark.parametrize("name", ["plain", "tilted", "shear"])
-def test_surface_lies_on_the_true_surface_within_its_sigma(name):
-    """The implicit function is nearly the distance: its spread on the surface found."""
+def missed(name):
+    """Way [mm] from true surface points to the surface found, the stated sigma, the area."""
     scan, result = SCANS[name], found(name)
-    grid = frame.grid_affine(result.origin, result.spacing)
-    surface = frame.iso_surface(-result.distance, 0.0, grid)
-    points = surface.centres[surface.centres[:, 2] > 0.3e-3]
-    world = points @ result.sample_to_world[:3, :3].T + result.sample_to_world[:3, 3]
-    own = np.linalg.inv(scan.matrix())
-    error = SHAPE.value(*(own[:3, :3] @ (1e3 * world.T) + own[:3, 3:]))
-    assert abs(np.mean(error)) < 0.03
-    assert np.sqrt(np.mean(error**2)) < 1.5e3 * result.boundary_sigma
+    points, vectors = surface_points(SHAPE, 0.5)
+    world = 1e-3 * (points @ scan.rotation.T + scan.place)
+    place = (world - result.sample_to_world[:3, 3]) @ result.sample_to_world[:3, :3]
+    index = ((place - result.origin) / result.spacing).T
+    values = (map_coordinates(grid, index, order=1) for grid in (result.distance, result.sigma))
+    return *(1e3 * value for value in values), np.linalg.norm(vectors, axis=1)
+
+
+@pytest.mark.parametrize(("name", "mean"), [("plain", 0.015), ("shear", 0.03), ("film", 0.04)])
+def test_surface_lies_on_the_true_surface(name, mean):
+    gap, _, area = missed(name)
+    assert np.abs(gap) @ area / area.sum() < mean
+
+
+def test_two_thirds_of_the_surface_lie_within_one_sigma():
+    """Pooled: a sample's errors are correlated, so that a single one may be off."""
+    parts = [missed(name) for name in SCANS]
+    gap, sigma, area = (np.concatenate(part) for part in zip(*parts, strict=True))
+    assert 0.55 < np.sum(area * (np.abs(gap) < sigma)) / area.sum() < 0.8
+    film, plain = (missed(name)[1].mean() for name in ("film", "plain"))
+    assert film > 1.5 * plain
 
 
 def test_distance_is_a_distance_with_walls_going_on_below_the_base():
@@ -95,7 +125,7 @@ def test_distance_is_a_distance_with_walls_going_on_below_the_base():
 def test_mask_on_the_image_is_the_sample_above_its_base():
     scan = SCANS["tilted"]
     image, affine = scan.image(SHAPE)
-    own = np.linalg.inv(scan.matrix()) @ affine
+    own = np.linalg.inv(scan.sample_to_world) @ affine
     points = np.indices(image.shape).reshape(3, -1)
     x, y, z = own[:3, :3] @ points + own[:3, 3:]
     true = ((SHAPE.value(x, y, z) < 0.0) & (z > 0.0)).reshape(image.shape)
@@ -159,11 +189,11 @@ def test_axes_of_the_machine_may_be_other_image_axes():
 def test_a_given_mask_takes_the_place_of_the_segmentation():
     scan = SCANS["tilted"]
     image, affine = scan.image(SHAPE)
-    own = np.linalg.inv(scan.matrix()) @ affine
+    own = np.linalg.inv(scan.sample_to_world) @ affine
     x, y, z = own[:3, :3] @ np.indices(image.shape).reshape(3, -1) + own[:3, 3:]
     mask = ((SHAPE.value(x, y, z) < 0.0) & (z > 0.0)).reshape(image.shape)
     result = segmentation_from_mask(mask, affine)
-    assert 1e9 * result.volume == pytest.approx(truth()[0], rel=0.01)
+    assert 1e9 * result.volume == pytest.approx(truth().volume, rel=0.01)
     assert result.summary()["snr"] is None
     assert np.degrees(result.tilt) == pytest.approx(3.0, abs=0.3)
 

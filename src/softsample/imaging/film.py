@@ -32,7 +32,7 @@ BAND = (-1.2 * MM, 0.8 * MM)
 FINE = 0.16 * MM
 """Longest edge of the cells that a voxel is divided into [m]."""
 
-NEIGHBOURS = 6
+NEIGHBOURS = 8
 """Places that a voxel's values are interpolated from."""
 
 ROUNDS = 12
@@ -47,7 +47,7 @@ LONGEST_STEP = 3.0
 OUTLIER = 4.0
 """Residuals beyond this many standard deviations lose weight (Huber)."""
 
-TEXTURE = 0.03
+TEXTURE = 0.04
 """Standard deviation of the tissue about its smooth level."""
 
 TYPICAL = 0.04 * MM
@@ -318,15 +318,17 @@ def _places(voxels: Voxels, patch: float) -> Array:
 
 
 def _weights(places: Array, points: Array) -> Any:
-    """Weights (n, m) that carry values at `places` (m, 3) to `points` (n, 3) smoothly."""
+    """Weights (n, m) that carry values at `places` (m, 3) to `points` (n, 3).
+
+    The farthest place taken weighs nothing, so that it does not matter which of two equally far
+    ones is taken.
+    """
     count = min(NEIGHBOURS, len(places))
-    away, which = (
-        np.reshape(found, (len(points), count)) for found in cKDTree(places).query(points, k=count)
-    )
-    width = 0.5 * away[:, -1:]
-    weight = np.exp(-0.5 * (away**2 - away[:, :1] ** 2) / width**2)
+    found = cKDTree(places).query(points, k=count)
+    away, which = (np.reshape(part, (len(points), count)) for part in found)
+    weight = (1.0 - (away / (away[:, -1:] + 1e-12)) ** 2) ** 2 + 1e-9
     weight /= weight.sum(axis=1, keepdims=True)
-    rows = np.repeat(np.arange(len(points)), which.shape[1])
+    rows = np.repeat(np.arange(len(points)), count)
     shape = (len(points), len(places))
     return sparse.csr_matrix((weight.ravel(), (rows, which.ravel())), shape=shape)
 

@@ -54,6 +54,7 @@ def finished(rows):
 
 
 GEOMETRIES = ["real", "ideal"]
+BAND = ["inner", "outer"]  # the real geometry, one standard deviation of its boundary to each side
 TABLE, SAMPLES = checked_study()
 # After a run in which samples failed, tables and figures of the others can still be had.
 if os.environ.get("SOFTSAMPLE_PARTIAL"):
@@ -76,7 +77,7 @@ pathvars:
 wildcard_constraints:
     sample=r"[A-Za-z0-9_-]+",
     group=r"[A-Za-z0-9_-]+",
-    geometry="|".join(GEOMETRIES),
+    geometry="|".join(GEOMETRIES + BAND),
     model="ogden1|ogden2",
 
 
@@ -147,7 +148,7 @@ def study_image(column):
 def real_image(column):
     """Input function: the image that a column names, with its files, for the real geometry."""
     find = study_image(column)
-    return lambda wildcards: find(wildcards) if wildcards.geometry == "real" else []
+    return lambda wildcards: find(wildcards) if wildcards.geometry != "ideal" else []
 
 
 def shipped_files():
@@ -211,11 +212,12 @@ def calibrations(groups):
 def optimum(kind):
     """Input function: calibration of the sample's group on the same geometry."""
 
-    def find(wildcards):
-        group = SAMPLES[known(wildcards.sample)]["group"]
-        return f"<results>/calibration/{group}/{wildcards.geometry}/ogden2.{kind}"
+    return lambda wildcards: calibration_of(wildcards.sample, wildcards.geometry, kind)
 
-    return find
+
+def calibration_of(sample, geometry, kind):
+    """Calibration result of the sample's group on one geometry."""
+    return f"<results>/calibration/{SAMPLES[known(sample)]['group']}/{geometry}/ogden2.{kind}"
 
 
 def of_members(pattern):
@@ -260,7 +262,14 @@ def moduli_tables():
 
 def tables():
     """The tables of the study, and the numbers that the captions quote."""
-    names = ["geometry.csv", "summary.csv", "stress_strain.csv", "sensitivity.csv", "numbers.rst"]
+    names = [
+        "geometry.csv",
+        "summary.csv",
+        "stress_strain.csv",
+        "sensitivity.csv",
+        "band.csv",
+        "numbers.rst",
+    ]
     return [*moduli_tables().values(), *(f"<results>/tables/{name}" for name in names)]
 
 

@@ -108,6 +108,27 @@ rule table_sensitivity:
         "../scripts/table_sensitivity.py"
 
 
+rule table_band:
+    input:
+        reports=expand("<results>/band/{sample}.json", sample=SAMPLES),
+        code=library("workflow/scripts/table_band.py"),
+    output:
+        table=report(
+            "<results>/tables/band.csv",
+            caption="../report/band.rst",
+            category="Tables",
+            labels={"table": "Moduli within the uncertainty of the boundary"},
+        ),
+    log:
+        "<logs>/band.log",
+    params:
+        samples=list(SAMPLES),
+    message:
+        "Table of moduli within the uncertainty of the boundary"
+    script:
+        "../scripts/table_band.py"
+
+
 rule table_stress:
     input:
         records=[name for sample in SAMPLES for name in sample_file(sample, "record")],

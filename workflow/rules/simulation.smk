@@ -83,6 +83,34 @@ rule sensitivity:
         "../scripts/sensitivity.py"
 
 
+rule band:
+    input:
+        real="<results>/mesh/{sample}/real.vtu",
+        inner="<results>/mesh/{sample}/inner.vtu",
+        outer="<results>/mesh/{sample}/outer.vtu",
+        segmentation="<results>/segmentation/{sample}.json",
+        record=study_file("record"),
+        family="<results>/curves/{sample}/real/ogden2.json",
+        fit=lambda wildcards: calibration_of(wildcards.sample, "real", "json"),
+        code=library("workflow/scripts/band.py"),
+    output:
+        report="<results>/band/{sample}.json",
+    log:
+        "<logs>/band/{sample}.log",
+    benchmark:
+        "<benchmarks>/band/{sample}.tsv"
+    params:
+        mode=row_value("mode"),
+        material=config["material"],
+        solver=config["solver"],
+        contact=config["contact"],
+        protocol=config["protocol"],
+    message:
+        "Shear modulus within the uncertainty of the boundary: {wildcards.sample}"
+    script:
+        "../scripts/band.py"
+
+
 rule series:
     input:
         mesh="<results>/mesh/{sample}/{geometry}.vtu",

@@ -101,6 +101,14 @@ class MeasuredCurve:
         height[crossed] -= (before * after)[crossed] / (before + after)[crossed]
         return float(height @ np.diff(self.displacement[order]))
 
+    def scale_of(self, force: Array) -> float:
+        """Factor that brings `force` (n,) at the same displacements closest to this curve.
+
+        Least squares. Force is proportional to the shear modulus at a given mixture, so this is
+        the factor by which a calibrated modulus changes if the geometry does.
+        """
+        return float(self.force @ force / (force @ force))
+
     @classmethod
     def of_record(cls, record: pd.DataFrame, mode: str) -> Self:
         """Loading ramp of a record with columns `time_s`, `displacement_mm`, `force_N`."""

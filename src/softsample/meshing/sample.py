@@ -34,7 +34,7 @@ def mesh_real(
     preload: float,
     settings: MeshSettings | None = None,
     *,
-    boundary_shift: float = 0.0,
+    boundary_shift: float | NDArray[np.float64] = 0.0,
     bond_mask: MarkedImage | None = None,
     labels: MarkedImage | None = None,
 ) -> SampleMesh:
@@ -46,7 +46,7 @@ def mesh_real(
         As of `mesh_solid`.
     preload : float
         Way [m] of the platen below the highest point that decides which nodes are glued.
-    boundary_shift : float
+    boundary_shift : float or array of the shape of `distance`
         The surface is moved outward by this along its normal [m], inward if negative; the base
         stays the plane z = 0.
     bond_mask : MarkedImage, optional

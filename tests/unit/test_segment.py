@@ -207,6 +207,7 @@ def bad_images():
     broken = np.where(np.arange(image.size).reshape(image.shape) == 7, np.nan, image)
     in_metres = affine * [1e-3, 1e-3, 1e-3, 1.0]
     noise = np.abs(np.random.default_rng(0).normal(0.0, 10.0, image.shape))
+    two = np.concatenate([image, image], axis=1)
     small = np.zeros_like(image)
     small[15:19, 15:19, 10:14] = 300.0
     return {
@@ -215,6 +216,7 @@ def bad_images():
         "NaN": (broken, affine, InputError, "image has 1 NaN or infinite voxels"),
         "metres": (image, in_metres, InputError, "voxel size .* outside 0.05 to 2 mm"),
         "affine": (image, np.eye(3), InputError, "finite 4 x 4 matrix"),
+        "two": (two, affine, SegmentationError, r"two samples found, of \d+ and \d+ mm3; crop"),
         "noise": (noise, affine, SegmentationError, "no sample found"),
         "small": (small + noise, affine, SegmentationError, "no sample found"),
         "cut": (image[:, 6:, :], affine, SegmentationError, r"edge.*first slice along j"),

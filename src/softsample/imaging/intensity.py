@@ -32,10 +32,10 @@ def largest_component(mask: Mask) -> Mask:
     return np.asarray(ndimage.binary_fill_holes(labels == np.argmax(sizes)), dtype=bool)
 
 
-def rough_mask(data: Array, spacing: Array, smoothing: float | Array) -> Mask:
-    """First guess of the sample: largest component above Otsu's threshold of the smoothed image."""
+def bright_mask(data: Array, spacing: Array, smoothing: float | Array) -> Mask:
+    """First guess of the tissue: the smoothed image above Otsu's threshold."""
     smoothed = smooth(data, smoothing, spacing)
-    return largest_component(smoothed > threshold_otsu(smoothed))
+    return np.asarray(smoothed > threshold_otsu(smoothed), dtype=bool)
 
 
 def eroded(mask: Mask, spacing: Array, depth: float) -> Mask:

@@ -279,7 +279,9 @@ def tissue_share(image: Array, spacing: Array, settings: SegmentationSettings) -
     local level of the tissue itself. A bright film or drop at the wall thus does not raise it.
     """
     blur = _blur(spacing, settings)
-    rough = intensity.rough_mask(image, spacing, blur)
+    bright = intensity.bright_mask(image, spacing, blur)
+    _refuse_two(bright, spacing)
+    rough = intensity.largest_component(bright)
     if np.count_nonzero(rough) * np.prod(spacing) < settings.min_volume_mm3 * MM**3:
         raise SegmentationError(
             f"no sample found: the largest bright region is smaller than"
@@ -322,6 +324,17 @@ def tissue_share(image: Array, spacing: Array, settings: SegmentationSettings) -
         level=level,
         threshold=floor + HALF * (level - floor),
     )
+
+
+def _refuse_two(bright: Mask, spacing: Array) -> None:
+    """Refuse an image in which something else is more than half as large as the sample."""
+    labels, _ = ndimage.label(bright)
+    first, second = np.sort(np.append(np.bincount(labels.ravel())[1:], [0, 0]))[[-1, -2]]
+    if second > 0.5 * first:
+        sizes = np.array([first, second]) * np.prod(spacing) / MM**3
+        raise SegmentationError(
+            f"two samples found, of {sizes[0]:.0f} and {sizes[1]:.0f} mm3; crop the image to one"
+        )
 
 
 def _free_fluid(raw: Array, ratio: float) -> Mask:

@@ -392,11 +392,13 @@ class _March:
         state, terms = model.blank_state(), self.solid.prony.size
         blocks, count = state.shape[1:] if terms else (0, state.shape[2])
         rows = -(-4 * len(model.mass) // count)
-        registers = tuple(_aligned((rows, count), model.settings.dtype) for _ in range(4))
+        u, v, force, mobility = (_aligned((rows, count), model.settings.dtype) for _ in range(4))
+        nodes = slice(len(model.mass))
         self.motion = kernels.Motion(
-            *(part.reshape(-1, 4)[: len(model.mass)] for part in registers),
-            boundary.held.copy(), model.mass, model.mesh.points, state,
-            _aligned((blocks, terms + 1, 6, count), model.settings.dtype), registers,
+            u.reshape(-1, 4)[nodes], v.reshape(-1, 4)[nodes], force.reshape(-1, 4)[nodes],
+            mobility.reshape(-1, 4)[nodes], boundary.held.copy(), model.mass, model.mesh.points, state,
+            _aligned((blocks, terms + 1, 6, count), model.settings.dtype),
+            (u, v, force, mobility),
         )  # fmt: skip
         if gravity and gravity.settle_first:
             self._lift_platen()

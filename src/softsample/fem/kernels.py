@@ -766,7 +766,7 @@ def advance(path, gravity, relax, dt, dt_before, motion, elements, solid, platen
     lane : None or int
         See `internal_force`.
     """
-    u, v, force = motion.u, motion.v, motion.force
+    u, force = motion.u, motion.force
     approach = _dot(platens.planes[1], platens.direction)
     steps = path.size - 1
     force[:] = 0.0

@@ -13,7 +13,7 @@ from softsample.imaging import frame, intensity
 from softsample.imaging.segment import segment, segmentation_from_mask
 from softsample.phantom.draw import turned
 from softsample.phantom.scan import Scan
-from softsample.phantom.shapes import ImperfectCuboid, Waves
+from softsample.phantom.shapes import ImperfectCuboid, Waves, signed_distance
 from softsample.phantom.sizes import measured, surface_points
 
 WALL = Waves((0.2,), ((0.5, 0.3),), (0.4,), (0.01, 0.0))
@@ -29,7 +29,7 @@ SCANS = {
     "film": replace(PLAIN, voxel=(0.25, 0.25, 0.5), film=0.06, meniscus=0.1),
     "thick film": replace(PLAIN, voxel=(0.6, 0.6, 0.6), film=0.1, fluid=2.4),
     "drop": replace(PLAIN, voxel=(0.25, 0.25, 0.25), drops=((7.1, 0.5, 4.0, 0.5),)),
-    "bubble": replace(PLAIN, bubbles=((6.0, 0.5, 4.0, 0.4),)),
+    "bubble": replace(PLAIN, bubbles=((5.6, 0.5, 4.0, 0.7),)),
     "neighbour": replace(
         PLAIN, neighbours=((9.0, 8.0, 3.0, 1.5),), image_rotation=turned(11.0, 7.0, 30.0)
     ),
@@ -159,6 +159,17 @@ def test_drop_on_a_wall_is_left_out_and_told():
     true = x[np.flatnonzero(SHAPE.value(x, 0.5, z) < 0.0)[-1]]
     offset = result.sample_to_world[0, 3] * 1e3 - SCANS["drop"].place[0]
     assert 1e3 * edge + offset == pytest.approx(true, abs=0.15)
+
+
+def test_a_bubble_leaves_no_surface_inside():
+    """Its centre lies about 1.5 mm below the wall, farther from it than from its own surface."""
+    result, (*centre, _) = found("bubble"), SCANS["bubble"].bubbles[0]
+    world = 1e-3 * (np.array(centre) + PLAIN.place)
+    place = (world - result.sample_to_world[:3, 3]) @ result.sample_to_world[:3, :3]
+    index = ((place - result.origin) / result.spacing)[:, None]
+    depth = 1e3 * map_coordinates(result.distance, index, order=1)[0]
+    assert depth == pytest.approx(signed_distance(SHAPE, np.array([centre]))[0], abs=0.1)
+    assert any("hole" in flag for flag in result.flags)
 
 
 def test_summary_is_in_mm_and_matches_the_result():

@@ -226,7 +226,8 @@ def test_captions_quote_only_numbers_and_settings_that_exist(caption, tmp_path):
     (tmp_path / "tables/numbers.rst").write_text(substitutions(study_numbers()), encoding="utf-8")
     (tmp_path / "failures.rst").write_text("- ``mesh/S3``: no surface\n", encoding="utf-8")
     config = yaml.safe_load((ROOT / "config/config.yaml").read_text(encoding="utf-8"))
-    job = SimpleNamespace(config={**config, "results": str(tmp_path)})
+    one = SimpleNamespace(sample="C3")
+    job = SimpleNamespace(config={**config, "results": str(tmp_path)}, wildcards=one)
     template = Template(caption.read_text(encoding="utf-8"), undefined=StrictUndefined)
     page = template.render(snakemake=job)
     html = publish_parts(page, writer="html", settings_overrides={"halt_level": 2})["html_body"]

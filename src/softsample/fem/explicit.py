@@ -396,8 +396,8 @@ class _March:
         nodes = slice(len(model.mass))
         self.motion = kernels.Motion(
             u.reshape(-1, 4)[nodes], v.reshape(-1, 4)[nodes], force.reshape(-1, 4)[nodes],
-            mobility.reshape(-1, 4)[nodes], boundary.held.copy(), model.mass, model.mesh.points, state,
-            _aligned((blocks, terms + 1, 6, count), model.settings.dtype),
+            mobility.reshape(-1, 4)[nodes], boundary.held.copy(), model.mass,
+            model.mesh.points, state, _aligned((blocks, terms + 1, 6, count), model.settings.dtype),
             (u, v, force, mobility),
         )  # fmt: skip
         if gravity and gravity.settle_first:

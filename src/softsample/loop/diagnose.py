@@ -156,8 +156,8 @@ def report(diagnosis: Diagnosis, settings: LoopSettings) -> dict[str, Any]:
         "held_out_before": _report(diagnosis.held_out_before),
         "held_out_after": _report(diagnosis.held_out_after),
         "noise": {
-            s.mode: {"white_N": n.white, "slow_N": n.slow}
-            for s, n in zip(diagnosis.problem.specimens, diagnosis.noises, strict=True)
+            label: {"white_N": n.white, "slow_N": n.slow}
+            for label, n in zip(diagnosis.problem.labels, diagnosis.noises, strict=True)
         },
         "floor": asdict(settings.noise),
         "white_mean_square": {

@@ -1,14 +1,15 @@
 """Error of a model on the records: per mode and phase, and held out."""
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
 
 from softsample.loop.fit import Fit, Problem
-from softsample.loop.model import residuals
+from softsample.loop.model import FIXED, State, residuals
 from softsample.loop.noise import blocks
+from softsample.loop.screen import LEAST_SIGNATURE
 
 Array = NDArray[np.float64]
 Mask = NDArray[np.bool_]
@@ -60,7 +61,7 @@ def errors(problem: Problem, fit: Fit, noises: Sequence[float]) -> dict[str, dic
         means, phase = blocks(part, problem.whiteners[k].size), phase_of_blocks(problem, k)
         choices = {"all": np.ones(len(phase), bool)}
         choices |= {name: phase == name for name in dict.fromkeys(phase.tolist())}
-        report[specimen.mode] = {
+        report[problem.labels[k]] = {
             name: _error(means[chosen], noises[k], specimen.peak)
             for name, chosen in choices.items()
         }
@@ -74,8 +75,8 @@ def folds(problem: Problem) -> dict[str, list[Mask]]:
     none = [np.zeros(len(phase), bool) for phase in phases]
     found = {}
     if n > 1:
-        for k, specimen in enumerate(problem.specimens):
-            found[f"leave_out_{specimen.mode}"] = [
+        for k, label in enumerate(problem.labels):
+            found[f"leave_out_{label}"] = [
                 ~mask if j == k else mask for j, mask in enumerate(none)
             ]
     after = [np.isin(phase, ("hold", "unloading")) for phase in phases]
@@ -89,17 +90,36 @@ def folds(problem: Problem) -> dict[str, list[Mask]]:
 
 
 def held_out(problem: Problem, fit: Fit, noises: Sequence[float]) -> dict[str, dict[str, Error]]:
-    """Error on what a fold leaves out, by fold and mode, of the model fitted to the rest."""
+    """Error on what a fold leaves out, by fold and mode, of the model fitted to the rest.
+
+    Sizes that the rest does not show are neutral, so that nothing of what was left out is known.
+    """
     report = {}
     for name, masks in folds(problem).items():
         kept = [w.on(~mask) for w, mask in zip(problem.whiteners, masks, strict=True)]
         fitted = Problem(problem.specimens, kept, problem.contact_zero_mm).fit(fit.model, fit.state)
-        parts = residuals(fit.model, problem.specimens, fitted.state)
+        parts = residuals(fit.model, problem.specimens, _informed(fitted))
         report[name] = {
-            specimen.mode: _error(blocks(part, w.size)[mask], noise, specimen.peak)
-            for specimen, part, w, mask, noise in zip(
-                problem.specimens, parts, problem.whiteners, masks, noises, strict=True
+            label: _error(blocks(part, w.size)[mask], noise, specimen.peak)
+            for label, specimen, part, w, mask, noise in zip(
+                problem.labels,
+                problem.specimens,
+                parts,
+                problem.whiteners,
+                masks,
+                noises,
+                strict=True,
             )
             if mask.any()
         }
     return report
+
+
+def _informed(fit: Fit) -> State:
+    """State of a fit with sizes neutral whose whole range would not show in its records."""
+    values = {name: dict(of) for name, of in fit.state.values.items()}
+    shown = np.linalg.norm(fit.jacobian[:, FIXED:], axis=0) >= LEAST_SIGNATURE
+    for (effect, p), seen in zip(fit.model.parameters, shown, strict=True):
+        if p.is_size and not seen:
+            values[effect.name][p.name] = p.neutral
+    return replace(fit.state, values=values)

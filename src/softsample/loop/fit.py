@@ -70,6 +70,13 @@ class Problem:
         self.specimens, self.whiteners = list(specimens), list(whiteners)
         self.contact_zero_mm = contact_zero_mm
 
+    @property
+    def labels(self) -> list[str]:
+        """Modes of the tests; numbered from the second test of a mode on."""
+        modes = [specimen.mode for specimen in self.specimens]
+        counts = [modes[: k + 1].count(mode) for k, mode in enumerate(modes)]
+        return [m if n == 1 else f"{m}_{n}" for m, n in zip(modes, counts, strict=True)]
+
     def white(self, parts: Sequence[Array]) -> Array:
         """White residual of all tests from one per test."""
         return np.concatenate([w(part) for w, part in zip(self.whiteners, parts, strict=True)])

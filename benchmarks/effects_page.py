@@ -1,0 +1,63 @@
+"""Writes docs/effects.md from the library of effects: python benchmarks/effects_page.py."""
+
+from pathlib import Path
+
+from softsample.loop.effects import library
+from softsample.loop.effects.base import Effect, Parameter
+
+PAGE = Path(__file__).parents[1] / "docs/effects.md"
+TIERS = {
+    "P": "post-processing of the predicted record",
+    "L": "a run of the solver for each parameter",
+    "M": "runs of a changed model",
+}
+HEAD = """# Effects that the loop can name
+
+Written by `benchmarks/effects_page.py` from `src/softsample/loop/effects`; edit the files there. How they are
+chosen, and how to add one, is in [loop.md](loop.md). Signs of forces are those of the machine (positive in tension
+and along +x), signs of travel are positive while loading. A size is neutral where the effect is absent; the
+nominal value is the size at which its signature is drawn. *Shapes* (times, onsets) are fitted from each start named.
+"""
+
+
+def page() -> str:
+    """The whole page."""
+    known = library().values()
+    lines = [HEAD, "| effect | tests | cost | identifiable |", "|---|---|---|---|"]
+    lines += [
+        f"| [`{e.name}`](#{e.name}): {e.title} | {', '.join(e.modes)} | {e.tier} "
+        f"| {'yes' if e.identifiable else 'no'} |"
+        for e in known
+    ]
+    costs = ", ".join(f"{tier}: {text}" for tier, text in TIERS.items())
+    lines += ["", f"Cost: {costs}.", ""]
+    return "\n".join(lines + [line for effect in known for line in _section(effect)])
+
+
+def _section(effect: Effect) -> list[str]:
+    confused = ", ".join(f"[`{name}`](#{name})" for name in effect.confused_with)
+    identifiable = "" if effect.identifiable else " No test at one speed can show it."
+    return [
+        f"## `{effect.name}`",
+        "",
+        f"{effect.title}. Signature: {effect.signature}.{identifiable}",
+        "",
+        "| parameter | unit | range | neutral | nominal | starts |",
+        "|---|---|---|---|---|---|",
+        *(_row(p) for p in effect.parameters),
+        "",
+        f"- Confused with: {confused}.",
+        f"- What would tell: {effect.experiment}.",
+        f"- Source of form and range: {effect.source}.",
+        "",
+    ]
+
+
+def _row(p: Parameter) -> str:
+    neutral = f"{p.neutral:g}" if p.is_size else "shape"
+    starts = ", ".join(f"{value:g}" for value in p.grid) or "-"
+    return f"| `{p.name}` | {p.unit} | {p.low:g} to {p.high:g} | {neutral} | {p.nominal:g} | {starts} |"
+
+
+if __name__ == "__main__":
+    PAGE.write_text(page(), encoding="utf-8")

@@ -1,0 +1,180 @@
+"""A made-up laboratory for the loop: its own elastic curves, protocol, noise and effects.
+
+Nothing here comes from `softsample.loop.effects`; curves are simple formulas, not simulations.
+"""
+
+from dataclasses import dataclass, field
+
+import numpy as np
+import pandas as pd
+from scipy.signal import fftconvolve
+from scipy.special import erf
+
+from softsample.calibration.curves import CurveFamily
+from softsample.loop.specimen import Elastic, Specimen
+
+MODES = ("tension", "compression", "shear")
+SIGN = {"tension": 1.0, "compression": -1.0, "shear": 1.0}
+STROKE = {"tension": 3.5, "compression": 3.0, "shear": 6.5}  # mm
+HEIGHT, AREA = 13.0, 460.0  # mm, mm2
+SPEED, RATE = 0.3, 100.0  # mm/s, Hz
+REST, HOLD = 2.0, 60.0  # s
+WHITE, SLOW, SLOW_TIME, READING = 1.0e-3, 0.5e-3, 1.0, 1e-3  # N, N, s, mm
+MU, MIXTURE = 1000.0, 0.7  # Pa, 1
+
+
+def area(mode, r, u):
+    """Force over shear modulus [mm2] of travel u >= 0 [mm]."""
+    e = np.clip(u, 0.0, None) / HEIGHT
+    if mode == "tension":
+        return AREA * 3.0 * e / (1.0 + (1.0 + 2.0 * r**2) * e) * (1.0 + 4.0 * (1.0 - r) * e)
+    if mode == "compression":
+        b = 3.0 + 3.5 * r
+        return AREA * 3.0 / b * np.expm1(b * e) * -np.expm1(-np.clip(u, 0.0, None) / 0.8)
+    return AREA * e * (1.0 + (2.0 + 5.0 * (1.0 - r)) * e**2)
+
+
+def pulled(mode, r, u):
+    """The same for both signs of the travel; compression lets go."""
+    return area(mode, r, u) if mode == "compression" else np.sign(u) * area(mode, r, abs(u))
+
+
+CHANGES = {  # of the force over the modulus: factor of strain e, for the modes that feel it
+    "poisson_0.47": {"tension": (0.025, 0.06), "compression": (0.08, 0.4), "shear": (0.0, 0.01)},
+    "poisson_0.45": {"tension": (0.045, 0.1), "compression": (0.15, 0.7), "shear": (0.0, 0.02)},
+    "alpha1": {"tension": (0.0, 0.3), "compression": (0.0, 0.6), "shear": (0.0, 0.2)},
+    "alpha2": {"tension": (0.0, -0.5), "compression": (0.0, -0.1), "shear": (0.0, -0.3)},
+    "fibres_x": {"tension": (-0.05, 0.0), "compression": (-0.05, -0.1), "shear": (-0.2, 0.1)},
+    "fibres_z": {"tension": (-0.2, -0.2), "compression": (-0.15, 0.3), "shear": (0.0, -0.3)},
+    "boundary_shift": {
+        "tension": (-0.006, 0.0),
+        "compression": (-0.02, 0.01),
+        "shear": (-1e-3, 0.0),
+    },
+    "partial_bond": {"tension": (0.05, -0.02), "shear": (0.05, 0.02)},
+    "platen_tilt": {"compression": (0.1, -0.4)},
+    "platen_slip": {"compression": (0.25, 0.6)},
+}
+"""Loss of force a + b e as a part of it; made up, of the sizes that LOOP's pre-study found."""
+
+
+def elastic(mode):
+    """The model of a perfect laboratory."""
+    travel = np.linspace(0.0, 1.1 * STROKE[mode], 121)
+    nodes = 0.5 + 0.48 * np.cos(np.pi * (np.arange(9) + 0.5) / 9)
+    family = CurveFamily(
+        nodes, 1e-3 * travel, 1e-6 * np.stack([area(mode, r, travel) for r in nodes])
+    )
+    middle = 1e-6 * area(mode, MIXTURE, travel)
+    changes = {
+        name: -(of[mode][0] + of[mode][1] * travel / HEIGHT) * middle
+        for name, of in CHANGES.items()
+        if mode in of
+    }
+    return Elastic(family, changes, contact=mode == "compression")
+
+
+def clock(mode):
+    """Time [s] and true travel [mm]: rest, ramp, hold, back."""
+    way = STROKE[mode] / SPEED
+    knots = np.cumsum([0.0, REST, way, HOLD, way])
+    time = np.arange(0.0, knots[-1], 1.0 / RATE)
+    return time, np.interp(time, knots, [0.0, 0.0, STROKE[mode], STROKE[mode], 0.0])
+
+
+@dataclass
+class Lab:
+    """Records of one animal; keywords plant effects.
+
+    Signs of instruments are those of the machine: positive is up, or along +x.
+    """
+
+    seed: int = 0
+    mu: float = MU
+    offset: dict = field(default_factory=dict)  # mN by mode
+    drift: float = 0.0  # mN/s
+    lag: int = 0  # samples
+    relaxed: float = 0.0  # part of the force that a stretched exponential takes
+    damage: float = 0.0
+    compliance: float = 0.0  # mm/N
+    gap: float = 0.0  # mm
+    play: float = 0.0  # mm
+    weight: float = 0.0  # mN
+    zero: dict = field(default_factory=dict)  # mm along the travel, by mode
+    steps: float = 0.0  # mN, stick and slip: in no library
+
+    def travel(self, mode, u):
+        """Travel that reaches the sample [mm]."""
+        s = u + self.zero.get(mode, 0.0) - (self.gap if mode == "compression" else 0.0)
+        if self.play:
+            reached = np.empty_like(s)
+            at = s[0]
+            for k, x in enumerate(s):
+                at = min(max(at, x), x + self.play)
+                reached[k] = at
+            s = reached
+        if self.compliance:  # s + c F(s) is what the machine sees
+            fine = np.linspace(-1.0, 1.1 * STROKE[mode], 4000)
+            seen = fine + self.compliance * 1e-6 * self.mu * pulled(mode, MIXTURE, fine)
+            s = np.interp(s, seen, fine)
+        return s
+
+    def tissue(self, mode, time, s):
+        """Force of the sample along the travel [N]."""
+        force = 1e-6 * self.mu * pulled(mode, MIXTURE, s)
+        if self.relaxed:
+            kept = 1.0 - self.relaxed * -np.expm1(-((time / 9.0) ** 0.6))
+            force = fftconvolve(np.diff(force, prepend=0.0), kept)[: len(force)]
+        if self.damage:  # Ogden and Roxburgh: error function of the energy that is given back
+            work = np.cumsum(area(mode, MIXTURE, s) * np.gradient(s))
+            below = np.maximum.accumulate(work) - work
+            force = force * (1.0 - self.damage * erf(below / (0.5 * work.max())))
+        return np.maximum(force, 0.0) if mode == "compression" else force
+
+    def record(self, mode):
+        """What the machine writes, as a table."""
+        rng = np.random.default_rng([self.seed, MODES.index(mode)])
+        time, u = clock(mode)
+        force = SIGN[mode] * self.tissue(mode, time, self.travel(mode, u))
+        force = force + 1e-3 * (self.offset.get(mode, 0.0) + self.drift * time)
+        if mode != "shear":
+            force = force + 1e-3 * self.weight
+        if self.steps:
+            force = force + 1e-3 * self.steps * np.sign(np.sin(11.0 * u)) * (u > 0.5)
+        if self.lag:
+            force = np.concatenate([np.full(self.lag, force[0]), force[: -self.lag]])
+        keep = np.exp(-1.0 / RATE / SLOW_TIME)
+        slow = np.empty(len(time))
+        slow[0] = rng.normal(0.0, SLOW)
+        for k, kick in enumerate(rng.normal(0.0, SLOW * np.sqrt(1.0 - keep**2), len(time) - 1)):
+            slow[k + 1] = keep * slow[k] + kick
+        return pd.DataFrame(
+            {
+                "time_s": time,
+                "displacement_mm": SIGN[mode] * u + rng.normal(0.0, READING, len(time)),
+                "force_N": force + slow + rng.normal(0.0, WHITE, len(time)),
+            }
+        )
+
+    def specimens(self, modes=MODES, names=None):
+        """The tests as the loop reads them."""
+        names = names or [f"{mode[0].upper()}{self.seed}" for mode in modes]
+        return [
+            Specimen.of_record(name, mode, self.record(mode), elastic(mode))
+            for name, mode in zip(names, modes, strict=True)
+        ]
+
+
+PLANTED = {
+    "force_offset": Lab(offset={"tension": 7.0, "compression": -5.0, "shear": 4.0}),
+    "force_drift": Lab(drift=0.1),
+    "channel_lag": Lab(lag=12),
+    "viscoelastic_relaxation": Lab(relaxed=0.4),
+    "mullins_softening": Lab(damage=0.3),
+    "machine_compliance": Lab(compliance=0.12),
+    "late_contact": Lab(gap=0.3),
+    "backlash": Lab(play=0.06),
+    "self_weight": Lab(weight=-30.0),
+    "displacement_zero": Lab(zero={"tension": 0.15, "compression": -0.2, "shear": 0.2}),
+}
+"""Records with one effect of the library, made by other formulas."""

@@ -1,0 +1,112 @@
+"""Every file of the library: neutral where it says so, complete, and listed in the docs."""
+
+from pathlib import Path
+
+import laboratory
+import numpy as np
+import pytest
+
+import effects_page
+from softsample.loop.effects import library
+from softsample.loop.effects.base import MODES
+from softsample.loop.history import relaxed
+from softsample.loop.model import Material, Model, State
+
+EFFECTS = library()
+ROOT = Path(__file__).resolve().parents[2]
+NAMES = """viscoelastic_relaxation rate_stiffening mullins_softening residual_precompression
+poroelastic_drainage dehydration displacement_zero late_contact platen_tilt real_geometry
+partial_bond bond_peel platen_slip machine_compliance poisson_ratio boundary_shift ogden_exponents
+tension_compression_asymmetry anisotropy self_weight adhesion force_offset force_drift channel_lag
+backlash mains_pickup gain""".split()
+UNITS = {"1", "mm", "mN", "mN/s", "ms", "s", "mm/N", "deg", "mu"}
+
+
+@pytest.fixture(scope="module")
+def specimens():
+    found = laboratory.Lab(compliance=0.05).specimens()
+    for specimen in found:  # made up as the others: the cuboid is a tenth too stiff
+        family = specimen.elastic.family
+        specimen.elastic.variants["real_geometry"] = -0.1 * family.force_per_mu(
+            0.7, family.displacement
+        )
+    return found
+
+
+def predicted(specimen, effect, values):
+    model = Model((effect,))
+    return model.predict(specimen, State(Material(1000.0, 0.7), {effect.name: values}))
+
+
+def test_the_library_holds_the_names_of_the_design_and_no_others():
+    assert sorted(EFFECTS) == sorted(NAMES)
+
+
+@pytest.mark.parametrize("effect", EFFECTS.values(), ids=EFFECTS)
+def test_an_effect_is_absent_at_its_neutral_values_wherever_else_its_shape_lies(effect, specimens):
+    for specimen in specimens:
+        plain = Model().predict(specimen, State(Material(1000.0, 0.7)))
+        for last in (0, -1):
+            shapes = {p.name: p.grid[last] for p in effect.parameters if not p.is_size}
+            force = predicted(specimen, effect, {**effect.neutral(), **shapes})
+            np.testing.assert_allclose(force, plain, atol=1e-12)
+
+
+@pytest.mark.parametrize("effect", EFFECTS.values(), ids=EFFECTS)
+def test_an_effect_changes_the_modes_it_names_and_no_others(effect, specimens):
+    high = {p.name: p.high if p.is_size else p.grid[0] for p in effect.parameters}
+    changed = set()
+    for specimen in specimens:
+        plain = Model().predict(specimen, State(Material(1000.0, 0.7)))
+        if np.abs(predicted(specimen, effect, high) - plain).max() > 1e-4:
+            changed.add(specimen.mode)
+    assert changed == set(effect.modes)
+
+
+@pytest.mark.parametrize("effect", EFFECTS.values(), ids=EFFECTS)
+def test_a_file_says_units_ranges_source_confusions_and_experiment(effect):
+    assert effect.parameters
+    assert effect.tier in {"P", "L", "M"}
+    assert set(effect.modes) <= set(MODES)
+    for text in (effect.title, effect.source, effect.signature, effect.experiment):
+        assert len(text) > 5 or text == "a scale"
+    assert effect.confused_with
+    assert set(effect.confused_with) <= set(EFFECTS) - {effect.name}
+    for p in effect.parameters:
+        assert p.unit in UNITS
+        assert p.low < p.high
+        assert p.low <= p.nominal <= p.high
+        assert not p.is_size or p.low <= p.neutral <= p.high
+        assert all(p.low <= value <= p.high for value in p.grid)
+    assert effect.sizes
+
+
+def test_relaxation_is_the_convolution_of_the_modulus_with_the_growth_of_the_force():
+    """Against the integral of a cubic history, term by term, by hand."""
+    g, tau, end = 0.4, 3.0, 8.0
+    time = np.linspace(0.0, end, 4001)
+    # int_0^t (1 - exp(-(t - s)/tau)) 3 s^2 ds
+    decayed = tau * (time**2 - 2.0 * tau * time + 2.0 * tau**2 * -np.expm1(-time / tau))
+    exact = time**3 - g * (time**3 - 3.0 * decayed)
+    np.testing.assert_allclose(relaxed(time, time**3, g, tau), exact, atol=1e-4 * end**3)
+
+
+def test_relaxation_is_exact_for_a_ramp_whatever_the_step():
+    g, tau = 0.5, 0.7
+    for step in (0.01, 1.0):
+        time = np.arange(0.0, 10.0, step)
+        exact = time - g * (time + tau * np.expm1(-time / tau))
+        np.testing.assert_allclose(relaxed(time, time, g, tau), exact, rtol=1e-12, atol=1e-12)
+
+
+def test_the_page_of_the_effects_is_what_the_library_says():
+    page = (ROOT / "docs/effects.md").read_text(encoding="utf-8")
+    assert page == effects_page.page(), "stale: run python benchmarks/effects_page.py"
+
+
+def test_the_page_of_the_effects_lists_every_effect_and_parameter():
+    page = effects_page.page()
+    for effect in EFFECTS.values():
+        assert f"\n## `{effect.name}`" in page
+        for p in effect.parameters:
+            assert f"| `{p.name}` |" in page

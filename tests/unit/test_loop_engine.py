@@ -1,0 +1,253 @@
+"""Parts of the loop one by one: noise, whitening, folds, screening, page, report."""
+
+from dataclasses import replace
+
+import laboratory
+import numpy as np
+import pytest
+
+from softsample.loop.diagnose import LoopSettings, diagnose, pose, report
+from softsample.loop.effects import library
+from softsample.loop.errors import errors, folds, held_out
+from softsample.loop.model import Material, Model, Packing, State
+from softsample.loop.noise import NoiseSettings, Whitener, blocks, covariance, measure_noise
+from softsample.loop.page import page
+from softsample.loop.screen import null_threshold, penalty, signatures
+
+SETTINGS = NoiseSettings()
+
+
+@pytest.fixture(scope="module")
+def perfect():
+    return laboratory.Lab(seed=3).specimens()
+
+
+@pytest.fixture(scope="module")
+def problem(perfect):
+    return pose(perfect, SETTINGS)[0]
+
+
+@pytest.fixture(scope="module")
+def found():
+    """Offset without alternatives but weight and lag, so that it costs little."""
+    effects = [library()[name] for name in ("force_offset", "self_weight", "channel_lag", "gain")]
+    return diagnose(laboratory.PLANTED["force_offset"].specimens(), LoopSettings(), effects)
+
+
+def test_noise_is_measured_as_it_was_made():
+    noises = [
+        measure_noise(specimen, SETTINGS)
+        for seed in range(4)
+        for specimen in laboratory.Lab(seed=seed).specimens()
+    ]
+    assert np.mean([n.white for n in noises]) == pytest.approx(laboratory.WHITE, rel=0.02)
+    assert np.mean([n.slow for n in noises]) == pytest.approx(laboratory.SLOW, rel=0.2)
+    assert all(abs(n.white / laboratory.WHITE - 1.0) < 0.06 for n in noises)
+    assert all(abs(n.slow / laboratory.SLOW - 1.0) < 0.45 for n in noises)
+
+
+def test_relaxation_in_the_hold_is_not_taken_for_noise():
+    specimens = laboratory.PLANTED["viscoelastic_relaxation"].specimens()
+    for specimen in specimens:
+        assert measure_noise(specimen, SETTINGS).slow < 1.5 * laboratory.SLOW
+
+
+def test_blocks_leave_out_the_rest():
+    assert blocks(np.arange(11.0), 4).tolist() == [1.5, 5.5]
+
+
+def test_whitened_noise_has_unit_covariance(perfect):
+    specimen = perfect[1]
+    noise = measure_noise(specimen, SETTINGS)
+    force = blocks(specimen.force, 20)
+    matrix = covariance(specimen, noise, force, SETTINGS)
+    np.testing.assert_allclose(matrix, matrix.T)
+    draws = np.random.default_rng(1).multivariate_normal(
+        np.zeros(len(matrix)), matrix, 3000, method="cholesky"
+    )
+    whitener = Whitener(matrix, 1)
+    white = np.stack([whitener(draw) for draw in draws])
+    found = np.cov(white.T)
+    assert np.diag(found).mean() == pytest.approx(1.0, abs=0.01)
+    off = found[~np.eye(len(found), dtype=bool)]
+    assert abs(off).max() < 6.0 / np.sqrt(3000)
+    assert off.std() == pytest.approx(1.0 / np.sqrt(3000), rel=0.1)
+
+
+def test_a_whitener_of_some_blocks_is_that_of_their_covariance():
+    matrix = np.array([[2.0, 0.5, 0.1], [0.5, 1.0, 0.3], [0.1, 0.3, 3.0]])
+    keep = np.array([True, False, True])
+    values = np.array([1.0, 7.0, -2.0])
+    white = Whitener(matrix, 1).on(keep)(values)
+    part = matrix[np.ix_(keep, keep)]
+    assert white @ white == pytest.approx(values[keep] @ np.linalg.solve(part, values[keep]))
+    more = Whitener(matrix, 1, keep).with_more(np.eye(3))(values)
+    assert more @ more == pytest.approx(
+        values[keep] @ np.linalg.solve(part + np.eye(2), values[keep])
+    )
+
+
+def test_before_the_platen_moves_there_is_no_floor(perfect):
+    specimen = perfect[1]
+    noise = measure_noise(specimen, SETTINGS)
+    none = NoiseSettings(floor_percent=0.0, fine_percent=0.0, scale_percent=0.0)
+    nothing = np.zeros(len(specimen.force) // 20)
+    with_floor, without = (covariance(specimen, noise, nothing, s) for s in (SETTINGS, none))
+    np.testing.assert_allclose(with_floor[:9, :9], without[:9, :9], rtol=1e-2, atol=1e-12)
+    hold = np.flatnonzero(blocks((specimen.phase == "hold").astype(float), 20) == 1.0)
+    floor = np.sqrt((with_floor - without)[hold[0], hold[0]])
+    assert floor == pytest.approx(0.01 * np.hypot(1.0, 0.3) * specimen.peak, rel=1e-6)
+
+
+def test_a_state_goes_into_a_vector_and_back():
+    known = library()
+    model = Model((known["force_offset"], known["viscoelastic_relaxation"]))
+    values = {e.name: {p.name: p.nominal for p in e.parameters} for e in model.effects}
+    state = State(Material(812.0, 0.37), values, 0.04)
+    packing = Packing(model)
+    back = packing.unpack(packing.pack(state))
+    assert back.material.mu == pytest.approx(812.0)
+    assert back.contact_zero == 0.04
+    for name, of in values.items():
+        assert back.values[name] == pytest.approx(of)
+
+
+def test_the_plain_model_finds_the_material(problem):
+    fit = problem.fit_material()
+    assert fit.state.material.mu == pytest.approx(laboratory.MU, rel=0.03)
+    assert fit.state.material.mixture == pytest.approx(laboratory.MIXTURE, abs=0.05)
+    assert 0.7 < fit.cost / len(fit.white) < 1.2
+    spread = np.sqrt(fit.covariance[0, 0])
+    assert abs(np.log(fit.state.material.mu / laboratory.MU)) < 3.0 * spread
+
+
+def test_folds_leave_out_what_they_say(problem):
+    found = folds(problem)
+    assert set(found) == {f"leave_out_{m}" for m in laboratory.MODES} | {
+        "after_ramp",
+        "last_quarter",
+    }
+    assert [m.all() for m in found["leave_out_shear"]] == [False, False, True]
+    assert not found["leave_out_shear"][0].any()
+    for mask, specimen in zip(found["last_quarter"], problem.specimens, strict=True):
+        starts = 20 * np.flatnonzero(mask)
+        assert set(specimen.phase[starts]) == {"ramp"}
+        assert specimen.travel[starts].min() > 0.74 * specimen.reach
+
+
+def test_two_tests_of_one_mode_keep_their_own_lines():
+    specimens = [laboratory.Lab(seed=s).specimens(["tension"])[0] for s in (1, 2)]
+    problem, _ = pose(specimens, SETTINGS)
+    fit = problem.fit_material()
+    assert list(errors(problem, fit, [0.0, 0.0])) == ["tension", "tension_2"]
+    assert {"leave_out_tension", "leave_out_tension_2"} <= set(folds(problem))
+
+
+def test_what_a_fold_leaves_out_stays_unknown_to_it():
+    """An offset of tension cannot be known without tension, nor backlash without the way back."""
+    offset = laboratory.Lab(offset={"tension": 20.0}).specimens(["tension", "shear"])
+    problem, _ = pose(offset, SETTINGS)
+    state = problem.fit_material().state
+    effect = library()["force_offset"]
+    state = replace(state, values={effect.name: effect.neutral()})
+    fit = problem.fit(Model((effect,)), state)
+    assert fit.state.values["force_offset"]["tension_mN"] == pytest.approx(20.0, abs=0.5)
+    error = held_out(problem, fit, [0.0, 0.0])
+    assert error["leave_out_tension"]["tension"].rms > 15e-3
+    assert error["after_ramp"]["tension"].rms < 5e-3  # the rest before the ramp shows it
+
+    play = laboratory.Lab(play=0.1).specimens(["tension", "shear"])
+    problem, _ = pose(play, SETTINGS)
+    effect = library()["backlash"]
+    start = replace(problem.fit_material().state, values={effect.name: {"play_mm": 0.05}})
+    fit = problem.fit(Model((effect,)), start)
+    assert fit.state.values["backlash"]["play_mm"] == pytest.approx(0.1, abs=0.01)
+    before = held_out(problem, problem.fit_material(), [0.0, 0.0])["after_ramp"]["shear"]
+    after = held_out(problem, fit, [0.0, 0.0])["after_ramp"]["shear"]
+    assert after.rms == pytest.approx(before.rms, rel=0.3)
+
+
+def test_signatures_are_what_no_change_of_the_material_imitates(problem):
+    base = problem.fit_material()
+    names = ("force_offset", "force_drift", "gain", "rate_stiffening")
+    made = signatures(problem, base, [library()[name] for name in names])
+    for signature in made:
+        inside = base.jacobian.T @ signature.columns
+        scale = np.linalg.norm(base.jacobian, axis=0)[:, None]
+        assert np.abs(inside / scale).max() < 1e-6 * max(1.0, np.abs(signature.columns).max())
+    strength = {s.effect.name: s.strength for s in made}
+    assert strength["force_offset"] > 5.0
+    assert strength["gain"] < 1e-2
+    assert strength["rate_stiffening"] < 1e-2
+
+
+def test_pure_noise_passes_the_threshold_in_a_twentieth_of_draws(problem):
+    base = problem.fit_material()
+    made = signatures(problem, base, [e for e in library().values() if e.identifiable])
+    n = len(base.white)
+    limit = null_threshold(made, n, 1000, seed=5)
+    noise = np.random.default_rng(8).standard_normal((n, 1000))
+    best = np.max(
+        [np.sum((s.basis.T @ noise) ** 2, axis=0) - penalty(s.effect, n) for s in made], axis=0
+    )
+    assert np.mean(best > limit) == pytest.approx(0.05, abs=0.025)
+
+
+def test_a_size_that_cannot_be_negative_gains_nothing_from_the_opposite(problem):
+    base = problem.fit_material()
+    (signature,) = signatures(problem, base, [library()["dehydration"]])
+    there = signature.columns[:, 0]
+    assert signature.gain(there) == pytest.approx(there @ there)
+    assert signature.gain(-there) == 0.0
+
+
+def test_the_report_has_the_keys_of_the_design(found):
+    verdict = report(found, LoopSettings())
+    assert verdict["verdict"] == "explained"
+    (effect,) = verdict["effects"]
+    assert set(effect) == {"name", "class", "parameters", "evidence", "separating_experiment"}
+    assert effect["class"][0] == effect["name"] == "force_offset"
+    offset = effect["parameters"]["shear_mN"]
+    assert set(offset) == {"value", "unit", "low", "high"}
+    assert offset["low"] < 4.0 < offset["high"]
+    assert offset["unit"] == "mN"
+    for when in ("before", "after"):
+        for error in (*verdict[f"error_{when}"].values(), *verdict[f"held_out_{when}"].values()):
+            for part in error.values():
+                assert set(part) == {
+                    "rms_N", "rms_percent", "rms_N_structured", "rms_percent_structured"
+                }  # fmt: skip
+                assert part["rms_N_structured"] <= part["rms_N"]
+        assert set(verdict[f"theta_{when}"]) == {"mu", "mu1_fraction"}
+        assert list(verdict[f"error_{when}"]["shear"]) == [
+            "all", "baseline", "ramp", "hold", "unloading"
+        ]  # fmt: skip
+    assert set(verdict["noise"]) == set(laboratory.MODES)
+    assert {"floor", "path", "detection_limits", "not_identifiable"} <= set(verdict)
+    assert {"gain", "rate_stiffening"} <= set(verdict["not_identifiable"])
+    assert verdict["path"][0]["chosen"] == "force_offset"
+    assert verdict["path"][-1]["chosen"] is None
+    mu = verdict["theta_after"]["mu"]
+    assert mu["low"] < laboratory.MU < mu["high"]
+
+
+def test_the_page_says_what_is_undecided(found):
+    verdict = report(found, LoopSettings())
+    assert "Undecided" not in page("A7", verdict)
+    verdict["effects"][0]["class"] = ["force_offset", "self_weight", "adhesion"]
+    text = page("A7", verdict)
+    assert text.startswith("# Verdict for A7: explained")
+    assert "**Undecided:** these records cannot tell it from `self_weight`, `adhesion`." in text
+    assert verdict["effects"][0]["separating_experiment"] in text
+    assert "| shear | hold |" in text
+    assert "Not identifiable from these records: " in text
+    empty = {**verdict, "verdict": "unknown", "effects": []}
+    assert "no effect of the library explains" in page("A7", empty)
+
+
+def test_detection_limits_stand_by_what_was_seen(found):
+    """What was planted at several times its limit was found, and limits have units."""
+    limits = report(found, LoopSettings())["detection_limits"]
+    assert limits["force_offset"]["unit"] == "mN"
+    assert 0.3 < limits["force_offset"]["value"] < 4.0
+    assert "gain" not in limits

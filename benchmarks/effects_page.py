@@ -13,10 +13,11 @@ TIERS = {
 }
 HEAD = """# Effects that the loop can name
 
-Written by `benchmarks/effects_page.py` from `src/softsample/loop/effects`; edit the files there. How they are
-chosen, and how to add one, is in [loop.md](loop.md). Signs of forces are those of the machine (positive in tension
-and along +x), signs of travel are positive while loading. A size is neutral where the effect is absent; the
-nominal value is the size at which its signature is drawn. *Shapes* (times, onsets) are fitted from each start named.
+Written by `benchmarks/effects_page.py` from `src/softsample/loop/effects`; edit the files there.
+How they are chosen, and how to add one, is in [loop.md](loop.md). Offsets, drift and weight have
+the signs of the machine (positive in tension and along +x), travel is positive while loading. A
+size is neutral where the effect is absent; the nominal value is the size at which its signature
+is drawn. *Shapes* (times, onsets) are fitted from each of their starts.
 """
 
 
@@ -56,7 +57,8 @@ def _section(effect: Effect) -> list[str]:
 def _row(p: Parameter) -> str:
     neutral = f"{p.neutral:g}" if p.is_size else "shape"
     starts = ", ".join(f"{value:g}" for value in p.grid) or "-"
-    return f"| `{p.name}` | {p.unit} | {p.low:g} to {p.high:g} | {neutral} | {p.nominal:g} | {starts} |"
+    cells = [f"`{p.name}`", p.unit, f"{p.low:g} to {p.high:g}", neutral, f"{p.nominal:g}", starts]
+    return f"| {' | '.join(cells)} |"
 
 
 if __name__ == "__main__":

@@ -2,10 +2,10 @@
 
 from dataclasses import replace
 
-import laboratory
 import numpy as np
 import pytest
 
+import laboratory
 from softsample.loop.diagnose import LoopSettings, diagnose, pose, report
 from softsample.loop.effects import library
 from softsample.loop.errors import errors, folds, held_out

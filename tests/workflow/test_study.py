@@ -140,6 +140,31 @@ def test_a_test_at_the_optimum_is_exported_on_demand(study):
             assert f"{1e-6 * fit['mu1_pa']:.10g}, -8" in text
 
 
+def test_verdicts_come_as_file_page_and_picture(study):
+    results, run = study
+    run("verdicts")
+    for folder in ("loop/AB", "loop/AB/ideal"):
+        verdict = load(results, f"{folder}/verdict.json")
+        assert verdict["verdict"] in {"explained", "none", "unknown"}
+        assert verdict["provenance"]["inputs"]
+        for mode in ("tension", "compression"):
+            after = verdict["error_after"][mode]["all"]
+            assert 0.0 < after["rms_percent"] < 25.0
+        assert {"leave_out_tension", "leave_out_compression"} <= set(verdict["held_out_after"])
+        assert "after_ramp" not in verdict["held_out_after"]  # the toy's records are ramps
+        page = (results / folder / "verdict.md").read_text(encoding="utf-8")
+        assert page.startswith(f"# Verdict for AB: {verdict['verdict']}")
+        for effect in verdict["effects"]:
+            assert f"(`{effect['name']}`)" in page
+        assert (results / folder / "verdict.png").read_bytes()[:4] == b"\x89PNG"
+    changes = pd.read_csv(results / "loop/variants/B_real.csv")
+    assert {"poisson_0.47_mm2", "platen_slip_mm2", "boundary_shift_mm2"} <= set(changes)
+    assert np.isfinite(changes.to_numpy()).all()
+    # softer in compression, where force and travel are negative
+    assert changes["poisson_0.47_mm2"].iloc[-1] > 0.0
+    assert "Nothing to be done" in run("-n", "verdicts")
+
+
 @pytest.mark.parametrize(
     ("name", "picture", "shown"),
     [

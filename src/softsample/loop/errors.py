@@ -76,9 +76,7 @@ def folds(problem: Problem) -> dict[str, list[Mask]]:
     found = {}
     if n > 1:
         for k, label in enumerate(problem.labels):
-            found[f"leave_out_{label}"] = [
-                ~mask if j == k else mask for j, mask in enumerate(none)
-            ]
+            found[f"leave_out_{label}"] = [~mask if j == k else mask for j, mask in enumerate(none)]
     after = [np.isin(phase, ("hold", "unloading")) for phase in phases]
     if all(mask.any() for mask in after):
         found["after_ramp"] = after

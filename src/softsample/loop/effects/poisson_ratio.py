@@ -16,7 +16,7 @@ EFFECT = Effect(
     title="Another Poisson's ratio",
     parameters=(Parameter("nu", "1", 0.40, 0.498, 0.48, neutral=0.49),),
     tier="L",
-    source="Hinrichsen et al., Brain Multiphysics 2023, doi:10.1016/j.brain.2023.100066",
+    source="Hinrichsen et al., Biomech. Model. Mechanobiol. 2023, doi:10.1007/s10237-023-01739-w",
     signature="compression far more than tension, tension more than shear; grows with the stroke",
     confused_with=("anisotropy", "boundary_shift", "residual_precompression", "machine_compliance"),
     experiment="photograph the bulge of the side walls",

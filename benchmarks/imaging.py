@@ -20,7 +20,7 @@ from softsample.io import write_json
 from softsample.meshing.sample import mesh_real
 from softsample.phantom.draw import random_cuboid, random_cylinder, random_scan
 from softsample.phantom.scan import Scan
-from softsample.phantom.shapes import Shape
+from softsample.phantom.shapes import ImperfectCylinder, Shape, Turned
 from softsample.phantom.sizes import Sizes, measured, surface_points
 from softsample.workflow import versions
 
@@ -93,7 +93,9 @@ def judged(seed: int, film: bool, bumps: float = 1.0, mesh: bool = True) -> Reco
 
 def accuracy(found: Segmentation, shape: Shape, scan: Scan) -> Record:
     """Segmentation against the known shape."""
-    true = measured(shape)
+    x = scan.rotation.T @ found.sample_to_world[:3, 0]
+    round_one = isinstance(shape, ImperfectCylinder)  # its axes are free, a cuboid's are its walls'
+    true = measured(Turned(shape, float(np.arctan2(x[1], x[0]))) if round_one else shape)
     mask = scan.tissue_mask(shape)
     points, vectors = surface_points(shape, step=0.4)
     area = np.linalg.norm(vectors, axis=1)

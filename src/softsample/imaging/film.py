@@ -57,6 +57,9 @@ BRIGHTNESS_SIGMA = 0.15
 """Standard deviation of the fluid's brightness over the tissue's, before the image is seen."""
 
 
+MOST_SIGMAS = 2.0
+"""Bound of the brightness on either side, in its standard deviations."""
+
 UNRESOLVED = 0.25
 """Standard deviation of a film's thickness within a patch, relative."""
 
@@ -272,6 +275,8 @@ def _fit(voxels: Voxels, brightness: float, with_film: bool) -> Fit:
         before = cost
         step = linalg.cho_solve(factor, descent)
         state = state + step / max(1.0, float(np.abs(step).max()) / LONGEST_STEP)
+        if with_film:  # a fluid as bright as tissue would be a shift by another name
+            state[-1] = np.clip(state[-1], -MOST_SIGMAS, MOST_SIGMAS)
     occam = 2.0 * np.sum(np.log(np.diag(factor[0]))) - np.linalg.slogdet(unknowns.precision)[1]
     values, place = unknowns.values(state), unknowns.places[0]
     film = Field(place, np.zeros(len(place)))

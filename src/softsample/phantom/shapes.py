@@ -151,6 +151,32 @@ class ImperfectCylinder:
         return replace(self, lobes=lobes, wall=self.wall.doubled(), top=self.top.doubled())
 
 
+@dataclass(frozen=True)
+class Turned:
+    """A shape seen in axes that are turned about z.
+
+    Attributes
+    ----------
+    shape : Shape
+    angle : float
+        From the shape's x axis to the new one [rad].
+    """
+
+    shape: Shape
+    angle: float
+
+    @property
+    def box(self) -> Array:
+        """Half-lengths in x and y, and height, of a box that holds the solid, (3,) [mm]."""
+        reach = float(np.hypot(*self.shape.box[:2]))
+        return np.array([reach, reach, self.shape.box[2]])
+
+    def value(self, x: Array, y: Array, z: Array) -> Array:
+        """Function that is negative inside and close to the signed distance near the surface."""
+        c, s = np.cos(self.angle), np.sin(self.angle)
+        return self.shape.value(c * x - s * y, s * x + c * y, z)
+
+
 def _rounded(sides: list[Array], radius: float) -> Array:
     """Meeting of half-spaces with rounded edges."""
     beyond = sum(np.maximum(side + radius, 0.0) ** 2 for side in sides)

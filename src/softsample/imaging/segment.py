@@ -412,6 +412,8 @@ def _boundary(
     to_sample = np.linalg.inv(sample_to_world) @ to_world
     to_voxel = np.linalg.inv(to_sample) @ grid
     local = frame.sampled(kept, to_voxel, shape, order=3)
+    dips = intensity.largest_component(local > HALF) & (local <= HALF)
+    local[dips] = 1.0  # next to a bubble the spline may fall below what its voxels hold
     first = round(float(settings.base_clearance_mm * MM - origin[2]) / spacing)
     walls = frame.iso_surface(local[:, :, first - 1 :], HALF, _raised(grid, first - 1))
     band = 1.5 * MM

@@ -117,13 +117,14 @@ def diagnose(
     selection = select(problem, known, settings.selection)
     base, final = selection.base, selection.final
     spread = [_block_noise(s, n, settings.noise) for s, n in zip(specimens, noises, strict=True)]
+    before, after = errors(problem, base, spread), errors(problem, final, spread)
     return Diagnosis(
         problem,
         noises,
         selection,
-        _verdict(selection, settings.selection),
-        errors(problem, base, spread),
-        errors(problem, final, spread),
+        _verdict(selection, settings.selection, _pooled(after) <= _pooled(before)),
+        before,
+        after,
         held_out(problem, base, spread),
         held_out(problem, final, spread),
     )
@@ -134,10 +135,18 @@ def _block_noise(specimen: Specimen, noise: Noise, settings: NoiseSettings) -> f
     return float(np.hypot(noise.white / np.sqrt(size), noise.slow))
 
 
-def _verdict(selection: Selection, settings: SelectionSettings) -> str:
+def _pooled(found: Errors) -> float:
+    """Mean square error of all tests, each in parts of its peak."""
+    return float(np.mean([(parts["all"].rms / parts["all"].peak) ** 2 for parts in found.values()]))
+
+
+def _verdict(selection: Selection, settings: SelectionSettings, better: bool) -> str:
+    """What is missing; an explanation that leaves the records further off is none."""
     n = len(selection.final.white)
     left, before = selection.final.cost, selection.base.cost
     if left / n > settings.unknown_ratio and left - n > settings.unknown_share * (before - n):
+        return "unknown"
+    if not better:
         return "unknown"
     return "explained" if selection.final.model.effects else "none"
 

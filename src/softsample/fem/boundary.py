@@ -67,15 +67,13 @@ class Boundary:
     def platens(self) -> Platens:
         """Kernel argument `platens`."""
         return Platens(
-            self.glued, self.candidates, self.planes, np.array(self.friction), self.direction,
-            self.release,
+            (self._glued(BASE), self._glued(PLATEN)), self.candidates, self.planes,
+            np.array(self.friction), self.direction, self.release,
         )  # fmt: skip
 
-    @property
-    def glued(self) -> NDArray[np.int32]:
-        """Nodes held for good: those held from the start that no platen can let go."""
-        held = np.flatnonzero(self.held != FREE)
-        return np.setdiff1d(held, self.candidates).astype(np.int32)
+    def _glued(self, holder: int) -> NDArray[np.int32]:
+        """Nodes held for good: those held from the start that their platen cannot let go."""
+        return np.setdiff1d(np.flatnonzero(self.held == holder), self.candidates).astype(np.int32)
 
 
 def _held(mesh: HexMesh, glued: NDArray[np.int64]) -> NDArray[np.int8]:

@@ -10,6 +10,7 @@ from numpy.typing import NDArray
 from softsample.constitutive.ogden import OgdenMaterial
 from softsample.errors import SimulationError
 from softsample.fem import kernels
+from softsample.fem.blocks import aligned, groups_first, is_grouped, pack
 from softsample.fem.boundary import Boundary
 from softsample.fem.denormals import flushed_denormals
 from softsample.fem.element import hex_geometry, lumped_mass
@@ -186,39 +187,27 @@ class ExplicitModel:
         factor = np.ones(len(mesh.hexes)) if relative_stiffness is None else relative_stiffness
         squared = np.einsum("nai,nai->n", geometry.gradient, geometry.gradient)
         weight = factor * geometry.volume
-        count = LANES[settings.dtype]
+        dtype = settings.dtype
         regular = np.flatnonzero(geometry.is_parallelepiped)
-        regular = regular[: len(regular) // count * count]
+        regular = regular[: len(regular) // LANES[dtype] * LANES[dtype]]
         rest = np.setdiff1d(np.arange(len(mesh.hexes)), regular)
+        regular, rest = (groups_first(part, mesh.hexes, dtype) for part in (regular, rest))
         self._order = np.concatenate([regular, rest])
+        nodes = pack(mesh.hexes[self._order], dtype)
         self._unit_elements = kernels.Elements(
-            self._pack(mesh.hexes[self._order], np.dtype(np.int32)),
-            self._pack(geometry.slopes[regular]),
-            self._pack(geometry.gradient[rest]),
-            self._pack(geometry.hourglass[rest]),
-            self._pack(weight[self._order], padding=0.0),
-            self._pack((weight * squared / 64.0)[self._order], padding=0.0),
+            nodes,
+            is_grouped(nodes),
+            pack(geometry.slopes[regular], dtype),
+            pack(geometry.gradient[rest], dtype),
+            pack(geometry.hourglass[rest], dtype),
+            pack(weight[self._order], dtype, padding=0.0),
+            pack((weight * squared / 64.0)[self._order], dtype, padding=0.0),
         )
-
-    def _pack(
-        self, values: NDArray, dtype: np.dtype | None = None, padding: float | None = None
-    ) -> NDArray:
-        """Blocks of lanes of per-element values; the last block repeats the last element."""
-        count = LANES[self.settings.dtype]
-        n = len(values)
-        index = np.arange(-(-n // count) * count)
-        filled = values[np.minimum(index, n - 1)]
-        if padding is not None:
-            filled[n:] = padding
-        blocks = np.moveaxis(filled.reshape(-1, count, *values.shape[1:]), 1, -1)
-        packed = _aligned(blocks.shape, dtype or self.settings.dtype)
-        packed[:] = blocks
-        return packed
 
     def elements(self, shear_modulus: float) -> kernels.Elements:
         """Kernel argument `elements` for a material of `shear_modulus` [Pa]."""
         scale = self.settings.dtype.type(self.settings.hourglass_coefficient * shear_modulus)
-        stiffness = _aligned(self._unit_elements.stiffness.shape, self.settings.dtype)
+        stiffness = aligned(self._unit_elements.stiffness.shape, self.settings.dtype)
         stiffness[:] = self._unit_elements.stiffness * scale
         return self._unit_elements._replace(stiffness=stiffness)
 
@@ -259,14 +248,14 @@ class ExplicitModel:
 
     def nodal(self, values: Array | None = None) -> NDArray:
         """Rows of four for the kernels, zero or filled with values (n_nodes, 3)."""
-        rows = _aligned((len(self.mesh.points), 4), self.settings.dtype)
+        rows = aligned((len(self.mesh.points), 4), self.settings.dtype)
         if values is not None:
             rows[:, :3] = values
         return rows
 
     def blank_state(self) -> NDArray:
         """Zeros for the state of the elements."""
-        return _aligned((3, *self._unit_elements.volume.shape), self.settings.dtype)
+        return aligned((3, *self._unit_elements.volume.shape), self.settings.dtype)
 
     def solid(self, material: OgdenMaterial, spectral: bool | None = None) -> kernels.Solid:
         """Kernel argument `solid`.
@@ -344,14 +333,6 @@ class ExplicitModel:
         return march.result()
 
 
-def _aligned(shape: tuple[int, ...], dtype: np.dtype) -> NDArray:
-    """Zeros that start at a cache line, so that no vector load crosses two."""
-    size = int(np.prod(shape)) * dtype.itemsize
-    raw = np.zeros(size + 64, np.uint8)
-    start = -raw.ctypes.data % 64
-    return raw[start : start + size].view(dtype).reshape(shape)
-
-
 def _instantaneous(solid: kernels.Solid) -> kernels.Solid:
     return solid._replace(prony=np.empty(0))
 
@@ -392,12 +373,12 @@ class _March:
         state, terms = model.blank_state(), self.solid.prony.size
         blocks, count = state.shape[1:] if terms else (0, state.shape[2])
         rows = -(-4 * len(model.mass) // count)
-        u, v, force, mobility = (_aligned((rows, count), model.settings.dtype) for _ in range(4))
+        u, v, force, mobility = (aligned((rows, count), model.settings.dtype) for _ in range(4))
         nodes = slice(len(model.mass))
         self.motion = kernels.Motion(
             u.reshape(-1, 4)[nodes], v.reshape(-1, 4)[nodes], force.reshape(-1, 4)[nodes],
             mobility.reshape(-1, 4)[nodes], boundary.held.copy(), model.mass,
-            model.mesh.points, state, _aligned((blocks, terms + 1, 6, count), model.settings.dtype),
+            model.mesh.points, state, aligned((blocks, terms + 1, 6, count), model.settings.dtype),
             (u, v, force, mobility),
         )  # fmt: skip
         if gravity and gravity.settle_first:
@@ -409,8 +390,8 @@ class _March:
         self.motion.held[self.motion.held == kernels.PLATEN] = kernels.FREE
         planes = self.platens.planes.copy()
         planes[1, 3] = np.inf
-        glued = np.flatnonzero(self.motion.held != kernels.FREE).astype(np.int32)
-        self.platens = self.platens._replace(planes=planes, glued=glued)
+        base = self.platens.glued[0]
+        self.platens = self.platens._replace(planes=planes, glued=(base, base[:0]))
 
     def _lower_platen(self) -> None:
         """Glue the platen to the settled sample, or bring it to the highest point."""

@@ -45,6 +45,8 @@ class Elements(NamedTuple):
 
     connectivity: NDArray
     """(n_blocks, 8, n) int32."""
+    grouped: NDArray
+    """(n_blocks,) bool: whether in each group of n/4 lanes the nodes follow one another."""
     slopes: NDArray
     """(n_regular, 3, 3, n) gradients of the natural coordinates over 8 [1/m]."""
     gradient: NDArray
@@ -80,11 +82,15 @@ class Solid(NamedTuple):
 @_inline
 def _gather8(u, elements, block, lane):
     """Displacements of the eight corners: eight of x, of y and of z."""
-    nodes = elements.connectivity
-    a, b = gather(u, nodes, (block, 0), lane), gather(u, nodes, (block, 1), lane)
-    c, d = gather(u, nodes, (block, 2), lane), gather(u, nodes, (block, 3), lane)
-    e, f = gather(u, nodes, (block, 4), lane), gather(u, nodes, (block, 5), lane)
-    g, h = gather(u, nodes, (block, 6), lane), gather(u, nodes, (block, 7), lane)
+    nodes, grouped = elements.connectivity, elements.grouped[block]
+    a = gather(u, nodes, (block, 0), lane, grouped)
+    b = gather(u, nodes, (block, 1), lane, grouped)
+    c = gather(u, nodes, (block, 2), lane, grouped)
+    d = gather(u, nodes, (block, 3), lane, grouped)
+    e = gather(u, nodes, (block, 4), lane, grouped)
+    f = gather(u, nodes, (block, 5), lane, grouped)
+    g = gather(u, nodes, (block, 6), lane, grouped)
+    h = gather(u, nodes, (block, 7), lane, grouped)
     return (
         (a[0], b[0], c[0], d[0], e[0], f[0], g[0], h[0]),
         (a[1], b[1], c[1], d[1], e[1], f[1], g[1], h[1]),
@@ -567,15 +573,15 @@ def _note(state, block, lane, energy, k, gx, gy, gz, dilatation):
 @_inline
 def _scatter8(force, elements, block, lane, x, y, z):
     """Add forces to the eight corners."""
-    nodes = elements.connectivity
-    scatter_add(force, nodes, (block, 0), lane, x[0], y[0], z[0])
-    scatter_add(force, nodes, (block, 1), lane, x[1], y[1], z[1])
-    scatter_add(force, nodes, (block, 2), lane, x[2], y[2], z[2])
-    scatter_add(force, nodes, (block, 3), lane, x[3], y[3], z[3])
-    scatter_add(force, nodes, (block, 4), lane, x[4], y[4], z[4])
-    scatter_add(force, nodes, (block, 5), lane, x[5], y[5], z[5])
-    scatter_add(force, nodes, (block, 6), lane, x[6], y[6], z[6])
-    scatter_add(force, nodes, (block, 7), lane, x[7], y[7], z[7])
+    nodes, grouped = elements.connectivity, elements.grouped[block]
+    scatter_add(force, nodes, (block, 0), lane, grouped, x[0], y[0], z[0])
+    scatter_add(force, nodes, (block, 1), lane, grouped, x[1], y[1], z[1])
+    scatter_add(force, nodes, (block, 2), lane, grouped, x[2], y[2], z[2])
+    scatter_add(force, nodes, (block, 3), lane, grouped, x[3], y[3], z[3])
+    scatter_add(force, nodes, (block, 4), lane, grouped, x[4], y[4], z[4])
+    scatter_add(force, nodes, (block, 5), lane, grouped, x[5], y[5], z[5])
+    scatter_add(force, nodes, (block, 6), lane, grouped, x[6], y[6], z[6])
+    scatter_add(force, nodes, (block, 7), lane, grouped, x[7], y[7], z[7])
 
 
 @_inline
@@ -729,8 +735,8 @@ class Motion(NamedTuple):
 class Platens(NamedTuple):
     """What holds the sample."""
 
-    glued: NDArray
-    """int32 ids of the nodes that are held for good."""
+    glued: tuple[NDArray, NDArray]
+    """int32 ids of the nodes that the base and the moving platen hold for good."""
     candidates: NDArray
     """int32 ids of the nodes that may touch a platen."""
     planes: NDArray
@@ -777,13 +783,13 @@ def advance(path, gravity, relax, dt, dt_before, motion, elements, solid, platen
             u, elements, solid, relax[step], motion.viscous, force, motion.state, last, lane
         )
         kick = 0.5 * (dt + dt_before)
-        speed = (path[step + 1] - path[step]) / dt
+        rate, speed = 1.0 / kick, (path[step + 1] - path[step]) / dt
         record = history[step]
         record[:] = 0.0
         if gravity[step, 0] != 0.0 or gravity[step, 1] != 0.0 or gravity[step, 2] != 0.0:
             record[6] += _weigh(gravity[step], dt, motion)
-        for node in platens.glued:
-            _hold(node, 1.0 / kick, speed, motion, platens, record)
+        _carry(platens.glued[0], rate, (0.0, 0.0, 0.0), motion, record, BASE)
+        _carry(platens.glued[1], rate, _times(speed, platens.direction), motion, record, PLATEN)
         for node in platens.candidates:
             if motion.held[node] != FREE:
                 _press(node, kick, speed, dt, motion, platens, record)
@@ -832,10 +838,27 @@ def _move_row(registers, kick, dt, last, row, lane):
 
 
 @_inline
-def _reaction(node, i, rate, speed, motion, platens):
+def _times(k, a):
+    return k * a[0], k * a[1], k * a[2]
+
+
+@_inline
+def _reaction(node, rate, velocity, motion):
     """Force of the platen on a held node [N]: its force plus mass times acceleration."""
-    new = speed * platens.direction[i] if motion.held[node] == PLATEN else 0.0
-    return motion.force[node, i] + motion.mass[node] * (new - motion.v[node, i]) * rate
+    inertia, force, v = motion.mass[node] * rate, motion.force, motion.v
+    return (
+        force[node, 0] + inertia * (velocity[0] - v[node, 0]),
+        force[node, 1] + inertia * (velocity[1] - v[node, 1]),
+        force[node, 2] + inertia * (velocity[2] - v[node, 2]),
+    )
+
+
+@_inline
+def _add3(row, first, k, b):
+    """Add to three numbers of a row k times three others."""
+    row[first] += k * b[0]
+    row[first + 1] += k * b[1]
+    row[first + 2] += k * b[2]
 
 
 @_inline
@@ -845,12 +868,14 @@ def _column(holder):
 
 
 @_inline
-def _hold(node, rate, speed, motion, platens, record):
-    """Give a held node its platen's velocity and record the force that this takes."""
-    column = _column(motion.held[node])
-    for i in range(3):
-        record[column + i] += _reaction(node, i, rate, speed, motion, platens)
-        motion.v[node, i] = speed * platens.direction[i] if column == 0 else 0.0
+def _carry(nodes, rate, velocity, motion, record, holder):
+    """Give glued nodes their platen's velocity and record the force that this takes."""
+    x = y = z = 0.0
+    for node in nodes:
+        a, b, c = _reaction(node, rate, velocity, motion)
+        x, y, z = x + a, y + b, z + c
+        motion.v[node, 0], motion.v[node, 1], motion.v[node, 2] = velocity
+    _add3(record, _column(holder), 1.0, (x, y, z))
 
 
 @_inline
@@ -858,31 +883,26 @@ def _press(node, kick, speed, dt, motion, platens, record):
     """Hold a touching node as long as its platen pushes, with no more than friction sideways."""
     holder = motion.held[node]
     n = platens.planes[holder - 1]
-    x = _reaction(node, 0, 1.0 / kick, speed, motion, platens)
-    y = _reaction(node, 1, 1.0 / kick, speed, motion, platens)
-    z = _reaction(node, 2, 1.0 / kick, speed, motion, platens)
-    pull = x * n[0] + y * n[1] + z * n[2]
+    velocity = _times(speed if holder == PLATEN else 0.0, platens.direction)
+    push = _reaction(node, 1.0 / kick, velocity, motion)
+    pull = _dot(push, n)
     if platens.release and pull > 0.0:
         motion.held[node] = FREE
         for i in range(3):
             motion.mobility[node, i] = 1.0 / motion.mass[node]
         return
-    _hold(node, 1.0 / kick, speed, motion, platens, record)
+    motion.v[node, 0], motion.v[node, 1], motion.v[node, 2] = velocity
+    _add3(record, _column(holder), 1.0, push)
     if platens.friction[holder - 1] < np.inf:
-        x, y, z = x - pull * n[0], y - pull * n[1], z - pull * n[2]
-        sideways = np.sqrt(x * x + y * y + z * z)
+        sideways = push[0] - pull * n[0], push[1] - pull * n[1], push[2] - pull * n[2]
+        size = np.sqrt(_dot(sideways, sideways))
         limit = platens.friction[holder - 1] * max(-pull, 0.0)
-        if sideways > limit:
-            excess = 1.0 - limit / sideways
+        if size > limit:
+            excess = 1.0 - limit / size
             mobility = excess * kick / motion.mass[node]
-            column = _column(holder)
-            record[column] -= excess * x
-            record[column + 1] -= excess * y
-            record[column + 2] -= excess * z
-            motion.v[node, 0] -= mobility * x
-            motion.v[node, 1] -= mobility * y
-            motion.v[node, 2] -= mobility * z
-            record[6] -= limit * mobility * sideways * dt
+            _add3(record, _column(holder), -excess, sideways)
+            _add3(motion.v[node], 0, -mobility, sideways)
+            record[6] -= limit * mobility * size * dt
 
 
 @_inline
@@ -896,9 +916,6 @@ def _catch(node, holder, shift, dt, kick, motion, platens, record):
         motion.held[node] = holder
         for i in range(3):
             motion.mobility[node, i] = 0.0
-        column = _column(holder)
-        for i in range(3):
-            back = gap * n[i]
-            motion.u[node, i] -= back
-            motion.v[node, i] -= back / dt
-            record[column + i] -= motion.mass[node] * back / dt / kick
+        _add3(motion.u[node], 0, -gap, n)
+        _add3(motion.v[node], 0, -gap / dt, n)
+        _add3(record, _column(holder), -gap * motion.mass[node] / dt / kick, n)

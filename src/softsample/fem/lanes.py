@@ -142,90 +142,113 @@ def _store_lanes(typing_context, array, index, value):
     return types.void(array, index, value), codegen
 
 
-def _rows(context, builder, array_kind, array, nodes_kind, nodes, index_kind, index, count):
-    """Pointers to the rows of four that the nodes of a block occupy in a nodal array."""
+def _rows(context, builder, array_kind, array, nodes_kind, nodes, index_kind, index, count, step):
+    """Pointers to the rows of four that the nodes of a block occupy, `step` rows each."""
     parts = [
         context.cast(builder, builder.extract_value(index, k), kind, types.intp)
         for k, kind in enumerate(index_kind)
     ]
     first = _pointer(context, builder, nodes_kind, nodes, parts)
-    four = ir.VectorType(context.get_data_type(array_kind.dtype), 4).as_pointer()
-    base = builder.bitcast(make_array(array_kind)(context, builder, array).data, four)
-    for lane in range(count):
+    number = context.get_data_type(array_kind.dtype)
+    base = make_array(array_kind)(context, builder, array).data
+    for lane in range(0, count, step):
         node = builder.load(builder.gep(first, [ir.Constant(ir.IntType(64), lane)]))
-        yield builder.gep(base, [builder.sext(node, ir.IntType(64))])
+        start = builder.mul(builder.sext(node, ir.IntType(64)), ir.Constant(ir.IntType(64), 4))
+        pointer = builder.gep(base, [start])
+        yield builder.bitcast(pointer, ir.VectorType(number, 4 * step).as_pointer())
 
 
 def _shuffle(builder, first, second, indices):
     return builder.shuffle_vector(first, second, _indices(indices))
 
 
-@intrinsic
-def _gather_lanes(typing_context, array, nodes, index):
-    """Load whole rows and transpose them in registers, four registers of n/4 rows each."""
-    lanes = Lanes(array.dtype)
-    n, quarter = lanes.count, lanes.count // 4
+def _gather_by(step_of):
+    """Intrinsic that loads `step_of(n)` rows at a time and transposes them in registers."""
 
     def columns(builder, first, second, i):
-        """Columns i and i + 1 of two registers, one after the other."""
-        column = [[4 * k + c for k in range(quarter)] for c in (i, i + 1)]
+        """Columns i and i + 1 of two registers of n/4 rows each, one after the other."""
+        n = first.type.count
+        column = [[4 * k + c for k in range(n // 4)] for c in (i, i + 1)]
         order = [k + side for c in column for side in (0, n) for k in c]
         return _shuffle(builder, first, second, order)
 
-    def codegen(context, builder, sig, args):
-        parts = [
-            builder.load(pointer, align=array.dtype.bitwidth // 8)
-            for pointer in _rows(
-                context, builder, array, args[0], nodes, args[1], index, args[2], n
+    @intrinsic
+    def gather_lanes(typing_context, array, nodes, index):
+        lanes = Lanes(array.dtype)
+        n = lanes.count
+
+        def codegen(context, builder, sig, args):
+            align = array.dtype.bitwidth // 8
+            rows = _rows(
+                context, builder, array, args[0], nodes, args[1], index, args[2], n, step_of(n)
             )
-        ]
-        while len(parts) > 4:
-            both = range(2 * parts[0].type.count)
-            parts = [
-                _shuffle(builder, parts[k], parts[k + 1], both) for k in range(0, len(parts), 2)
-            ]
-        low, high = range(n // 2), range(n // 2, n)
-        components = []
-        for i, halves in ((0, (low, high)), (2, (low,))):
-            first = columns(builder, parts[0], parts[1], i)
-            second = columns(builder, parts[2], parts[3], i)
-            for half in halves:
-                order = [*half, *(n + k for k in half)]
-                components.append(_shuffle(builder, first, second, order))
-        return context.make_tuple(builder, sig.return_type, components)
+            parts = [builder.load(pointer, align=align) for pointer in rows]
+            while len(parts) > 4:
+                both = range(2 * parts[0].type.count)
+                parts = [
+                    _shuffle(builder, parts[k], parts[k + 1], both)
+                    for k in range(0, len(parts), 2)
+                ]
+            low, high = range(n // 2), range(n // 2, n)
+            components = []
+            for i, halves in ((0, (low, high)), (2, (low,))):
+                first = columns(builder, parts[0], parts[1], i)
+                second = columns(builder, parts[2], parts[3], i)
+                for half in halves:
+                    order = [*half, *(n + k for k in half)]
+                    components.append(_shuffle(builder, first, second, order))
+            return context.make_tuple(builder, sig.return_type, components)
 
-    return types.UniTuple(lanes, 3)(array, nodes, index), codegen
+        return types.UniTuple(lanes, 3)(array, nodes, index), codegen
+
+    return gather_lanes
 
 
-@intrinsic
-def _scatter_lanes(typing_context, array, nodes, index, x, y, z):
-    """Transpose back to rows, then add them one by one."""
-    n = Lanes(array.dtype).count
+def _scatter_by(step_of):
+    """Intrinsic that transposes back to rows, then adds `step_of(n)` of them at a time."""
 
     def interleaved(builder, first, second, start, width):
         """Groups of `width` numbers of two registers by turns, from `start` on, n in all."""
+        n = first.type.count
         groups = range(start, start + n // 2, width)
         order = [k + i + side for k in groups for side in (0, n) for i in range(width)]
         return _shuffle(builder, first, second, order)
 
-    def codegen(context, builder, sig, args):
-        x, y, z = args[3:]
-        zero = ir.Constant(z.type, [ir.Constant(z.type.element, 0.0)] * n)
-        parts = []
-        for half in (0, n // 2):
-            xy = interleaved(builder, x, y, half, 1)
-            zw = interleaved(builder, z, zero, half, 1)
-            parts += [interleaved(builder, xy, zw, start, 2) for start in (0, n // 2)]
-        rows = _rows(context, builder, array, args[0], nodes, args[1], index, args[2], n)
-        align = array.dtype.bitwidth // 8
-        for k, pointer in enumerate(rows):
-            part, first = parts[4 * k // n], 4 * k % n
-            row = _shuffle(builder, part, part, range(first, first + 4))
-            total = builder.fadd(builder.load(pointer, align=align), row)
-            builder.store(total, pointer, align=align)
-        return context.get_dummy_value()
+    @intrinsic
+    def scatter_lanes(typing_context, array, nodes, index, x, y, z):
+        n = Lanes(array.dtype).count
 
-    return types.void(array, nodes, index, x, y, z), codegen
+        def codegen(context, builder, sig, args):
+            x, y, z = args[3:]
+            zero = ir.Constant(z.type, [ir.Constant(z.type.element, 0.0)] * n)
+            parts = []
+            for half in (0, n // 2):
+                xy = interleaved(builder, x, y, half, 1)
+                zw = interleaved(builder, z, zero, half, 1)
+                parts += [interleaved(builder, xy, zw, start, 2) for start in (0, n // 2)]
+            align, width = array.dtype.bitwidth // 8, 4 * step_of(n)
+            rows = _rows(
+                context, builder, array, args[0], nodes, args[1], index, args[2], n, step_of(n)
+            )
+            for k, pointer in enumerate(rows):
+                part, first = parts[width * k // n], width * k % n
+                row = _shuffle(builder, part, part, range(first, first + width))
+                total = builder.fadd(builder.load(pointer, align=align), row)
+                builder.store(total, pointer, align=align)
+            return context.get_dummy_value()
+
+        return types.void(array, nodes, index, x, y, z), codegen
+
+    return scatter_lanes
+
+
+def group(count: int) -> int:
+    """Rows of four numbers in a register of `count`."""
+    return count // 4
+
+
+_gather_rows, _scatter_rows = _gather_by(lambda n: 1), _scatter_by(lambda n: 1)
+_gather_groups, _scatter_groups = _gather_by(group), _scatter_by(group)
 
 
 def load(array, index, lane):
@@ -238,14 +261,18 @@ def store(array, index, lane, value):
     array[(*index, lane)] = value
 
 
-def gather(array, nodes, index, lane):
-    """First three entries of the row ``nodes[*index, lane]`` of a nodal array (n_nodes, 4)."""
+def gather(array, nodes, index, lane, grouped):
+    """First three entries of the row ``nodes[*index, lane]`` of a nodal array (n_nodes, 4).
+
+    `grouped` says of a block that the nodes of each `group` of its lanes follow one another, so
+    that whole registers can be loaded.
+    """
     node = nodes[(*index, lane)]
     return array[node, 0], array[node, 1], array[node, 2]
 
 
-def scatter_add(array, nodes, index, lane, x, y, z):
-    """Add to that row; lanes of a block one after the other, so that shared nodes come right."""
+def scatter_add(array, nodes, index, lane, grouped, x, y, z):
+    """Add to that row; rows or groups one after the other, so that shared nodes come right."""
     node = nodes[(*index, lane)]
     array[node, 0] += x
     array[node, 1] += y
@@ -271,11 +298,17 @@ def _store(array, index, lane, value):
 
 
 @overload(gather, inline="always")
-def _gather(array, nodes, index, lane):
+def _gather(array, nodes, index, lane, grouped):
     if isinstance(lane, types.NoneType):
-        return lambda array, nodes, index, lane: _gather_lanes(array, nodes, index)
 
-    def scalar(array, nodes, index, lane):
+        def vector(array, nodes, index, lane, grouped):
+            if grouped:
+                return _gather_groups(array, nodes, index)
+            return _gather_rows(array, nodes, index)
+
+        return vector
+
+    def scalar(array, nodes, index, lane, grouped):
         node = nodes[index + (lane,)]
         return array[node, 0], array[node, 1], array[node, 2]
 
@@ -283,15 +316,18 @@ def _gather(array, nodes, index, lane):
 
 
 @overload(scatter_add, inline="always")
-def _scatter_add(array, nodes, index, lane, x, y, z):
+def _scatter_add(array, nodes, index, lane, grouped, x, y, z):
     if isinstance(lane, types.NoneType):
 
-        def vector(array, nodes, index, lane, x, y, z):
-            _scatter_lanes(array, nodes, index, x, y, z)
+        def vector(array, nodes, index, lane, grouped, x, y, z):
+            if grouped:
+                _scatter_groups(array, nodes, index, x, y, z)
+            else:
+                _scatter_rows(array, nodes, index, x, y, z)
 
         return vector
 
-    def scalar(array, nodes, index, lane, x, y, z):
+    def scalar(array, nodes, index, lane, grouped, x, y, z):
         node = nodes[index + (lane,)]
         array[node, 0] += x
         array[node, 1] += y

@@ -186,8 +186,7 @@ def _gather_by(step_of):
             while len(parts) > 4:
                 both = range(2 * parts[0].type.count)
                 parts = [
-                    _shuffle(builder, parts[k], parts[k + 1], both)
-                    for k in range(0, len(parts), 2)
+                    _shuffle(builder, parts[k], parts[k + 1], both) for k in range(0, len(parts), 2)
                 ]
             low, high = range(n // 2), range(n // 2, n)
             components = []

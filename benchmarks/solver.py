@@ -79,7 +79,7 @@ def curve(size: float, mode: str) -> dict[str, float]:
         return runs[-1]
 
     paces = []
-    search = best_cpu_seconds(lambda: paces.append(find_pace(run, model.settings)), 1)
+    search = best_cpu_seconds(lambda: paces.append(find_pace(run, shortest=0.04, wanted=0.5)), 1)
     cpu = best_cpu_seconds(lambda: run(paces[0].loading_time), 2)
     return {
         "cpu_s": cpu,

@@ -4,6 +4,7 @@
 rule simulate:
     input:
         mesh="<results>/mesh/{sample}/{geometry}.vtu",
+        pilot="<results>/mesh/{sample}/{geometry}_coarse.vtu",
         record=study_file("record"),
         code=library("workflow/scripts/simulate.py"),
     output:

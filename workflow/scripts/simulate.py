@@ -9,22 +9,25 @@ from softsample.workflow import logged_to, progress_bar, provenance
 
 with logged_to(snakemake.log[0]):
     given = snakemake.params
-    model, boundary = set_up(
-        *read_mesh_with_data(snakemake.input.mesh),
-        given.mode,
-        solver=given.solver,
-        contact=given.contact,
-        material=given.material,
-    )
+    tests = {
+        mesh: set_up(
+            *read_mesh_with_data(snakemake.input[mesh]),
+            given.mode,
+            solver=given.solver,
+            contact=given.contact,
+            material=given.material,
+        )
+        for mesh in ("mesh", "pilot")
+    }
     one_term = snakemake.wildcards.model == "ogden1"
     curves, report = simulate_family(
-        model,
-        boundary,
+        *tests["mesh"],
         MeasuredCurve.of_record(read_record(snakemake.input.record), given.mode).travel,
         [1.0] if one_term else family_fractions(FamilySettings(**given.family)),
         given.material["alpha"],
         given.material["poisson_ratio"],
         progress_bar(),
+        pilot=tests["pilot"],
     )
     sign = travel_sign(given.mode)
     write_table(

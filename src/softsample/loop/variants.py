@@ -129,7 +129,11 @@ def simulate_variants(
     model, shifted = ExplicitModel(sample.mesh, solver), ExplicitModel(sample.shifted, solver)
     boundary = mode_boundary(sample.mesh, sample.mode, sample.glued, contact)
     reach = MARGIN * travel
-    pace = find_pace(lambda t: model.run(material, boundary, reach, loading_time=t), solver)
+    pace = find_pace(
+        lambda t: model.run(material, boundary, reach, loading_time=t),
+        solver.loading_time_s,
+        solver.curve_error_percent,
+    )
     base = pace.run
 
     def force(on: ExplicitModel, of: OgdenMaterial, held: Boundary) -> Array:

@@ -45,7 +45,7 @@ def test_dry_run_plans_the_whole_study(config, tmp_path):
     assert status == 0, text
     planned = jobs(text)
     assert planned["segment"] == planned["measure"] == planned["check_inputs"] == 15
-    assert planned["mesh"] == 60  # inner and outer surface as well
+    assert planned["mesh"] == planned["mesh_coarse"] == 30
     assert planned["confirm"] == planned["check_simulation"] == 30
     assert planned["band"] == planned["figure_sample"] == 15
     assert planned["simulate"] == 30 + 10  # and compression alone with one term

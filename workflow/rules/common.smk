@@ -54,7 +54,6 @@ def finished(rows):
 
 
 GEOMETRIES = ["real", "ideal"]
-BAND = ["inner", "outer"]  # the real geometry, one standard deviation of its boundary to each side
 TABLE, SAMPLES = checked_study()
 # After a run in which samples failed, tables and figures of the others can still be had.
 if os.environ.get("SOFTSAMPLE_PARTIAL"):
@@ -77,7 +76,7 @@ pathvars:
 wildcard_constraints:
     sample=r"[A-Za-z0-9_-]+",
     group=r"[A-Za-z0-9_-]+",
-    geometry="|".join(GEOMETRIES + BAND),
+    geometry="|".join(GEOMETRIES),
     model="ogden1|ogden2",
 
 

@@ -4,7 +4,6 @@
 rule mesh:
     input:
         distance="<results>/segmentation/{sample}_distance.nii.gz",
-        sigma="<results>/segmentation/{sample}_sigma.nii.gz",
         segmentation="<results>/segmentation/{sample}.json",
         cuboid="<results>/cuboid/{sample}.json",
         bond_mask=real_image("bond_mask"),

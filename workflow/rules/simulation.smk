@@ -86,9 +86,9 @@ rule sensitivity:
 
 rule band:
     input:
-        real="<results>/mesh/{sample}/real.vtu",
-        inner="<results>/mesh/{sample}/inner.vtu",
-        outer="<results>/mesh/{sample}/outer.vtu",
+        mesh="<results>/mesh/{sample}/real_coarse.vtu",
+        distance="<results>/segmentation/{sample}_distance.nii.gz",
+        sigma="<results>/segmentation/{sample}_sigma.nii.gz",
         segmentation="<results>/segmentation/{sample}.json",
         record=study_file("record"),
         family="<results>/curves/{sample}/real/ogden2.json",
@@ -96,6 +96,8 @@ rule band:
         code=library("workflow/scripts/band.py"),
     output:
         report="<results>/band/{sample}.json",
+        inner="<results>/band/{sample}_inner.stl",
+        outer="<results>/band/{sample}_outer.stl",
     log:
         "<logs>/band/{sample}.log",
     benchmark:

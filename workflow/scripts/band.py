@@ -5,18 +5,35 @@ import numpy as np
 from softsample.calibration.curves import MeasuredCurve
 from softsample.constitutive.ogden import OgdenMaterial
 from softsample.fem.setup import set_up
-from softsample.io import read_json, read_mesh_with_data, read_record, write_json
+from softsample.io import (
+    read_distance,
+    read_json,
+    read_mesh_with_data,
+    read_record,
+    write_json,
+    write_surface,
+)
+from softsample.meshing.levelset import LevelSet
+from softsample.meshing.morph import shifted
+from softsample.meshing.surface import boundary_surface
 from softsample.workflow import logged_to, progress_bar, provenance
 
 with logged_to(snakemake.log[0]):
     given, fit = snakemake.params, read_json(snakemake.input.fit)
     measured = MeasuredCurve.of_record(read_record(snakemake.input.record), given.mode)
     pace = read_json(snakemake.input.family)["loading_time_s"]
+    mesh, *data = read_mesh_with_data(snakemake.input.mesh)
+    surface, sigma = (
+        LevelSet(*read_distance(snakemake.input[name], snakemake.input.segmentation))
+        for name in ("distance", "sigma")
+    )
     bar, scale = progress_bar(), {}
-    for done, geometry in enumerate(("real", "inner", "outer")):
-        bar(geometry, done / 3.0)
+    for done, (name, times) in enumerate({"inner": -1.0, "real": 0.0, "outer": 1.0}.items()):
+        bar(name, done / 3.0)
+        moved = shifted(mesh, surface, sigma, times) if times else mesh
         model, boundary = set_up(
-            *read_mesh_with_data(snakemake.input[geometry]),
+            moved,
+            *data,
             given.mode,
             solver=given.solver,
             contact=given.contact,
@@ -24,8 +41,10 @@ with logged_to(snakemake.log[0]):
         )
         run = model.run(OgdenMaterial.of_fit(fit), boundary, measured.travel, loading_time=pace)
         force = np.interp(measured.displacement, run.displacement, run.force)
-        scale[geometry] = measured.scale_of(force)
-    mu = {geometry: fit["mu_pa"] * scale[geometry] / scale["real"] for geometry in scale}
+        scale[name] = measured.scale_of(force)
+        if times:
+            write_surface(snakemake.output[name], boundary_surface(moved))
+    mu = {name: fit["mu_pa"] * scale[name] / scale["real"] for name in scale}
     low, high = min(mu.values()), max(mu.values())
     report = {
         "mu_low_pa": low,

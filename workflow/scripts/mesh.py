@@ -20,8 +20,7 @@ with logged_to(snakemake.log[0]):
     keys = dict(snakemake.params.mesh)
     size = keys.pop("element_size_mm") * MM
     shift = keys.pop("boundary_shift_mm") * MM
-    geometry = snakemake.wildcards.geometry
-    if geometry != "ideal":
+    if snakemake.wildcards.geometry == "real":
         grid = read_distance(snakemake.input.distance, snakemake.input.segmentation)
         frame = read_json(snakemake.input.segmentation)["sample_to_world"]
         # of a segmentation of 3D Slicer, the segment with the column's name; labels are all of it
@@ -31,9 +30,6 @@ with logged_to(snakemake.log[0]):
             for name, wanted in segments.items()
             for path in getattr(snakemake.input, name)[:1]
         }
-        side = {"inner": -1.0, "real": 0.0, "outer": 1.0}[geometry]
-        sigma, _, _ = read_distance(snakemake.input.sigma, snakemake.input.segmentation)
-        shift = shift + side * sigma
         preload = snakemake.params.preload_mm * MM
         made = mesh_real(*grid, size, preload, MeshSettings(**keys), boundary_shift=shift, **marks)
     else:

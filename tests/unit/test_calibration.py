@@ -185,7 +185,7 @@ def test_interpolation_is_exact_for_polynomials_of_the_root():
     family = CurveFamily(fractions, travel, np.array([force(r) for r in fractions]))
     for r in (0.2, 0.33, 0.77, 0.949, 0.95):
         np.testing.assert_allclose(family.force_per_mu(r, travel), force(r), atol=1e-13)
-    assert family.bounds == (0.2, 0.95)
+    assert family.bounds == {"mu1_fraction": (0.2, 0.95)}
     between = family.force_per_mu(0.5, np.array([0.5 * (travel[1] + travel[2])]))
     assert between == pytest.approx(force(0.5)[1:3].mean())
 
@@ -240,5 +240,5 @@ def test_families_without_a_common_mixture_are_refused():
         "C1": family_of("C1", FRACTIONS[FRACTIONS > 0.5]),
     }
     measured = {s: record_of(s, 1e3, 0.5) for s in families}
-    with pytest.raises(CalibrationError, match=r"\['C1', 'T1'\] share no range of mu1/mu"):
+    with pytest.raises(CalibrationError, match=r"\['C1', 'T1'\] share no range of mu1_fraction"):
         fit_ogden(families, measured, SETTINGS)

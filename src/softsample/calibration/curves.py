@@ -1,7 +1,7 @@
 """Curves of a sample as a smooth function of the mixture r = mu1 / mu."""
 
 from dataclasses import dataclass
-from typing import Self
+from typing import Protocol, Self
 
 import numpy as np
 import pandas as pd
@@ -41,7 +41,7 @@ class CurveFamily:
         if not np.all(np.isfinite(force_per_mu)):
             raise CalibrationError("a simulated force is not finite; simulate the sample again")
         self.displacement = displacement
-        self.bounds = (float(fractions.min()), float(fractions.max()))
+        self.bounds = {"mu1_fraction": (float(fractions.min()), float(fractions.max()))}
         self._single = force_per_mu[0]
         self._family = (
             BarycentricInterpolator(np.sqrt(1.0 - fractions), force_per_mu)
@@ -70,6 +70,38 @@ class CurveFamily:
         """
         curve = self._single if self._family is None else self._family(np.sqrt(1.0 - fraction))
         return np.interp(displacement, self.displacement, curve)
+
+    def force(self, displacement: Array, mu: float, fraction: float) -> Array:
+        """Force along the travel [N] for a shear modulus `mu` [Pa]; see `force_per_mu`."""
+        return mu * self.force_per_mu(fraction, displacement)
+
+
+class Curves(Protocol):
+    """Modelled curves of one sample and geometry, whatever they come from."""
+
+    @property
+    def bounds(self) -> dict[str, tuple[float, float]]:
+        """Range of each parameter beside the modulus, in the order in which `force` takes them."""
+
+    def force(self, displacement: Array, /, mu: float, *shape: float) -> Array:
+        """Force along the travel [N] at travels `displacement` [m], modulus `mu` [Pa]."""
+
+
+@dataclass(frozen=True)
+class Scaled:
+    """Curves with every force multiplied by `factor`."""
+
+    curves: Curves
+    factor: float
+
+    @property
+    def bounds(self) -> dict[str, tuple[float, float]]:
+        """Those of the curves."""
+        return self.curves.bounds
+
+    def force(self, displacement: Array, /, mu: float, *shape: float) -> Array:
+        """Force along the travel [N]."""
+        return self.factor * self.curves.force(displacement, mu, *shape)
 
 
 @dataclass(frozen=True)

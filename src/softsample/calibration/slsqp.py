@@ -2,13 +2,14 @@
 
 from collections.abc import Mapping
 from dataclasses import dataclass
+from itertools import product
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.optimize import minimize
+from scipy.optimize import OptimizeResult, minimize
 
-from softsample.calibration.curves import CurveFamily, MeasuredCurve
+from softsample.calibration.curves import Curves, MeasuredCurve
 from softsample.errors import CalibrationError
 
 Array = NDArray[np.float64]
@@ -36,14 +37,14 @@ class CalibrationSettings:
 
 @dataclass(frozen=True)
 class Fit:
-    """Calibrated moduli of one group.
+    """Calibrated parameters of one group.
 
     Parameters
     ----------
     mu : float
         Shear modulus mu1 + mu2 [Pa].
-    mu1_fraction : float
-        mu1 / mu, dimensionless.
+    shape : dict of float
+        The other parameters: `mu1_fraction` = mu1 / mu, and `alpha1`, `alpha2` if they are free.
     area_error : dict of float
         Per sample: area between the curves over the area under the measured one.
     rms : dict of float
@@ -57,12 +58,22 @@ class Fit:
     """
 
     mu: float
-    mu1_fraction: float
+    shape: dict[str, float]
     area_error: dict[str, float]
     rms: dict[str, float]
     starts: list[dict[str, Any]]
     active_bounds: list[str]
     success: bool
+
+    @property
+    def parameters(self) -> tuple[float, ...]:
+        """Modulus [Pa] and shape, as `AreaObjective` takes them."""
+        return self.mu, *self.shape.values()
+
+    @property
+    def mu1_fraction(self) -> float:
+        """mu1 / mu, dimensionless."""
+        return self.shape["mu1_fraction"]
 
     @property
     def mu1(self) -> float:
@@ -81,7 +92,7 @@ class Fit:
             "mu1_pa": self.mu1,
             "mu2_pa": self.mu2,
             "mu_pa": self.mu,
-            "mu1_fraction": self.mu1_fraction,
+            **self.shape,
             "area_error_percent": {name: 100.0 * e for name, e in self.area_error.items()},
             "rms_N": self.rms,
             "active_bounds": self.active_bounds,
@@ -97,14 +108,19 @@ class AreaObjective:
 
     Parameters
     ----------
-    families : dict of CurveFamily
-        Simulated curves by sample.
+    families : dict of Curves
+        Modelled curves by sample.
     measured : dict of MeasuredCurve
         Loading ramps by sample.
+
+    Raises
+    ------
+    CalibrationError
+        If a sample lacks its partner, a record carries no force, or the curves share no mixture.
     """
 
     def __init__(
-        self, families: Mapping[str, CurveFamily], measured: Mapping[str, MeasuredCurve]
+        self, families: Mapping[str, Curves], measured: Mapping[str, MeasuredCurve]
     ) -> None:
         if families.keys() != measured.keys() or not families:
             raise CalibrationError(
@@ -117,30 +133,107 @@ class AreaObjective:
                     f"the ramp of {sample} has no finite area under its force; check its record"
                 )
         self.families, self.measured = families, measured
+        self.bounds = _common_bounds(families)
         self._scale = sum(curve.area for curve in measured.values())
 
-    def force(self, sample: str, mu: float, fraction: float) -> Array:
+    def force(self, sample: str, mu: float, *shape: float) -> Array:
         """Modelled force [N] of `sample` at its measured displacements."""
-        displacement = self.measured[sample].displacement
-        return mu * self.families[sample].force_per_mu(fraction, displacement)
+        return self.families[sample].force(self.measured[sample].displacement, mu, *shape)
 
-    def __call__(self, mu: float, fraction: float) -> float:
+    def __call__(self, mu: float, *shape: float) -> float:
         """Sum of the areas between the curves over the sum of the areas under the measured."""
         areas = (
-            curve.area_between(self.force(sample, mu, fraction))
+            curve.area_between(self.force(sample, mu, *shape))
             for sample, curve in self.measured.items()
         )
         return sum(areas) / self._scale
 
 
+def _common_bounds(families: Mapping[str, Curves]) -> dict[str, tuple[float, float]]:
+    """Range of every shape parameter that all samples share."""
+    common = {}
+    for name in next(iter(families.values())).bounds:
+        ranges = [family.bounds[name] for family in families.values()]
+        common[name] = max(low for low, _ in ranges), min(high for _, high in ranges)
+        if common[name][0] > common[name][1]:
+            raise CalibrationError(
+                f"the curves of {sorted(families)} share no range of {name}; simulate them with "
+                "the same settings"
+            )
+    return common
+
+
+class Search:
+    """The calibration as SLSQP sees it: variables ln(mu) and what of the shape has a range.
+
+    Parameters
+    ----------
+    objective : AreaObjective
+        What is made small.
+    settings : CalibrationSettings
+        Bounds of the modulus, tolerance.
+    """
+
+    def __init__(self, objective: AreaObjective, settings: CalibrationSettings) -> None:
+        self.objective, self.settings = objective, settings
+        free = {name: ends for name, ends in objective.bounds.items() if ends[0] < ends[1]}
+        modulus = np.log(settings.mu_pa_min), np.log(settings.mu_pa_max)
+        self.bounds = {"mu": (float(modulus[0]), float(modulus[1])), **free}
+
+    def pack(self, mu: float, *shape: float) -> Array:
+        """Variables of a modulus [Pa] and a shape."""
+        named = dict(zip(self.objective.bounds, shape, strict=True))
+        return np.array([np.log(mu), *(named[name] for name in self.bounds if name != "mu")])
+
+    def unpack(self, x: Array) -> tuple[float, ...]:
+        """Modulus [Pa] and shape of variables."""
+        fixed = {name: ends[0] for name, ends in self.objective.bounds.items()}
+        shape = fixed | dict(zip(list(self.bounds)[1:], map(float, x[1:]), strict=True))
+        return float(np.exp(x[0])), *shape.values()
+
+    def __call__(self, x: Array) -> float:
+        """Relative area at variables `x`."""
+        return self.objective(*self.unpack(x))
+
+    def descend(self, start: Array) -> OptimizeResult:
+        """SLSQP from variables `start`."""
+        return minimize(
+            self,
+            start,
+            method="SLSQP",
+            bounds=list(self.bounds.values()),
+            options={"ftol": self.settings.relative_tolerance, "maxiter": 200},
+        )
+
+    def starts(self) -> list[Array]:
+        """Inner points of the shape's ranges, each with moduli around the one that fits it best."""
+        n = self.settings.starts_per_parameter
+        inner = (np.arange(n) + 0.5) / n
+        grids = [
+            low + inner * (high - low) if high > low else [low]
+            for low, high in self.objective.bounds.values()
+        ]
+        measured = self.objective.measured
+        seen = sum(np.abs(curve.force).sum() for curve in measured.values())
+        starts = []
+        for shape in product(*grids):
+            unit = sum(np.abs(self.objective.force(s, 1.0, *shape)).sum() for s in measured)
+            for factor in np.exp(np.linspace(-0.5, 0.5, n)):
+                x = self.pack(factor * seen / unit, *shape)
+                x[0] = np.clip(x[0], *self.bounds["mu"])
+                starts.append(x)
+        return starts
+
+
 def fit_ogden(
-    families: Mapping[str, CurveFamily],
+    families: Mapping[str, Curves],
     measured: Mapping[str, MeasuredCurve],
     settings: CalibrationSettings,
 ) -> Fit:
-    """Find the shear modulus and the mixture of a group by multi-start SLSQP.
+    """Find the shear modulus and the shape of a group's curves by multi-start SLSQP.
 
-    The variables are ln(mu) and mu1/mu (the latter only if the families cover a range).
+    The variables are ln(mu), mu1/mu and the exponents, the latter as far as the families cover a
+    range.
 
     Raises
     ------
@@ -151,67 +244,21 @@ def fit_ogden(
     ----------
     D. Kraft, A software package for sequential quadratic programming, DFVLR-FB 88-28, 1988.
     """
-    objective = AreaObjective(families, measured)
-    low = max(family.bounds[0] for family in families.values())
-    high = min(family.bounds[1] for family in families.values())
-    if low > high:
-        raise CalibrationError(
-            f"the curves of {sorted(families)} share no range of mu1/mu; simulate them with the "
-            "same config family:"
-        )
-    names = ["mu"] if low == high else ["mu", "mu1_fraction"]
-    bounds = [(np.log(settings.mu_pa_min), np.log(settings.mu_pa_max)), (low, high)][: len(names)]
-
-    def unpack(x: Array) -> tuple[float, float]:
-        return float(np.exp(x[0])), float(x[1]) if len(x) > 1 else low
-
-    def area(x: Array, *_: Any) -> float:
-        return objective(*unpack(x))
-
-    starts, best = [], None
-    for start in _starts(objective, bounds, low, settings):
-        result = minimize(
-            area,
-            start,
-            method="SLSQP",
-            bounds=bounds,
-            options={"ftol": settings.relative_tolerance, "maxiter": 200},
-        )
-        starts.append(_start_report(unpack(start), unpack(result.x), result))
-        if np.isfinite(result.fun) and (best is None or result.fun < best.fun):
-            best = result
-    if best is None:
+    search = Search(AreaObjective(families, measured), settings)
+    starts = search.starts()
+    results = [search.descend(start) for start in starts]
+    finite = [result for result in results if np.isfinite(result.fun)]
+    if not finite:
         raise CalibrationError("no start of SLSQP gave a finite area; check record and curves")
-    mu, fraction = unpack(best.x)
-    return _fit(objective, mu, fraction, starts, _active(names, best.x, bounds))
+    reports = [_start_report(search, *pair) for pair in zip(starts, results, strict=True)]
+    return _fit(search, min(finite, key=lambda result: float(result.fun)).x, reports)
 
 
-def _starts(
-    objective: AreaObjective, bounds: list[tuple[float, float]], low: float,
-    settings: CalibrationSettings,
-) -> list[Array]:  # fmt: skip
-    """Inner points of the mixture's range, each with moduli around the one that fits it best."""
-    n = settings.starts_per_parameter
-    inner = (np.arange(n) + 0.5) / n
-    fractions = low + inner * (bounds[1][1] - bounds[1][0]) if len(bounds) > 1 else np.array([low])
-    starts = []
-    for fraction in fractions:
-        unit = sum(np.abs(objective.force(s, 1.0, fraction)).sum() for s in objective.measured)
-        seen = sum(np.abs(curve.force).sum() for curve in objective.measured.values())
-        for factor in np.exp(np.linspace(-0.5, 0.5, n)):
-            mu = np.clip(np.log(factor * seen / unit), *bounds[0])
-            starts.append(np.array([mu, fraction][: len(bounds)]))
-    return starts
-
-
-def _start_report(
-    start: tuple[float, float], end: tuple[float, float], result: Any
-) -> dict[str, Any]:
+def _start_report(search: Search, start: Array, result: OptimizeResult) -> dict[str, Any]:
+    names = ["mu_pa", *search.objective.bounds]
+    points = {"from": search.unpack(start), "to": search.unpack(result.x)}
     return {
-        "from_mu_pa": start[0],
-        "from_mu1_fraction": start[1],
-        "to_mu_pa": end[0],
-        "to_mu1_fraction": end[1],
+        **{f"{w}_{n}": v for w, point in points.items() for n, v in zip(names, point, strict=True)},
         "area_error_percent": 100.0 * float(result.fun),
         "iterations": int(result.nit),
         "evaluations": int(result.nfev),
@@ -220,10 +267,10 @@ def _start_report(
     }
 
 
-def _active(names: list[str], x: Array, bounds: list[tuple[float, float]]) -> list[str]:
+def _active(x: Array, bounds: Mapping[str, tuple[float, float]]) -> list[str]:
     """Names of the bounds that the optimum touches (within 0.1 % of the range)."""
     active = []
-    for name, value, (low, high) in zip(names, x, bounds, strict=True):
+    for value, (name, (low, high)) in zip(x, bounds.items(), strict=True):
         margin = 1e-3 * (high - low)
         if value - low < margin:
             active.append(f"{name} at its minimum")
@@ -232,16 +279,16 @@ def _active(names: list[str], x: Array, bounds: list[tuple[float, float]]) -> li
     return active
 
 
-def _fit(
-    objective: AreaObjective, mu: float, fraction: float,
-    starts: list[dict[str, Any]], active: list[str],
-) -> Fit:  # fmt: skip
+def _fit(search: Search, x: Array, starts: list[dict[str, Any]]) -> Fit:
+    objective, active = search.objective, _active(x, search.bounds)
+    mu, *shape = search.unpack(x)
     area_error, rms = {}, {}
     for sample, curve in objective.measured.items():
-        force = objective.force(sample, mu, fraction)
+        force = objective.force(sample, mu, *shape)
         area_error[sample] = curve.area_between(force) / curve.area
         rms[sample] = float(np.sqrt(np.mean((force - curve.force) ** 2)))
     best = min(start["area_error_percent"] for start in starts)
     agreeing = [s for s in starts if s["area_error_percent"] < 1.01 * best + 1e-3]
     success = not active and any(s["converged"] for s in agreeing)
-    return Fit(mu, fraction, area_error, rms, starts, active, success)
+    named = dict(zip(objective.bounds, shape, strict=True))
+    return Fit(mu, named, area_error, rms, starts, active, success)

@@ -9,6 +9,7 @@ import pytest
 from jsonschema import Draft202012Validator
 
 from softsample.calibration.slsqp import CalibrationSettings
+from softsample.calibration.uncertainty import UncertaintySettings
 from softsample.errors import InputError
 from softsample.fem.boundary import ContactSettings
 from softsample.fem.explicit import SolverSettings
@@ -17,6 +18,7 @@ from softsample.imaging.measure import MeasurementSettings
 from softsample.imaging.segment import SegmentationSettings
 from softsample.io import read_samples, read_yaml
 from softsample.meshing.hexahedral import MeshSettings
+from softsample.report.intervals import FloorSettings
 from softsample.validation import check_config, check_samples
 
 ROOT = Path(__file__).resolve().parents[2]
@@ -80,6 +82,8 @@ def test_quick_differs_from_the_study_in_element_size_and_folder_alone():
         ("solver", SolverSettings, set()),
         ("family", FamilySettings, set()),
         ("calibration", CalibrationSettings, set()),
+        ("uncertainty", UncertaintySettings, set()),
+        ("floor", FloorSettings, set()),
     ],
 )
 def test_settings_of_the_library_are_the_keys_of_the_config(section, settings, beside):

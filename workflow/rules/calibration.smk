@@ -24,6 +24,8 @@ rule calibrate:
             SAMPLES[name]["mode"] for name in members(wildcards.group, wildcards.model)
         ],
         settings=config["calibration"],
+        uncertainty=config["uncertainty"],
+        contact_zero_mm=config["loop"]["noise"]["contact_zero_mm"],
         material=config["material"],
     message:
         "Calibrate: group {wildcards.group}, {wildcards.geometry} geometry, {wildcards.model}"

@@ -267,6 +267,7 @@ def tables():
         "stress_strain.csv",
         "sensitivity.csv",
         "band.csv",
+        "intervals.csv",
         "numbers.rst",
     ]
     return [*moduli_tables().values(), *(f"<results>/tables/{name}" for name in names)]
@@ -304,6 +305,14 @@ def example(mode):
 
 EXAMPLES = {mode: example(mode) for mode in ("shear", "tension", "compression") if example(mode)}
 SHOWN = EXAMPLES.get("compression") or next(iter(EXAMPLES.values()))
+
+
+CURVES = [
+    (sample, geometry, model)
+    for sample in SAMPLES
+    for geometry in GEOMETRIES
+    for model in sample_models(sample)
+]
 
 
 def closing_words(complete):

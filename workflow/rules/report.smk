@@ -129,6 +129,33 @@ rule table_band:
         "../scripts/table_band.py"
 
 
+rule table_intervals:
+    input:
+        fits=calibrations(GROUPS),
+        bands=expand("<results>/band/{sample}.json", sample=SAMPLES),
+        sensitivities=expand("<results>/sensitivity/{sample}/real.json", sample=SAMPLES),
+        curves=[f"<results>/curves/{'/'.join(key)}.json" for key in CURVES],
+        code=library("workflow/scripts/table_intervals.py"),
+    output:
+        table=report(
+            "<results>/tables/intervals.csv",
+            caption="../report/intervals.rst",
+            category="Tables",
+            labels={"table": "Intervals of the moduli"},
+        ),
+    log:
+        "<logs>/intervals.log",
+    params:
+        modes={name: row["mode"] for name, row in SAMPLES.items()},
+        curves=CURVES,
+        element_size_mm=config["mesh"]["element_size_mm"],
+        floor=config["floor"],
+    message:
+        "Intervals of all calibrated moduli"
+    script:
+        "../scripts/table_intervals.py"
+
+
 rule table_stress:
     input:
         records=[name for sample in SAMPLES for name in sample_file(sample, "record")],

@@ -4,6 +4,7 @@ import pandas as pd
 
 from softsample.calibration.curves import CurveFamily, MeasuredCurve
 from softsample.calibration.slsqp import AreaObjective, CalibrationSettings, fit_ogden
+from softsample.calibration.uncertainty import Uncertainty, UncertaintySettings
 from softsample.io import read_record, read_table, write_json, write_table
 from softsample.protocol import travel_sign
 from softsample.workflow import logged_to, provenance
@@ -17,7 +18,17 @@ with logged_to(snakemake.log[0]):
     ):
         families[sample] = CurveFamily.of_table(read_table(curves), mode)
         measured[sample] = MeasuredCurve.of_record(read_record(record), mode)
-    fit = fit_ogden(families, measured, CalibrationSettings(**given.settings))
+    settings = CalibrationSettings(**given.settings)
+    fit = fit_ogden(families, measured, settings)
+    uncertainty = Uncertainty(
+        families, measured, fit, settings, UncertaintySettings(**given.uncertainty)
+    )
+    # on the cuboid contact begins at its top, by definition
+    contact_zero = {
+        sample: 1e-3 * given.contact_zero_mm
+        for sample, mode in modes.items()
+        if mode == "compression" and snakemake.wildcards.geometry == "real"
+    }
     objective = AreaObjective(families, measured)
     curve = [
         pd.DataFrame(
@@ -43,6 +54,7 @@ with logged_to(snakemake.log[0]):
             "alpha": given.material["alpha"][:terms],
             "poisson_ratio": given.material["poisson_ratio"],
             **fit.report(),
+            "uncertainty": uncertainty.report(contact_zero),
             "provenance": provenance(snakemake),
         },
     )

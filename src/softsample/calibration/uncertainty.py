@@ -1,0 +1,247 @@
+"""What a calibrated modulus is worth: scatter of the record, and how errors of the curves reach it.
+
+The residual of a calibration is no white noise: neighbours in a record share the model's misfit and
+the slow noise of the load cell. Its correlation time gives the number of points that count, and the
+length of the blocks in which it is resampled.
+
+References
+----------
+C. J. Geyer, Statist. Sci. 7 (1992) 473, doi:10.1214/ss/1177011137 (initial positive sequence).
+D. N. Politis, J. P. Romano, J. Am. Stat. Assoc. 89 (1994) 1303, doi:10.1080/01621459.1994.10476870.
+A. Patton, D. N. Politis, H. White, Econometric Reviews 28 (2009) 372,
+doi:10.1080/07474930802459016 (length of the blocks).
+"""
+
+from collections.abc import Mapping
+from dataclasses import dataclass, replace
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from softsample.calibration.curves import Curves, MeasuredCurve, Scaled
+from softsample.calibration.profile import profile, profile_interval
+from softsample.calibration.slsqp import AreaObjective, CalibrationSettings, Fit, Search
+
+Array = NDArray[np.float64]
+
+
+@dataclass(frozen=True)
+class UncertaintySettings:
+    """Statistics of a fit; mirrors config `uncertainty:`.
+
+    Parameters
+    ----------
+    confidence : float
+        Of every interval, e.g. 0.9.
+    draws : int
+        Bootstrap replicates.
+    seed : int
+        Of their random numbers.
+    """
+
+    confidence: float = 0.9
+    draws: int = 200
+    seed: int = 1
+
+
+@dataclass(frozen=True)
+class Correlation:
+    """How long a series remembers.
+
+    Parameters
+    ----------
+    time : float
+        Integrated autocorrelation time in samples, 1 for white noise: the variance of the mean is
+        `time` times that of independent samples.
+    block : float
+        Mean length in samples of the blocks for a stationary bootstrap, n / 3 at most.
+    """
+
+    time: float
+    block: float
+
+
+def correlation(series: Array) -> Correlation:
+    """Correlation of a series (n,), from its autocorrelations while pairs of them are positive.
+
+    The blocks are those that suit a first-order autoregressive series of the same time best.
+    """
+    n = len(series)
+    centred = series - series.mean()
+    spectrum = np.abs(np.fft.rfft(centred, 2 * n)) ** 2
+    rho = np.fft.irfft(spectrum)[:n]
+    rho /= rho[0]
+    pairs = rho[: n - n % 2].reshape(-1, 2).sum(axis=1)
+    end = 2 * int(np.argmin(pairs > 0.0)) if (pairs <= 0.0).any() else n - n % 2
+    time = max(1.0, 1.0 + 2.0 * float(rho[1:end].sum()))
+    block = ((time**2 - 1.0) / (2.0 * time)) ** (2 / 3) * n ** (1 / 3)
+    return Correlation(time, float(np.clip(block, 1.0, n / 3)))
+
+
+def resampled(series: Array, block: float, rng: np.random.Generator) -> Array:
+    """One stationary bootstrap of a series (n,): blocks of geometric lengths, wrapped around."""
+    n = len(series)
+    fresh = rng.random(n) < 1.0 / block
+    fresh[0] = True
+    first = np.flatnonzero(fresh)
+    begin = np.repeat(first, np.diff(np.append(first, n)))
+    start = rng.integers(n, size=n)[begin]
+    return np.asarray(series[(start + np.arange(n) - begin) % n])
+
+
+def moduli(mu: float, mu1_fraction: float) -> Array:
+    """mu, mu1 and mu2 [Pa] (3,)."""
+    return np.array([mu, mu * mu1_fraction, mu * (1.0 - mu1_fraction)])
+
+
+MODULI = ("mu", "mu1", "mu2")
+"""What `moduli` returns, by name."""
+
+
+class Uncertainty:
+    """Uncertainty of one calibration of the two moduli.
+
+    Parameters
+    ----------
+    families, measured : dict
+        Modelled curves and loading ramps by sample.
+    fit : Fit
+        Their calibration.
+    calibration, settings
+        Of the fit, and of its uncertainty.
+    """
+
+    def __init__(
+        self,
+        families: Mapping[str, Curves],
+        measured: Mapping[str, MeasuredCurve],
+        fit: Fit,
+        calibration: CalibrationSettings,
+        settings: UncertaintySettings,
+    ) -> None:
+        self.families, self.measured, self.fit = families, measured, fit
+        self.calibration, self.settings = calibration, settings
+        self.objective = AreaObjective(families, measured)
+        self.model = {s: self.objective.force(s, *fit.parameters) for s in measured}
+        self.residual = {s: curve.force - self.model[s] for s, curve in measured.items()}
+        self.correlation = {s: correlation(residual) for s, residual in self.residual.items()}
+
+    def effective_points(self) -> float:
+        """Number of independent points of all records."""
+        return sum(len(r) / self.correlation[s].time for s, r in self.residual.items())
+
+    def refit(
+        self,
+        families: Mapping[str, Curves] | None = None,
+        measured: Mapping[str, MeasuredCurve] | None = None,
+    ) -> Array:
+        """Moduli (3,) of other curves or records, by SLSQP from the optimum."""
+        objective = AreaObjective(families or self.families, measured or self.measured)
+        search = Search(objective, self.calibration)
+        return moduli(*search.unpack(search.descend(search.pack(*self.fit.parameters)).x))
+
+    def bootstrap(self) -> Array:
+        """Moduli (draws, 3) of records made of the model and its resampled residual."""
+        rng = np.random.default_rng(self.settings.seed)
+        draws = []
+        for _ in range(self.settings.draws):
+            measured = {}
+            for sample, curve in self.measured.items():
+                residual = self.residual[sample] - self.residual[sample].mean()
+                noise = resampled(residual, self.correlation[sample].block, rng)
+                measured[sample] = replace(curve, force=self.model[sample] + noise)
+            draws.append(self.refit(measured=measured))
+        return np.array(draws)
+
+    def profiles(self, spread: Array) -> list[tuple[float, float]]:
+        """Profile likelihood intervals of the moduli [Pa], sought in steps of `spread` (3,).
+
+        The area is the negative log likelihood of errors with Laplace's distribution, whose scale
+        the record tells: -2 log L = 2 n ln(area), n the number of independent points. An end that
+        neither the bounds of the calibration nor 64 steps hold is infinite.
+        """
+        search = Search(self.objective, self.calibration)
+        least, weight = search(search.pack(*self.fit.parameters)), 2.0 * self.effective_points()
+        bounds = list(search.bounds.values())
+        values, found = moduli(*self.fit.parameters), []
+        steps = np.concatenate([-(2.0 ** np.arange(-1, 7)), 2.0 ** np.arange(-1, 7)])
+        for k, (value, step) in enumerate(zip(values, spread, strict=True)):
+            if not value > 0.0:
+                found.append((value, value))
+                continue
+
+            def deviance(x: Array, k: int = k) -> float:
+                share = moduli(1.0, search.unpack(x)[1])[k]
+                inner = np.array([x[0] - np.log(share), *x[1:]])
+                return weight * np.log(search(inner) / least)
+
+            best = search.pack(value, *self.fit.parameters[1:])
+            grid = best[0] + max(step / value, 1e-4) * steps
+            depth, _ = profile(deviance, best, 0, grid, bounds)
+            ends = profile_interval(grid, depth, best[0], self.settings.confidence)
+            found.append((float(np.exp(ends[0])), float(np.exp(ends[1]))))
+        return found
+
+    def per_force(self, percent: float = 1.0) -> dict[str, Array]:
+        """By sample: change of the moduli (3,) [Pa] per percent more modelled force of it."""
+        change = {}
+        for sample, curves in self.families.items():
+            up, down = (
+                self.refit({**self.families, sample: Scaled(curves, 1.0 + 0.01 * step)})
+                for step in (percent, -percent)
+            )
+            change[sample] = (up - down) / (2.0 * percent)
+        return change
+
+    def per_shift(self, sample: str, shift: float) -> Array:
+        """Change of the moduli (3,) [Pa] if contact with `sample` began `shift` [m] earlier."""
+        curve = self.measured[sample]
+        early, late = (replace(curve, displacement=curve.displacement + d) for d in (shift, -shift))
+        up, down = (
+            self.refit(measured={**self.measured, sample: moved}) for moved in (early, late)
+        )
+        return 0.5 * (up - down)
+
+    def report(self, contact_zero: Mapping[str, float]) -> dict[str, Any]:
+        """Everything of one fit, units in the names.
+
+        Parameters
+        ----------
+        contact_zero : dict of float
+            By sample: standard deviation of the travel at which contact begins [m].
+        """
+        draws = self.bootstrap()
+        spread = draws.std(axis=0, ddof=1)
+        tail = 50.0 * (1.0 - self.settings.confidence)
+        percentiles = np.percentile(draws, [tail, 100.0 - tail], axis=0).T
+        profiles = self.profiles(spread)
+        rms_of_noise = {
+            s: float(np.sqrt(0.5 * np.mean(np.diff(r) ** 2))) for s, r in self.residual.items()
+        }
+        return {
+            "confidence": self.settings.confidence,
+            "noise_N": rms_of_noise,
+            "correlation_samples": {s: c.time for s, c in self.correlation.items()},
+            "block_samples": {s: c.block for s, c in self.correlation.items()},
+            "effective_points": self.effective_points(),
+            "bootstrap": {
+                f"{name}_pa": {"sd": sd, "low": low, "high": high}
+                for name, sd, (low, high) in zip(MODULI, spread, percentiles, strict=True)
+            },
+            "profile": {
+                f"{name}_pa": {
+                    end: value if np.isfinite(value) else None
+                    for end, value in zip(("low", "high"), ends, strict=True)
+                }
+                for name, ends in zip(MODULI, profiles, strict=True)
+            },
+            "per_percent_of_force": {s: _named(c) for s, c in self.per_force().items()},
+            "contact_zero": {
+                s: _named(self.per_shift(s, shift)) for s, shift in contact_zero.items()
+            },
+        }
+
+
+def _named(values: Array) -> dict[str, float]:
+    return {f"{name}_pa": float(value) for name, value in zip(MODULI, values, strict=True)}

@@ -1,0 +1,102 @@
+"""Terms and limits of the intervals against rows computed by hand."""
+
+import re
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from softsample.io import read_yaml
+from softsample.report.intervals import FLOOR, FloorSettings, force_terms, interval_table
+
+ROOT = Path(__file__).resolve().parents[2]
+SETTINGS = FloorSettings(1.0, (0.5, 1.0), {"compression": (4.0, 8.0), "shear": (1.0, 2.0)})
+CHANGES = {
+    "half the hourglass stiffness": {"modulus_percent": -0.3},
+    "twice the hourglass stiffness": {"modulus_percent": 0.2},
+    "elements of twice the size": {"modulus_percent": -6.0},
+}
+
+
+def terms(mode="compression", size=0.5, settings=SETTINGS):
+    band = {"low_percent": -1.0, "high_percent": 3.0}
+    return force_terms(mode, band, CHANGES, 0.5, size, settings)
+
+
+def test_terms_by_hand():
+    root = np.sqrt(3.0)
+    assert terms() == pytest.approx(
+        {"geometry": 2.0, "time": 0.5 / root, "mesh": 6.0 / root, "hourglass": 0.3 / root,
+         "element": 4.0 / root}
+    )  # fmt: skip
+
+
+def test_a_second_order_mesh_leaves_a_third_of_the_difference():
+    second = FloorSettings(2.0, SETTINGS.element_size_mm, SETTINGS.element_percent)
+    assert terms(settings=second)["mesh"] == pytest.approx(terms()["mesh"] / 3.0)
+
+
+@pytest.mark.parametrize(
+    ("size", "percent"), [(0.25, 1.0), (0.5, 1.0), (0.5**0.5, 1.5), (1.0, 2.0)]
+)
+def test_element_term_is_interpolated_over_the_logarithm_of_the_size(size, percent):
+    assert terms("shear", size)["element"] == pytest.approx(percent / np.sqrt(3.0))
+
+
+def fit(model="ogden2"):
+    scatter = {"mu_pa": {"sd": 3.0}, "mu1_pa": {"sd": 4.0}, "mu2_pa": {"sd": 5.0}}
+    percent = {"mu_pa": -6.0, "mu1_pa": -8.0, "mu2_pa": 2.0}
+    return {
+        "group": "G", "geometry": "real", "model": model, "samples": ["T", "C"],
+        "mu_pa": 1000.0, "mu1_pa": 800.0, "mu2_pa": 200.0,
+        "uncertainty": {
+            "confidence": 0.9,
+            "bootstrap": scatter,
+            "per_percent_of_force": {"T": percent, "C": {k: 2.0 * v for k, v in percent.items()}},
+            "contact_zero": {"C": {"mu_pa": -40.0, "mu1_pa": -30.0, "mu2_pa": -10.0}},
+        },
+    }  # fmt: skip
+
+
+def force(**terms):
+    return dict.fromkeys(("geometry", "time", *FLOOR), 0.0) | terms
+
+
+FORCES = {
+    ("T", "real", "ogden2"): force(geometry=1.0, mesh=3.0),
+    ("C", "real", "ogden2"): force(time=0.5, mesh=2.0, element=1.0),
+}
+
+
+def test_row_of_the_modulus_by_hand():
+    table = interval_table([fit()], FORCES).set_index("modulus")
+    assert list(table.index) == ["mu", "mu1", "mu2"]
+    row = table.loc["mu"]
+    expected = {
+        "statistics": 3.0, "contact_zero": 40.0, "geometry": 6.0, "time": 6.0,
+        "mesh": np.hypot(18.0, 24.0), "hourglass": 0.0, "element": 12.0,
+    }  # fmt: skip
+    for name, value in expected.items():
+        assert row[f"{name}_percent"] == pytest.approx(0.1 * value)
+    measured = 1.644854 * np.sqrt(9.0 + 1600.0 + 36.0 + 36.0)
+    assert row["high_without_floor_pa"] - 1000.0 == pytest.approx(measured, rel=1e-6)
+    assert 1000.0 - row["low_without_floor_pa"] == pytest.approx(measured, rel=1e-6)
+    total = np.hypot(measured, 1.644854 * np.sqrt(900.0 + 144.0))
+    assert row["high_pa"] - 1000.0 == pytest.approx(total, rel=1e-6)
+    assert table.loc["mu2", "statistics_percent"] == pytest.approx(2.5)
+
+
+def test_one_term_has_one_row():
+    forces = {(s, "real", "ogden1"): value for (s, *_), value in FORCES.items()}
+    assert list(interval_table([fit("ogden1")], forces)["modulus"]) == ["mu"]
+
+
+def test_the_floor_is_what_the_verification_found():
+    """Element term of the config = three-field column of docs/verification.md, sign aside."""
+    page = (ROOT / "docs/verification.md").read_text(encoding="utf-8")
+    floor = FloorSettings(**read_yaml(ROOT / "config/config.yaml")["floor"])
+    for size, *row in zip(floor.element_size_mm, *floor.element_percent.values(), strict=True):
+        for mode, percent in zip(floor.element_percent, row, strict=True):
+            found = re.search(rf"\| {size:g} mm \| {mode} \| [^|]* \| -([\d.]+) \|", page)
+            assert found, (size, mode)
+            assert percent == float(found[1])

@@ -22,6 +22,7 @@ def score_table(
     cuboids: Mapping[str, Mapping[str, Any]],
     groups: Mapping[str, Sequence[str]],
     fits: Mapping[tuple[str, str], Mapping[str, Any]],
+    intervals: pd.DataFrame,
 ) -> pd.DataFrame:
     """One row a sample: geometry and modulus against the truth.
 
@@ -33,7 +34,10 @@ def score_table(
         Samples of each group.
     fits
         Two-term calibration by group and geometry.
+    intervals
+        `softsample.report.intervals.interval_table`; the ones of mu on the real geometry count.
     """
+    ends = _interval_ends(intervals)
     rows = []
     for group, samples in groups.items():
         for sample in samples:
@@ -62,12 +66,29 @@ def score_table(
                     "mu1_real_pa": fits[group, "real"]["mu1_pa"],
                     "mu_ideal_pa": fits[group, "ideal"]["mu_pa"],
                     "mu_real_error_percent": percent(fits[group, "real"]["mu_pa"], mu),
+                    **{
+                        f"inside{which}": low <= mu <= high
+                        for which, (low, high) in ends[group].items()
+                    },
                     "bias_percent": percent(
                         fits[group, "ideal"]["mu_pa"], fits[group, "real"]["mu_pa"]
                     ),
                 }
             )
     return pd.DataFrame(rows)
+
+
+def _interval_ends(intervals: pd.DataFrame) -> dict[str, dict[str, tuple[float, float]]]:
+    """By group, limits [Pa] of mu on the real geometry with (key "") and without the floor."""
+    chosen = {"geometry": "real", "model": "ogden2", "modulus": "mu"}
+    rows = intervals[(intervals[list(chosen)] == list(chosen.values())).all(axis=1)]
+    return {
+        row["group"]: {
+            which: (row[f"low{which}_pa"], row[f"high{which}_pa"])
+            for which in ("", "_without_floor")
+        }
+        for row in rows.to_dict("records")
+    }
 
 
 def score_summary(table: pd.DataFrame) -> dict[str, Any]:
@@ -81,5 +102,7 @@ def score_summary(table: pd.DataFrame) -> dict[str, Any]:
         "mu_error_percent_median": float(np.median(error)),
         "mu_error_percent_worst": float(error.max()),
         "worst_group": str(error.idxmax()),
+        "groups_inside_interval": int(groups["inside"].sum()),
+        "groups_inside_interval_without_floor": int(groups["inside_without_floor"].sum()),
         "groups_biased_low": int((groups["bias_percent"] < 0).sum()),
     }

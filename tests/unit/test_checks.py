@@ -201,11 +201,19 @@ def test_scores_are_signed_percent_of_the_truth():
         ("G", "real"): {"mu_pa": 1050.0, "mu1_pa": 940.0},
         ("G", "ideal"): {"mu_pa": 525.0, "mu1_pa": 400.0},
     }
-    table = score_table({"A": truth}, {"A": cuboid}, {"G": ["A"]}, fits)
+    ours = {"group": "G", "geometry": "real", "model": "ogden2", "modulus": "mu"}
+    ours |= {"low_pa": 980.0, "high_pa": 1120.0}
+    ours |= {"low_without_floor_pa": 1010.0, "high_without_floor_pa": 1090.0}
+    others = [{**ours, key: "other", "low_pa": 0.0} for key in ("geometry", "model", "modulus")]
+    intervals = pd.DataFrame([others[0], ours, *others[1:]])
+    table = score_table({"A": truth}, {"A": cuboid}, {"G": ["A"]}, fits, intervals)
     assert table["volume_error_percent"][0] == pytest.approx(2.0)
     assert table["top_area_error_percent"][0] == pytest.approx(-10.0)
     assert table["mu_real_error_percent"][0] == pytest.approx(5.0)
     assert table["bias_percent"][0] == pytest.approx(-50.0)
+    assert (table["inside"][0], table["inside_without_floor"][0]) == (True, False)
     summary = score_summary(table)
+    assert summary["groups_inside_interval"] == 1
+    assert summary["groups_inside_interval_without_floor"] == 0
     assert summary["groups_biased_low"] == 1
     assert summary["worst_group"] == "G"

@@ -21,6 +21,7 @@ rule compare_with_truth:
             group=GROUPS,
             geometry=GEOMETRIES,
         ),
+        intervals="<results>/tables/intervals.csv",
         code=library("workflow/scripts/score.py"),
     output:
         table="<results>/scoring/score.csv",

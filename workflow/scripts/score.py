@@ -1,6 +1,6 @@
 """Compare geometry and moduli with the sealed truth (rule `compare_with_truth`)."""
 
-from softsample.io import read_json, write_json, write_table
+from softsample.io import read_json, read_table, write_json, write_table
 from softsample.scoring import score_summary, score_table
 from softsample.workflow import logged_to, provenance
 
@@ -12,6 +12,7 @@ with logged_to(snakemake.log[0]):
         dict(zip(given.samples, map(read_json, snakemake.input.cuboids), strict=True)),
         given.groups,
         dict(zip(pairs, map(read_json, snakemake.input.fits), strict=True)),
+        read_table(snakemake.input.intervals),
     )
     write_table(snakemake.output.table, table)
     report = {**score_summary(table), "provenance": provenance(snakemake)}

@@ -10,6 +10,8 @@ from matplotlib.colors import to_hex
 from matplotlib.figure import Figure
 
 from softsample.figures import offscreen, render
+from softsample.figures.boundary import BASE, GLUED, HeldSample, boundary_figure
+from softsample.figures.contact import contact_figure
 from softsample.figures.geometry import SegmentedImage, geometry_figure
 from softsample.figures.moduli import GroupCurves, moduli_figure
 from softsample.figures.strain import Deformed, StrainRow, strain_figure
@@ -325,3 +327,29 @@ def test_a_surface_without_limits_spans_its_own_values():
     surface = Surface(both, faces, np.repeat([1.0, 3.0], 4))
     ends = [to_hex(c) for c in render._face_colours(surface, render.Look())]
     assert ends == ["#440154", "#fde725"]
+
+
+def held_samples(cuboid):
+    modes = ("shear", "tension", "compression")
+    top = cuboid.glued(0.0)
+    return [[HeldSample(name[0].upper(), name, "ideal", cuboid, top) for name in modes]]
+
+
+def test_boundary_conditions_show_what_is_fixed_glued_and_pressed(cuboid):
+    figure = boundary_figure(held_samples(cuboid), "held", "matplotlib")
+    dots = [[to_hex(c.get_facecolor()[0]) for c in ax.collections[1:]] for ax in figure.axes]
+    assert dots == [[to_hex(BASE), to_hex(GLUED)], [to_hex(BASE), to_hex(GLUED)], [to_hex(BASE)]]
+    assert [len(ax.patches) for ax in figure.axes] == [0, 0, 1]  # the platen
+    glued = figure.axes[0].collections[2].get_offsets()
+    assert len(glued) == len(cuboid.glued(0.0))  # the whole top is turned to the eye
+    moves = [text.xy[1] - text.xyann[1] for ax in figure.axes for text in ax.texts]
+    assert moves[1] > 0.0 > moves[2]
+
+
+def test_contact_areas_have_a_line_for_each_geometry():
+    curve = pd.DataFrame({"strain": [0.0, 0.3], "share_percent": [0.0, 90.0]})
+    figure = contact_figure({("C1", "real"): curve, ("C1", "ideal"): curve}, "contact")
+    (ax,) = figure.axes
+    assert [line.get_linestyle() for line in ax.lines] == ["-", "--"]
+    assert "[–]" in ax.get_xlabel()
+    assert "[%]" in ax.get_ylabel()

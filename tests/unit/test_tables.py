@@ -12,6 +12,7 @@ from jinja2 import StrictUndefined, Template
 
 from softsample.errors import InputError
 from softsample.report.captions import caption_numbers, substitutions
+from softsample.report.contact import contact_share, contact_table
 from softsample.report.stress import mean_curve, nominal_curve, stress_strain_table
 from softsample.report.tables import geometry_table, loading, moduli_table, summary_table
 
@@ -21,7 +22,10 @@ PAPER = ROOT / "resources/paper"
 TABLE_1 = [
     "group", "mode", "mu1_real_pa", "mu2_real_pa", "mu_real_pa",
     "mu1_ideal_pa", "mu2_ideal_pa", "mu_ideal_pa", "difference_percent",
-    "paper_mu_real_pa", "paper_mu_ideal_pa", "paper_difference_percent",
+    "paper_mu1_real_pa", "paper_mu2_real_pa", "paper_mu_real_pa",
+    "paper_mu1_ideal_pa", "paper_mu2_ideal_pa", "paper_mu_ideal_pa", "paper_difference_percent",
+    "mu_real_against_paper_percent", "mu_ideal_against_paper_percent",
+    "difference_against_paper_points",
 ]  # fmt: skip
 TABLE_2 = [name for name in TABLE_1 if "mu1" not in name and "mu2" not in name]
 
@@ -50,7 +54,12 @@ def test_row_of_table_1_by_hand(paper):
     assert notes == []
     expected = ["S1", "shear", 700.0, 300.0, 1000.0, 500.0, 250.0, 750.0, -25.0]
     assert list(table.iloc[0])[:9] == expected
-    assert list(table.iloc[0])[9:] == [1131.4, 1068.2, -5.6]
+    assert list(table.iloc[0])[9:16] == [691.0, 440.4, 1131.4, 606.6, 461.6, 1068.2, -5.6]
+    assert list(table.iloc[0])[16:] == [
+        pytest.approx(100.0 * (1000.0 / 1131.4 - 1.0)),
+        pytest.approx(100.0 * (750.0 / 1068.2 - 1.0)),
+        pytest.approx(-19.4),
+    ]
 
 
 def test_row_of_table_2_has_the_name_of_the_compression_sample(paper):
@@ -58,7 +67,7 @@ def test_row_of_table_2_has_the_name_of_the_compression_sample(paper):
     fits = [fit("TC3", "real", 1600.0, 0.0, **one), fit("TC3", "ideal", 800.0, 0.0, **one)]
     table, _ = moduli_table(fits, "ogden1", paper)
     assert list(table.columns) == TABLE_2
-    assert list(table.iloc[0]) == [
+    assert list(table.iloc[0])[:8] == [
         "C3", "compression", 1600.0, 800.0, -50.0, 1543.9, 1013.5, -34.4
     ]  # fmt: skip
 
@@ -142,7 +151,10 @@ def test_means_and_deviations_by_hand(paper):
     assert bias["count"] == 2
     assert bias["mean_percent"] == pytest.approx(-20.0)
     assert bias["sd_percent"] == pytest.approx(np.sqrt(200.0))  # n - 1
+    half = 6.313752 * 10.0  # Student's t at 95 % with one degree of freedom, times sd / sqrt(2)
+    assert (bias["low_percent"], bias["high_percent"]) == pytest.approx((-20 - half, -20 + half))
     assert (bias["paper_mean_percent"], bias["paper_sd_percent"]) == (-10.0, 6.0)
+    assert bias["against_paper_points"] == pytest.approx(-10.0)
     bottom = table.loc[("bottom_area_absolute", "all")]  # +5 and -10 percent
     assert bottom["mean_percent"] == pytest.approx(7.5)
     assert bottom["paper_mean_percent"] == 6.5
@@ -191,6 +203,24 @@ def test_mean_curve_ends_with_the_shortest_and_has_the_deviation():
     np.testing.assert_allclose(table["mean_stress_pa"], [0.0, 7.5, 15.0])
     np.testing.assert_allclose(table["sd_stress_pa"], np.array([0.0, 5.0, 10.0]) / np.sqrt(2.0))
     assert mean_curve([flat], points=3)["sd_stress_pa"].isna().all()
+
+
+def contact_run(*areas_mm2):
+    moved = -1.2 * np.arange(1, len(areas_mm2) + 1)  # a strain of 0.1 each, in compression
+    return pd.DataFrame({"displacement_mm": moved, "contact_area_m2": np.multiply(1e-6, areas_mm2)})
+
+
+def test_contact_area_by_hand():
+    share = contact_share(contact_run(50.0, 150.0), cuboid(0.0, 0.0))
+    np.testing.assert_allclose(share["strain"], [0.1, 0.2])
+    np.testing.assert_allclose(share["share_percent"], [25.0, 75.0])
+    shorter = contact_share(contact_run(30.0, 130.0), cuboid(0.0, 0.0)).iloc[:2]
+    table = contact_table({("C1", "real"): share, ("C2", "real"): shorter, ("C1", "ideal"): share})
+    np.testing.assert_allclose(table["strain"], [0.1, 0.125, 0.15, 0.175, 0.2])
+    np.testing.assert_allclose(table["real_percent"].iloc[[0, -1]], [20.0, 70.0])
+    np.testing.assert_allclose(table["real_sd_percent"], np.sqrt(50.0))
+    np.testing.assert_allclose(table["ideal_percent"].iloc[2], 50.0)
+    assert table["ideal_sd_percent"].isna().all()
 
 
 def study_numbers(shipped=True, **changes):

@@ -64,6 +64,7 @@ GROUPS = {
     group: [name for name, row in SAMPLES.items() if row["group"] == group]
     for group in dict.fromkeys(row["group"] for row in SAMPLES.values())
 }
+COMPRESSED = [name for name, row in SAMPLES.items() if row["mode"] == "compression"]
 SHIPPED = TABLE.resolve() == (ROOT / "resources/cohort/samples.tsv").resolve()
 
 
@@ -269,15 +270,18 @@ def tables():
         "band.csv",
         "intervals.csv",
         "numbers.rst",
+        *(["contact.csv"] if COMPRESSED else []),
     ]
     return [*moduli_tables().values(), *(f"<results>/tables/{name}" for name in names)]
 
 
 def figures():
     """The figures of the study, numbered as in the paper, and one of each sample."""
-    names = [2, 4, 5, *([6] if groups_with("ogden1") else []), 7]
-    numbered = [f"<results>/figures/figure{name}.{kind}" for name in names for kind in FORMATS]
-    return numbered + [f"<results>/figures/samples/{sample}.png" for sample in SAMPLES]
+    names = [f"figure{number}" for number in (2, 3, 4, 5, *([6] if COMPRESSED else []), 7)]
+    names += ["contact"] if COMPRESSED else []
+    return [f"<results>/figures/{name}.{kind}" for name in names for kind in FORMATS] + [
+        f"<results>/figures/samples/{sample}.png" for sample in SAMPLES
+    ]
 
 
 def groups_with(model):

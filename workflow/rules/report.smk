@@ -223,6 +223,31 @@ rule figure2:
         "../scripts/figure2.py"
 
 
+rule figure3:
+    input:
+        real=expand("<results>/mesh/{sample}/real.vtu", sample=EXAMPLES.values()),
+        ideal=expand("<results>/mesh/{sample}/ideal.vtu", sample=EXAMPLES.values()),
+        code=library("workflow/scripts/figure3.py"),
+    output:
+        png=report(
+            "<results>/figures/figure3.png",
+            caption="../report/figure3.rst",
+            category="Figures",
+            labels={"figure": "3 Boundary conditions"},
+        ),
+        pdf="<results>/figures/figure3.pdf",
+    log:
+        "<logs>/figure3.log",
+    params:
+        samples=list(EXAMPLES.values()),
+        modes=list(EXAMPLES),
+        cohort=COHORT,
+    message:
+        "Figure 3: boundary conditions"
+    script:
+        "../scripts/figure3.py"
+
+
 rule figure_sample:
     input:
         image=study_file("image"),
@@ -343,3 +368,38 @@ rule figure7:
         "Figure 7: strain on the real and the idealised geometry"
     script:
         "../scripts/figure7.py"
+
+
+rule contact_area:
+    input:
+        contacts=expand(
+            "<results>/fields/{sample}/{geometry}_contact.csv",
+            sample=COMPRESSED,
+            geometry=GEOMETRIES,
+        ),
+        cuboids=[f"<results>/cuboid/{sample}.json" for sample in COMPRESSED for _ in GEOMETRIES],
+        code=library("workflow/scripts/contact_area.py"),
+    output:
+        table=report(
+            "<results>/tables/contact.csv",
+            caption="../report/contact.rst",
+            category="Tables",
+            labels={"table": "Contact area in compression"},
+        ),
+        png=report(
+            "<results>/figures/contact.png",
+            caption="../report/contact.rst",
+            category="Figures",
+            labels={"figure": "Contact area in compression"},
+        ),
+        pdf="<results>/figures/contact.pdf",
+    log:
+        "<logs>/contact_area.log",
+    params:
+        samples=[sample for sample in COMPRESSED for _ in GEOMETRIES],
+        geometries=[geometry for _ in COMPRESSED for geometry in GEOMETRIES],
+        cohort=COHORT,
+    message:
+        "Contact area in compression, real sample and cuboid"
+    script:
+        "../scripts/contact_area.py"

@@ -11,6 +11,7 @@ from typing import Any
 
 import numpy as np
 import pandas as pd
+from scipy.stats import t as student_t
 
 from softsample.errors import InputError
 
@@ -22,7 +23,8 @@ PAPER_TABLE = {TWO_TERM: 1, ONE_TERM: 2}
 TERMS = {TWO_TERM: ("mu1", "mu2", "mu"), ONE_TERM: ("mu",)}
 """Moduli that a table prints for each material model."""
 
-PAPER_COLUMNS = ("mu_real_pa", "mu_ideal_pa", "difference_percent")
+LEVEL = 0.90
+"""Level of the intervals of means."""
 
 
 def moduli_table(
@@ -46,7 +48,9 @@ def moduli_table(
     -------
     table : DataFrame
         Moduli [Pa]; `difference_percent` = 100 (ideal - real) / real, negative when the cuboid
-        gives the lower modulus.
+        gives the lower modulus. The paper's values have the same names after `paper_`;
+        `mu_real_against_paper_percent` and `mu_ideal_against_paper_percent` are ours over them,
+        `difference_against_paper_points` is ours minus theirs.
     notes : list of str
         What a reader has to know of single rows: groups left out, fits that are not trusted.
 
@@ -70,7 +74,7 @@ def moduli_table(
         rows.append(_moduli_row(pair["real"], pair["ideal"], model))
     columns = [f"{term}_{name}_pa" for name in GEOMETRIES for term in TERMS[model]]
     table = pd.DataFrame(rows, columns=["group", "mode", *columns, "difference_percent"])
-    return _beside_paper(table, PAPER_TABLE[model], paper), notes
+    return _beside_paper(table, model, paper), notes
 
 
 def _paired(fits: Iterable[Mapping[str, Any]]) -> dict[str, dict[str, Mapping[str, Any]]]:
@@ -110,13 +114,19 @@ def loading(modes: Iterable[str]) -> str:
     return "+".join(sorted(set(modes), key=order.index))
 
 
-def _beside_paper(table: pd.DataFrame, number: int, paper: pd.DataFrame | None) -> pd.DataFrame:
+def _beside_paper(table: pd.DataFrame, model: str, paper: pd.DataFrame | None) -> pd.DataFrame:
     """`table` with the paper's columns, empty where the paper has no such group."""
-    names = {column: f"paper_{column}" for column in PAPER_COLUMNS}
+    names = {column: f"paper_{column}" for column in table.columns.drop(["group", "mode"])}
     if paper is None:
-        return table.assign(**dict.fromkeys(names.values(), np.nan))
-    values = paper.loc[paper["table"] == number, ["group", *PAPER_COLUMNS]].rename(columns=names)
-    return table.merge(values, on="group", how="left")
+        table = table.assign(**dict.fromkeys(names.values(), np.nan))
+    else:
+        rows = paper.loc[paper["table"] == PAPER_TABLE[model], ["group", *names]]
+        table = table.merge(rows.rename(columns=names), on="group", how="left")
+    for geometry in GEOMETRIES:
+        ratio = table[f"mu_{geometry}_pa"] / table[f"paper_mu_{geometry}_pa"]
+        table[f"mu_{geometry}_against_paper_percent"] = 100.0 * (ratio - 1.0)
+    bias = table["difference_percent"] - table["paper_difference_percent"]
+    return table.assign(difference_against_paper_points=bias)
 
 
 def geometry_table(
@@ -170,7 +180,9 @@ def summary_table(
     -------
     DataFrame
         `quantity`, `mode`, `count`, `mean_percent`, `sd_percent` (n - 1 in the denominator, as
-        the paper's; empty for a single one), `paper_mean_percent`, `paper_sd_percent`.
+        the paper's; empty for a single one), `low_percent` and `high_percent` (90 % interval of
+        the mean, Student's t), `paper_mean_percent`, `paper_sd_percent`, and ours minus theirs,
+        `against_paper_points`.
         Signs as in the tables. The paper prints the difference of the bottom area without its
         sign, so that row has the mean of absolute differences.
     """
@@ -184,8 +196,11 @@ def summary_table(
     table = pd.DataFrame(rows)
     names = {column: f"paper_{column}" for column in ("mean_percent", "sd_percent")}
     if paper is None:
-        return table.assign(**dict.fromkeys(names.values(), np.nan))
-    return table.merge(paper.rename(columns=names), on=["quantity", "mode"], how="left")
+        table = table.assign(**dict.fromkeys(names.values(), np.nan))
+    else:
+        table = table.merge(paper.rename(columns=names), on=["quantity", "mode"], how="left")
+    points = table["mean_percent"] - table["paper_mean_percent"]
+    return table.assign(against_paper_points=points)
 
 
 def _by_mode(quantity: str, table: pd.DataFrame, column: str) -> list[dict[str, Any]]:
@@ -194,10 +209,14 @@ def _by_mode(quantity: str, table: pd.DataFrame, column: str) -> list[dict[str, 
 
 
 def _statistics(quantity: str, mode: str, values: pd.Series) -> dict[str, Any]:
+    mean, sd, count = values.mean(), values.std(ddof=1), len(values)
+    half = student_t.ppf(0.5 * (1.0 + LEVEL), count - 1) * sd / np.sqrt(count)
     return {
         "quantity": quantity,
         "mode": mode,
-        "count": len(values),
-        "mean_percent": values.mean(),
-        "sd_percent": values.std(ddof=1),
+        "count": count,
+        "mean_percent": mean,
+        "sd_percent": sd,
+        "low_percent": mean - half,
+        "high_percent": mean + half,
     }

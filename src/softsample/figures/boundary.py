@@ -1,0 +1,126 @@
+"""Figure 3: what holds and moves the samples."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
+from matplotlib.lines import Line2D
+from matplotlib.patches import Patch, Polygon
+from numpy.typing import NDArray
+
+from softsample.figures.render import Look, Renderer, draw_surface
+from softsample.figures.style import MODE_NAMES, PALETTE, label_panel, page_figure, styled
+from softsample.figures.surface import OBLIQUE, mesh_surface
+from softsample.meshing.mesh import HexMesh
+from softsample.protocol import DIRECTIONS
+
+Array = NDArray[np.float64]
+
+BASE, GLUED = PALETTE[0], PALETTE[1]
+PLATEN_MARGIN_MM, ARROW_MM, LIFT_MM = 1.5, 6.0, 2.5
+GEOMETRY_NAMES = {"real": "real", "ideal": "idealised"}
+
+
+@dataclass(frozen=True, eq=False)
+class HeldSample:
+    """A mesh and the nodes that are held.
+
+    Parameters
+    ----------
+    sample, mode, geometry : str
+        Name, loading, `real` or `ideal`.
+    mesh : HexMesh
+        Points [m].
+    glued : (n,) int64
+        Nodes that the moving platen is glued to; not used in compression.
+    """
+
+    sample: str
+    mode: str
+    geometry: str
+    mesh: HexMesh
+    glued: NDArray[np.int64]
+
+
+@styled
+def boundary_figure(rows: Sequence[Sequence[HeldSample]], title: str, renderer: Renderer) -> Figure:
+    """Meshes with the nodes that are fixed and those that the platen moves.
+
+    Parameters
+    ----------
+    rows
+        A row a geometry, a column a loading.
+    title
+        Title of the figure.
+    renderer
+        `vtk` or `matplotlib`.
+    """
+    figure = page_figure(height_mm=16.0 + 48.0 * len(rows))
+    axes = figure.subplots(len(rows), len(rows[0]), squeeze=False)
+    corners = np.concatenate([held.mesh.points for row in rows for held in row]) / 1e-3
+    page = OBLIQUE.project(corners)
+    low, high = page.min(axis=0) - 2.0 * PLATEN_MARGIN_MM, page.max(axis=0) + 2.0 * PLATEN_MARGIN_MM
+    letters = iter("abcdefghi")
+    for line, row in zip(axes, rows, strict=True):
+        for ax, held in zip(line, row, strict=True):
+            ax.set(xlim=(low[0], high[0]), ylim=(low[1], high[1] + ARROW_MM - LIFT_MM))
+            ax.set_axis_off()
+            head = f"{MODE_NAMES[held.mode]}, {held.sample}, {GEOMETRY_NAMES[held.geometry]}"
+            label_panel(ax, next(letters), head)
+            _draw(ax, held, renderer)
+    figure.legend(handles=_keys(), loc="outside lower center", ncols=4)
+    figure.suptitle(title)
+    return figure
+
+
+def _draw(ax: Axes, held: HeldSample, renderer: Renderer) -> None:
+    mesh = held.mesh
+    draw_surface(ax, mesh_surface(mesh), OBLIQUE, Look(), renderer)
+    seen = _seen_nodes(mesh)
+    _dots(ax, mesh.points[np.intersect1d(seen, mesh.bottom)], BASE)
+    if held.mode == "compression":
+        _draw_platen(ax, mesh)
+    else:
+        _dots(ax, mesh.points[np.intersect1d(seen, held.glued)], GLUED)
+    direction = np.array(DIRECTIONS[held.mode])
+    middle = np.array([0.0, 0.0, mesh.highest / 1e-3 + LIFT_MM])
+    back = 0.5 * direction[0] + max(-direction[2], 0.0)  # the tip, middle or tail over the sample
+    start = middle - back * ARROW_MM * direction
+    tail, tip = OBLIQUE.project(np.array([start, start + ARROW_MM * direction]))
+    arrow = {"arrowstyle": "-|>", "lw": 1.6, "color": "black"}
+    ax.annotate("", tip, tail, arrowprops=arrow, zorder=6)
+
+
+def _seen_nodes(mesh: HexMesh) -> NDArray[np.int64]:
+    """Nodes of the faces that are turned to the eye."""
+    corners = mesh.points[mesh.boundary_quads]
+    normal = np.cross(corners[:, 2] - corners[:, 0], corners[:, 3] - corners[:, 1])
+    return np.unique(mesh.boundary_quads[normal @ OBLIQUE.towards_eye > 0.0])
+
+
+def _dots(ax: Axes, points: Array, colour: str) -> None:
+    page = OBLIQUE.project(points / 1e-3)
+    ax.scatter(page[:, 0], page[:, 1], s=1.2, color=colour, lw=0, zorder=4, rasterized=True)
+
+
+def _draw_platen(ax: Axes, mesh: HexMesh) -> None:
+    """The rigid platen at the start, at the highest point."""
+    points = mesh.points / 1e-3
+    low, high = points.min(axis=0) - PLATEN_MARGIN_MM, points.max(axis=0) + PLATEN_MARGIN_MM
+    top = mesh.highest / 1e-3
+    corners = [(low[0], low[1]), (high[0], low[1]), (high[0], high[1]), (low[0], high[1])]
+    page = OBLIQUE.project(np.array([(x, y, top) for x, y in corners]))
+    ax.add_patch(Polygon(page, facecolor="0.5", alpha=0.35, edgecolor="0.3", lw=0.6, zorder=5))
+
+
+def _keys() -> list[Line2D | Patch]:
+    """Legend."""
+    dots = {"ls": "", "marker": "o", "ms": 3.5, "mew": 0}
+    return [
+        Line2D([], [], color=BASE, label="fixed to the base", **dots),  # type: ignore[arg-type]
+        Line2D([], [], color=GLUED, label="glued, moves with the platen", **dots),  # type: ignore[arg-type]
+        Patch(facecolor="0.5", alpha=0.35, edgecolor="0.3", label="rigid platen, no slip"),
+        Line2D([], [], color="black", marker=">", ms=3.5, label="travel"),
+    ]

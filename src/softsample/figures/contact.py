@@ -1,0 +1,41 @@
+"""Contact area in compression: real sample and cuboid."""
+
+from collections.abc import Mapping
+
+import pandas as pd
+from matplotlib.figure import Figure
+from matplotlib.lines import Line2D
+
+from softsample.figures.style import colours, page_figure, styled
+
+LINES = {"real": "-", "ideal": (0, (3.5, 1.8))}
+
+
+@styled
+def contact_figure(shares: Mapping[tuple[str, str], pd.DataFrame], title: str) -> Figure:
+    """Contact area against nominal strain, one colour a sample.
+
+    Parameters
+    ----------
+    shares
+        `softsample.report.contact.contact_share` by sample and geometry.
+    title
+        Title of the figure.
+    """
+    figure = page_figure(height_mm=90.0, width_mm=130.0)
+    ax = figure.add_subplot()
+    samples = list(dict.fromkeys(sample for sample, _ in shares))
+    palette = dict(zip(samples, colours(len(samples)), strict=True))
+    for (sample, geometry), curve in shares.items():
+        ax.plot(curve["strain"], curve["share_percent"], color=palette[sample], ls=LINES[geometry])
+    ax.set(xlabel="Nominal strain, absolute [–]", ylabel="Contact area / (length × width) [%]")
+    ax.set_xlim(left=0.0)
+    ax.set_ylim(bottom=0.0)
+    handles = [Line2D([], [], color=colour, label=name) for name, colour in palette.items()]
+    handles += [
+        Line2D([], [], color="0.3", ls=LINES["real"], label="real geometry"),
+        Line2D([], [], color="0.3", ls=LINES["ideal"], label="idealised cuboid"),
+    ]
+    ax.legend(handles=handles, loc="lower right", ncols=2)
+    ax.set_title(title, loc="left")
+    return figure

@@ -1,0 +1,18 @@
+"""Contact area in compression: means over samples and curves (rule `contact_area`)."""
+
+from softsample.figures.contact import contact_figure
+from softsample.figures.style import save
+from softsample.io import read_json, read_table, write_table, written_aside
+from softsample.report.contact import contact_share, contact_table
+from softsample.workflow import logged_to
+
+with logged_to(snakemake.log[0]):
+    given, files = snakemake.params, snakemake.input
+    keys = zip(given.samples, given.geometries, strict=True)
+    pairs = zip(map(read_table, files.contacts), map(read_json, files.cuboids), strict=True)
+    shares = dict(zip(keys, (contact_share(*pair) for pair in pairs), strict=True))
+    write_table(snakemake.output.table, contact_table(shares))
+    figure = contact_figure(shares, f"Contact with the platen, {given.cohort}")
+    for path in (snakemake.output.png, snakemake.output.pdf):
+        with written_aside(path) as aside:
+            save(figure, aside)

@@ -1,0 +1,26 @@
+"""Figure 3: what holds and moves the samples (rule `figure3`)."""
+
+import numpy as np
+
+from softsample.figures.boundary import HeldSample, boundary_figure
+from softsample.figures.render import available_renderer
+from softsample.figures.style import save
+from softsample.io import read_mesh_with_data, written_aside
+from softsample.workflow import logged_to
+
+with logged_to(snakemake.log[0]):
+    shown, rows = snakemake.params, []
+    for geometry in ("real", "ideal"):
+        meshes = map(read_mesh_with_data, snakemake.input[geometry])
+        tests = zip(shown.samples, shown.modes, meshes, strict=True)
+        rows.append(
+            [
+                HeldSample(sample, mode, geometry, mesh, np.flatnonzero(points["glued"]))
+                for sample, mode, (mesh, points, _) in tests
+            ]
+        )
+    title = f"Boundary conditions and loading, {shown.cohort}"
+    figure = boundary_figure(rows, title, available_renderer())
+    for path in snakemake.output:
+        with written_aside(path) as aside:
+            save(figure, aside)

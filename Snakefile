@@ -15,6 +15,7 @@ include: "workflow/rules/calibration.smk"
 include: "workflow/rules/loop.smk"
 include: "workflow/rules/report.smk"
 include: "workflow/rules/checks.smk"
+include: "workflow/rules/geometry_effects.smk"
 include: "workflow/rules/scoring.smk"
 
 

@@ -13,6 +13,7 @@ from softsample.figures import offscreen, render
 from softsample.figures.boundary import BASE, GLUED, HeldSample, boundary_figure
 from softsample.figures.contact import contact_figure
 from softsample.figures.geometry import SegmentedImage, geometry_figure
+from softsample.figures.geometry_effects import effects_figure, prescribed_figure
 from softsample.figures.moduli import GroupCurves, moduli_figure
 from softsample.figures.strain import Deformed, StrainRow, strain_figure
 from softsample.figures.stress import stress_strain_figure
@@ -353,3 +354,34 @@ def test_contact_areas_have_a_line_for_each_geometry():
     assert [line.get_linestyle() for line in ax.lines] == ["-", "--"]
     assert "[–]" in ax.get_xlabel()
     assert "[%]" in ax.get_ylabel()
+
+
+def test_effects_have_a_bar_for_each_experiment_and_a_line_at_the_papers_mean():
+    rows = [
+        {"terms": 2, "mode": "shear", "sample_variant": sample, "model_variant": "cuboid",
+         "bias_percent": bias, "bias_sd_percent": np.nan}
+        for sample, bias in (("real", -6.0), ("levelled", -2.0))
+    ]  # fmt: skip
+    needed = pd.DataFrame({"terms": [2], "mode": ["shear"], "paper_percent": [-10.0]})
+    (ax,) = effects_figure(pd.DataFrame(rows), needed, "effects").axes
+    assert [patch.get_width() for patch in ax.patches] == [-6.0, -2.0]
+    assert [text.get_text() for text in ax.get_yticklabels()] == [
+        "as in the study", "sample: top levelled",
+    ]  # fmt: skip
+    lines = [line.get_xdata()[0] for line in ax.lines if line.get_linestyle() in (":", "--")]
+    assert lines == [-6.0, -10.0]
+    (alone,) = effects_figure(pd.DataFrame(rows), needed.iloc[:0], "own study").axes
+    assert not [line for line in alone.lines if line.get_linestyle() == ":"]
+
+
+def test_curves_that_part_are_marked():
+    curve = pd.DataFrame({"strain": [0.0, 0.3], "contact_N": [0.0, 1.0], "prescribed_N": [0.0, 2]})
+    curves = {("C1", "real"): curve, ("C1", "ideal"): curve}
+    table = pd.DataFrame(
+        {"sample": "C1", "geometry": ["real", "ideal"], "agrees_5_percent_strain": [0.15, 0.3]}
+    )
+    marks = [
+        [line.get_xydata().tolist() for line in ax.lines if line.get_marker() == "o"]
+        for ax in prescribed_figure(curves, table, "prescribed").axes
+    ]
+    assert marks == [[[[0.15, 0.5]]], []]

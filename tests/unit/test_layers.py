@@ -26,6 +26,7 @@ ALLOWED = {
     "io": {"errors", "formats", "meshing"},
     "fem": {"errors", "meshing", "constitutive", "protocol"},
     "calibration": {"errors", "protocol", "records", "fem"},
+    "geometry_effects": {"errors", "meshing", "constitutive", "fem", "calibration"},
     "checks": {"errors", "fem", "meshing"},
     "scoring": {"errors"},
     "report": {"errors"},
@@ -83,4 +84,4 @@ def test_only_the_report_reads_values_of_the_paper():
         for path in sorted((ROOT / "workflow/rules").glob("*"))
         if "resources/paper" in path.read_text(encoding="utf-8") or "PAPER" in path.read_text()
     }
-    assert naming == {"common.smk", "report.smk"}
+    assert naming == {"common.smk", "report.smk", "geometry_effects.smk"}

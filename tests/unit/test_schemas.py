@@ -14,6 +14,7 @@ from softsample.errors import InputError
 from softsample.fem.boundary import ContactSettings
 from softsample.fem.explicit import SolverSettings
 from softsample.fem.family import FamilySettings
+from softsample.geometry_effects.variants import EffectSettings
 from softsample.imaging.measure import MeasurementSettings
 from softsample.imaging.segment import SegmentationSettings
 from softsample.io import read_samples, read_yaml
@@ -84,6 +85,7 @@ def test_quick_differs_from_the_study_in_element_size_and_folder_alone():
         ("calibration", CalibrationSettings, set()),
         ("uncertainty", UncertaintySettings, set()),
         ("floor", FloorSettings, set()),
+        ("geometry_effects", EffectSettings, {"element_size_mm", "prescribed_strain"}),
     ],
 )
 def test_settings_of_the_library_are_the_keys_of_the_config(section, settings, beside):

@@ -289,6 +289,16 @@ def groups_with(model):
     return [group for group in GROUPS if model in models(group)]
 
 
+def geometry_results():
+    """Tables and figures of the experiments on the geometry; contact needs compression samples."""
+    tables = ["geometry_effects", "bias_shares", "cohort_needed"]
+    names = ["geometry_effects"] + (["prescribed"] if COMPRESSED else [])
+    return [
+        *(f"<results>/tables/{name}.csv" for name in tables + names[1:]),
+        *(f"<results>/figures/{name}.{kind}" for name in names for kind in FORMATS),
+    ]
+
+
 def fits(model, kind):
     """Calibrations of one model by geometry, in the order of `groups_with(model)`."""
     return {

@@ -1,0 +1,1 @@
+"""Which features of a sample's shape bias its modulus on a cuboid, by experiments on meshes."""

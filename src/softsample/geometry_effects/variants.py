@@ -1,0 +1,171 @@
+"""Unit-modulus curves of a sample with its shape, its cuboid and their boundaries changed."""
+
+from collections.abc import Callable
+from dataclasses import dataclass, replace
+
+import numpy as np
+import pandas as pd
+from numpy.typing import NDArray
+
+from softsample.constitutive.ogden import unit_modulus
+from softsample.fem.boundary import Boundary, ContactSettings, glued_boundary, platen_boundary
+from softsample.fem.explicit import ExplicitModel, SolverSettings
+from softsample.geometry_effects.shapes import Shape, section_areas
+from softsample.meshing.cuboid import mesh_cuboid
+from softsample.meshing.mesh import HexMesh
+
+Array = NDArray[np.float64]
+
+
+@dataclass(frozen=True)
+class EffectSettings:
+    """Steps of the experiments; mirrors config `geometry_effects:`.
+
+    Parameters
+    ----------
+    relief_factors : tuple of float
+        Factors on the deviations of the top from its mean height.
+    bond_depths_mm : tuple of float
+        Ways of the platen below the highest point that decide what is glued, in place of the
+        pre-load [mm].
+    gap_factors : tuple of float
+        Parts of the way from the cuboid's top up to the highest point at which the platen starts.
+    """
+
+    relief_factors: tuple[float, ...] = (0.5, 0.75, 1.25)
+    bond_depths_mm: tuple[float, ...] = (0.5, 2.0)
+    gap_factors: tuple[float, ...] = (0.5, 1.0)
+
+
+@dataclass(frozen=True, eq=False)
+class Variant:
+    """A mesh and how it is held.
+
+    Parameters
+    ----------
+    mesh : HexMesh
+        The sample or a cuboid.
+    bond_depth : float
+        Nodes this near to the highest point are glued in tension and shear [m].
+    gap : float
+        Way of the platen before it meets the highest point in compression [m].
+    """
+
+    mesh: HexMesh
+    bond_depth: float
+    gap: float = 0.0
+
+    def boundary(self, mode: str, contact: ContactSettings) -> Boundary:
+        """What holds the mesh in a test of a mode."""
+        if mode == "compression":
+            return platen_boundary(self.mesh, contact, gap=self.gap)
+        return glued_boundary(self.mesh, mode, self.mesh.glued(self.bond_depth))
+
+
+def variants(
+    shape: Shape, mode: str, preload: float, settings: EffectSettings
+) -> dict[str, Variant]:
+    """All changed samples and cuboids of a test by name; `docs/geometry_effects.md` lists them.
+
+    Parameters
+    ----------
+    shape : Shape
+        Sample and cuboid.
+    mode : str
+        Mode of the test; bonds are varied in tension and shear, the contact zero in compression.
+    preload : float
+        Depth of the glue [m]. Flat tops are glued as they are.
+    settings : EffectSettings
+        Steps.
+    """
+    length, width, height = shape.edges
+    size = shape.cuboid.edge_length
+
+    def cuboid(area_ratio: float = 1.0, height_ratio: float = 1.0) -> Variant:
+        side = np.sqrt(area_ratio)
+        return Variant(mesh_cuboid(side * length, side * width, height_ratio * height, size), 0.0)
+
+    top_area, volume = (f(shape) / (length * width) for f in (_top_area, _mean_section))
+    found = {
+        "real": Variant(shape.real, preload),
+        "levelled": Variant(shape.levelled, 0.0),
+        "tapered": Variant(shape.tapered, 0.0),
+        "cuboid": Variant(shape.cuboid, 0.0),
+        "cuboid_with_relief": Variant(shape.cuboid_with_relief, preload),
+        "tilt_alone": Variant(shape.with_top(shape.tilt_alone), preload),
+        "without_tilt": Variant(shape.with_top(shape.without_tilt), preload),
+        "cuboid_to_highest_point": cuboid(height_ratio=shape.real.highest / height),
+        "cuboid_of_top_area": cuboid(top_area),
+        "cuboid_of_volume": cuboid(volume),
+    }
+    for factor in settings.relief_factors:
+        mesh = shape.with_top(shape.scaled_relief(factor))
+        found[f"relief_times_{factor:g}"] = Variant(mesh, preload)
+    if mode == "compression":
+        for factor in settings.gap_factors:
+            gap = factor * (shape.real.highest - height)
+            found[f"gap_times_{factor:g}"] = replace(found["cuboid"], gap=gap)
+    else:
+        for depth in settings.bond_depths_mm:
+            found[f"bond_depth_{depth:g}_mm"] = Variant(shape.real, 1e-3 * depth)
+    return found
+
+
+def _top_area(shape: Shape) -> float:
+    """Area of the top [m2], projected on the base."""
+    return float(section_areas(shape.levelled, np.array([shape.edges[2]]))[0])
+
+
+def _mean_section(shape: Shape) -> float:
+    """Volume of the real sample over the height of the cuboid [m2]."""
+    heights = shape.real.highest * (np.arange(200) + 0.5) / 200
+    return float(section_areas(shape.real, heights).mean() * shape.real.highest / shape.edges[2])
+
+
+def simulate(
+    found: dict[str, Variant],
+    mode: str,
+    travel: float,
+    fractions: list[float],
+    alpha: tuple[float, float],
+    poisson_ratio: float,
+    contact: ContactSettings,
+    solver: SolverSettings,
+    loading_time: float,
+    progress: Callable[[str, float], None] | None = None,
+) -> pd.DataFrame:
+    """Curves of all variants and mixtures in one table.
+
+    Parameters
+    ----------
+    found
+        Variants by name.
+    mode, travel
+        Mode of the test and its travel [m].
+    fractions
+        Mixtures mu1 / mu; 1 stands for the one-term material.
+    alpha, poisson_ratio
+        Of the material.
+    contact, solver
+        As of the config.
+    loading_time
+        Solver time of the ramp that is slow enough for the real geometry [s].
+    progress
+        Told the variant and the finished part.
+
+    Returns
+    -------
+    DataFrame
+        `variant`, `mu1_fraction`, `displacement` along the travel [m], `force_per_mu` [m2].
+    """
+    modulus, tables = solver.reference_modulus_pa, []
+    for done, (name, variant) in enumerate(found.items()):
+        if progress is not None:
+            progress(name, done / len(found))
+        model, boundary = ExplicitModel(variant.mesh, solver), variant.boundary(mode, contact)
+        for fraction in fractions:
+            material = unit_modulus(fraction, alpha, poisson_ratio, modulus)
+            run = model.run(material, boundary, travel, loading_time=loading_time)
+            columns = {"displacement": run.displacement, "force_per_mu": run.force / modulus}
+            tables.append(pd.DataFrame({"variant": name, "mu1_fraction": fraction, **columns}))
+    return pd.concat(tables, ignore_index=True)

@@ -1,0 +1,14 @@
+"""Figure: bias of every experiment on the shape (rule `figure_geometry_effects`)."""
+
+from softsample.figures.geometry_effects import effects_figure
+from softsample.figures.style import save
+from softsample.io import read_table, written_aside
+from softsample.workflow import logged_to
+
+with logged_to(snakemake.log[0]):
+    tables = (read_table(path) for path in (snakemake.input.effects, snakemake.input.needed))
+    title = f"Bias of the modulus with sample or cuboid changed, {snakemake.params.cohort}"
+    figure = effects_figure(*tables, title)
+    for path in snakemake.output:
+        with written_aside(path) as aside:
+            save(figure, aside)

@@ -1,0 +1,16 @@
+"""Figure: prescribed displacements in place of contact (rule `figure_prescribed`)."""
+
+from softsample.figures.geometry_effects import prescribed_figure
+from softsample.figures.style import save
+from softsample.io import read_table, written_aside
+from softsample.workflow import logged_to
+
+with logged_to(snakemake.log[0]):
+    given, shown = snakemake.input, snakemake.params
+    keys = zip(shown.samples, shown.geometries, strict=True)
+    curves = dict(zip(keys, map(read_table, given.curves), strict=True))
+    title = f"Compression by contact and by prescribed displacements of the top, {shown.cohort}"
+    figure = prescribed_figure(curves, read_table(given.table), title)
+    for path in snakemake.output:
+        with written_aside(path) as aside:
+            save(figure, aside)

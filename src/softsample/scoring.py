@@ -9,6 +9,9 @@ from typing import Any
 import numpy as np
 import pandas as pd
 
+from softsample.calibration.curves import CurveFamily, MeasuredCurve
+from softsample.calibration.slsqp import CalibrationSettings, fit_ogden
+
 Truth = Mapping[str, Any]
 
 
@@ -106,3 +109,99 @@ def score_summary(table: pd.DataFrame) -> dict[str, Any]:
         "groups_inside_interval_without_floor": int(groups["inside_without_floor"].sum()),
         "groups_biased_low": int((groups["bias_percent"] < 0).sum()),
     }
+
+
+def contact_zero_error(truth: Truth, cuboid: Mapping[str, Any]) -> float:
+    """How far above the true start of the platen ours is in compression [m].
+
+    The platen of the truth started at the highest node of its own mesh.
+    """
+    return 1e-3 * float(cuboid["highest_point_mm"] - truth["mesh"]["highest_point_mm"])
+
+
+def contact_zero_part(
+    families: Mapping[str, CurveFamily],
+    measured: Mapping[str, MeasuredCurve],
+    errors: Mapping[str, float],
+    mu: float,
+    settings: CalibrationSettings,
+) -> float:
+    """Part of a group's modulus that is due to misplaced starts of the platen [%].
+
+    Parameters
+    ----------
+    families, measured
+        Curves on the real geometry and records by sample.
+    errors
+        `contact_zero_error` [m] of the compression samples.
+    mu
+        The modulus as it was calibrated [Pa].
+    settings
+        Of the calibration, which is run again with the platen at its true start.
+    """
+    started = {
+        sample: MeasuredCurve(curve.displacement + errors.get(sample, 0.0), curve.force)
+        for sample, curve in measured.items()
+    }
+    return percent(mu, fit_ogden(families, started, settings).mu)
+
+
+def noise_part(curve: MeasuredCurve) -> float:
+    """Standard deviation of a modulus by the white noise of the force [%].
+
+    The noise is found from second differences; a factor on the force is known to the noise over
+    the norm of the force.
+    """
+    second = np.diff(curve.force, 2)
+    sigma = 1.4826 * np.median(np.abs(second - np.median(second))) / np.sqrt(6.0)
+    return 100.0 * float(sigma / np.linalg.norm(curve.force))
+
+
+def recovery_table(
+    score: pd.DataFrame,
+    contact_zero: Mapping[str, float],
+    starts_mm: Mapping[str, float],
+    noise: Mapping[str, float],
+    sensitivity: pd.DataFrame,
+    band: pd.DataFrame,
+) -> pd.DataFrame:
+    """Error of the modulus on the real geometry beside what can cause it, one row a sample.
+
+    Parameters
+    ----------
+    score
+        `score_table`.
+    contact_zero, starts_mm, noise
+        `contact_zero_part` by group, `contact_zero_error` [mm] and `noise_part` by sample.
+    sensitivity, band
+        Tables of the study (`tables/sensitivity.csv`, `tables/band.csv`).
+
+    Returns
+    -------
+    DataFrame
+        `sample`, `group`, `mu_true_pa`, `mu_real_pa`, `error_percent`; `contact_zero_mm`,
+        `contact_zero_percent`; `twice_the_size_percent`: force at the end with elements of twice
+        the size; `band_low_percent`, `band_high_percent`: modulus on the boundary's one-sigma band;
+        `volume_error_percent`; `noise_percent`; `rest_percent`: error without the contact zero.
+    """
+    mesh = sensitivity[sensitivity["change"] == "elements of twice the size"]
+    coarse = mesh.set_index("sample")["end_force_percent"]
+    bounds = band.set_index("sample")
+    table = pd.DataFrame(
+        {
+            "sample": score["sample"],
+            "group": score["group"],
+            "mu_true_pa": score["mu_true_pa"],
+            "mu_real_pa": score["mu_real_pa"],
+            "error_percent": score["mu_real_error_percent"],
+            "contact_zero_mm": score["sample"].map(starts_mm),
+            "contact_zero_percent": score["group"].map(contact_zero),
+            "twice_the_size_percent": score["sample"].map(coarse),
+            "band_low_percent": score["sample"].map(bounds["low_percent"]),
+            "band_high_percent": score["sample"].map(bounds["high_percent"]),
+            "volume_error_percent": score["volume_error_percent"],
+            "noise_percent": score["sample"].map(noise),
+        }
+    )
+    factor = (1.0 + table["error_percent"] / 100.0) / (1.0 + table["contact_zero_percent"] / 100.0)
+    return table.assign(rest_percent=100.0 * (factor - 1.0))

@@ -8,6 +8,8 @@ rule score:
     input:
         "<results>/scoring/score.csv",
         "<results>/scoring/score.json",
+        "<results>/scoring/recovery.csv",
+        "<results>/scoring/element_type.csv",
     message:
         "Scored against the sealed truth: {input}"
 
@@ -36,3 +38,53 @@ rule compare_with_truth:
         "Compare geometry and moduli with the sealed truth"
     script:
         "../scripts/score.py"
+
+
+rule recovery:
+    input:
+        truth=expand(os.path.join(TRUTH, "{sample}.json"), sample=SAMPLES),
+        cuboids=expand("<results>/cuboid/{sample}.json", sample=SAMPLES),
+        curves=expand("<results>/curves/{sample}/real/ogden2.csv", sample=SAMPLES),
+        records=[name for sample in SAMPLES for name in sample_file(sample, "record")],
+        fits=expand("<results>/calibration/{group}/real/ogden2.json", group=GROUPS),
+        score="<results>/scoring/score.csv",
+        sensitivity="<results>/tables/sensitivity.csv",
+        band="<results>/tables/band.csv",
+        code=library("workflow/scripts/recovery.py"),
+    output:
+        table="<results>/scoring/recovery.csv",
+    log:
+        "<logs>/recovery.log",
+    params:
+        samples=list(SAMPLES),
+        modes=[row["mode"] for row in SAMPLES.values()],
+        groups=GROUPS,
+        settings=config["calibration"],
+    message:
+        "Causes of the difference from the sealed truth"
+    script:
+        "../scripts/recovery.py"
+
+
+# Meshes and curves of another program, whose element the records of the cohort were made with.
+REFERENCE = ROOT / "tests/data/reference"
+REFERENCE_CASES = ["compression_h1", "compression_h07", "shear_h1", "shear_h07"]
+
+
+rule element_type:
+    input:
+        meshes=[str(REFERENCE / f"mesh/{name}.npz") for name in REFERENCE_CASES],
+        curves=[str(REFERENCE / f"curves/{name}.csv") for name in REFERENCE_CASES],
+        code=library("workflow/scripts/element_type.py"),
+    output:
+        table="<results>/scoring/element_type.csv",
+    log:
+        "<logs>/element_type.log",
+    params:
+        modes=[name.partition("_")[0] for name in REFERENCE_CASES],
+        solver=config["solver"],
+        material={"mu": (1196.8, 113.1), "alpha": (-8.0, 16.0), "poisson_ratio": 0.49},
+    message:
+        "One-point against three-field elements on the same meshes"
+    script:
+        "../scripts/element_type.py"

@@ -21,7 +21,7 @@ export PYTHONPATH := src
 export NUMBA_CACHE_DIR ?= $(CURDIR)/.numba/$(shell cat src/softsample/fem/*.py | sha256sum | cut -c1-16)
 unexport VIRTUAL_ENV
 
-.PHONY: help env run quick test test-long check bench bench-solver bench-imaging verify format clean clean-env
+.PHONY: help env run quick test test-long check bench bench-solver bench-imaging verify blind blind-full format clean clean-env
 
 help:
 	@echo "make run        the study: every sample at 0.5 mm, tables, figures, results/report.html"
@@ -32,6 +32,8 @@ help:
 	echo "make bench      speed of the solver on this machine, into results/bench/"
 	echo "make verify     the solver against exact solutions and other solvers: docs/verification.md"
 	echo "make bench-imaging  accuracy of segmentation and mesh on made-up images, into results/bench/"
+	echo "make blind      the loop on records with undeclared effects, scored: results/blind/"
+	echo "make blind-full the same at four sizes and three designs (hours): results/blind-full/"
 	echo "make format     let ruff and snakefmt rewrite the sources"
 	echo "make clean      remove results (clean-env: the environment)"
 
@@ -99,6 +101,12 @@ bench-solver: $(stamp)
 
 verify: $(stamp)
 	$(bin)/python benchmarks/verification.py
+
+blind: $(stamp)
+	$(bin)/snakemake --cores $(CORES) blind
+
+blind-full: $(stamp)
+	$(bin)/snakemake --cores $(CORES) blind_full
 
 bench-imaging: $(stamp)
 	$(bin)/python benchmarks/imaging.py results/bench/imaging.json

@@ -30,6 +30,7 @@ ALLOWED = {
     "checks": {"errors", "fem", "meshing"},
     "scoring": {"errors", "calibration"},
     "report": {"errors"},
+    "blindlab": {"errors", "calibration", "constitutive", "fem", "loop", "meshing", "phantom"},
     "export": {"errors", "meshing", "constitutive", "fem", "io"},
 }
 """What each part of the package may import; parts not listed may import any of these."""
@@ -76,6 +77,14 @@ def test_only_scoring_knows_of_the_truth():
     files = [*SOURCES, *SCRIPTS, ROOT / "Snakefile", *sorted((ROOT / "workflow/rules").glob("*"))]
     naming = {p.name for p in files if re.search(r"truth", p.read_text(encoding="utf-8"), re.I)}
     assert naming == {"scoring.py", "score.py", "recovery.py", "scoring.smk"}
+
+
+def test_the_blind_laboratory_shares_nothing_with_the_effects():
+    """Makers of records know nothing of the loop; the judge knows it, but none of its effects."""
+    for path in (ROOT / "src/softsample/blindlab").glob("*.py"):
+        of_loop = {name for name in imports(path) if name.startswith("softsample.loop")}
+        assert path.name == "judge.py" or not of_loop, path.name
+        assert "loop.effects" not in path.read_text(encoding="utf-8")
 
 
 def test_only_the_report_reads_values_of_the_paper():

@@ -65,6 +65,7 @@ GROUPS = {
     for group in dict.fromkeys(row["group"] for row in SAMPLES.values())
 }
 COMPRESSED = [name for name, row in SAMPLES.items() if row["mode"] == "compression"]
+BLIND = config["blind"]
 SHIPPED = TABLE.resolve() == (ROOT / "resources/cohort/samples.tsv").resolve()
 
 

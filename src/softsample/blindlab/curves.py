@@ -1,0 +1,175 @@
+"""Elastic curves of a body, plain and changed, by runs of the solver on the laboratory's mesh."""
+
+from collections.abc import Callable, Iterator, Sequence
+from dataclasses import replace
+from functools import partial
+
+import numpy as np
+import pandas as pd
+from numpy.typing import NDArray
+
+from softsample.blindlab.bodies import ALPHA, MODES, POISSON, Body
+from softsample.constitutive.ogden import Fibres, OgdenMaterial, unit_modulus
+from softsample.fem.boundary import Boundary, ContactSettings, mode_boundary, platen_boundary
+from softsample.fem.explicit import ExplicitModel, SolverSettings
+from softsample.meshing.bond import partial_bond
+from softsample.meshing.sample import SampleMesh, mesh_ideal, mesh_real
+from softsample.phantom.draw import random_cuboid
+from softsample.phantom.shapes import signed_distance
+
+Array = NDArray[np.float64]
+Curve = tuple[str, float, str, Array, Array]
+
+MM = 1e-3
+MODULUS = 1000.0  # Pa, of the runs
+MARGIN = 1.08  # runs go on beyond the stroke, for shifts of the travel
+GRID = 0.5  # mm, of signed distances
+PRELOAD = 1.0  # mm
+
+
+def imperfect_mesh(body: Body, size_mm: float, bumps: float = 1.0) -> SampleMesh:
+    """Mesh of the phantom behind an imperfect body."""
+    shape = random_cuboid(body.number, bumps)
+    half, top = shape.box[:2], shape.box[2]
+    axes = [np.arange(a, b, GRID) for a, b in ((-half[0], half[0]), (-half[1], half[1]), (-2, top))]
+    points = np.stack(np.meshgrid(*axes, indexing="ij"), axis=-1)
+    distance = signed_distance(shape, points.reshape(-1, 3)).reshape(points.shape[:3])
+    return mesh_real(MM * distance, MM * points[0, 0, 0], MM * GRID, MM * size_mm, MM * PRELOAD)
+
+
+def cuboid_mesh(body: Body, size_mm: float, shift_mm: float = 0.0) -> SampleMesh:
+    """Mesh of a cuboid, its free faces moved out by a length; the base stays."""
+    return mesh_ideal(
+        MM * (body.length + 2.0 * shift_mm),
+        MM * (body.width + 2.0 * shift_mm),
+        MM * (body.height + shift_mm),
+        MM * size_mm,
+    )
+
+
+def tissue(body: Body) -> OgdenMaterial:
+    """Two-term solid of a body; the modulus only sets the scale."""
+    return unit_modulus(body.mixture, ALPHA, POISSON, MODULUS)
+
+
+def glued(mesh: SampleMesh) -> NDArray[np.int64]:
+    """Nodes glued to the moving platen in tension and shear."""
+    return np.flatnonzero(mesh.point_data["glued"])
+
+
+def planted_curves(
+    body: Body, sizes: Sequence[float], size_mm: float, solver: SolverSettings
+) -> pd.DataFrame:
+    """Curves that records are made of.
+
+    Parameters
+    ----------
+    body : Body
+        The sample.
+    sizes : sequence of float
+        Multiples of an effect's nominal size.
+    size_mm : float
+        Edge of the elements [mm].
+    solver : SolverSettings
+        Its `loading_time_s` is used as it is.
+
+    Returns
+    -------
+    DataFrame
+        `curve` (`plain`, or the name of a change), `size` (its multiple), `mode`,
+        `displacement_mm` >= 0 along the travel, `area_mm2` = force over shear modulus.
+    """
+    runs = _imperfect_runs if body.imperfect else _cuboid_runs
+    rows = [
+        {"curve": name, "size": size, "mode": mode, "displacement_mm": u, "area_mm2": area}
+        for name, size, mode, travel, force in runs(body, sizes, size_mm, solver)
+        for u, area in zip(travel / MM, force / MODULUS / MM**2, strict=True)
+    ]
+    return pd.DataFrame(rows)
+
+
+def _imperfect_runs(
+    body: Body, sizes: Sequence[float], size_mm: float, solver: SolverSettings
+) -> Iterator[Curve]:
+    """The phantom with bumps of each size; `plain` is not needed."""
+    for size in sizes:
+        mesh = imperfect_mesh(body, size_mm, bumps=size)
+        model = ExplicitModel(mesh.mesh, solver)
+        for mode in MODES:
+            held = mode_boundary(mesh.mesh, mode, glued(mesh), ContactSettings())
+            run = model.run(tissue(body), held, MARGIN * MM * body.stroke(mode))
+            yield "shape", size, mode, run.displacement, run.force
+
+
+def _cuboid_runs(
+    body: Body, sizes: Sequence[float], size_mm: float, solver: SolverSettings
+) -> Iterator[Curve]:
+    mesh = cuboid_mesh(body, size_mm)
+    model = ExplicitModel(mesh.mesh, solver)
+    for mode in MODES:
+        reach = MARGIN * MM * body.stroke(mode)
+        plain = mode_boundary(mesh.mesh, mode, glued(mesh), ContactSettings())
+        run = model.run(tissue(body), plain, reach)
+        yield "plain", 0.0, mode, run.displacement, run.force
+        for size in sizes:
+            for name, material in _materials(body, size).items():
+                run = model.run(material, plain, reach)
+                yield name, size, mode, run.displacement, run.force
+            for name, held in _boundaries(body, mesh, mode, size).items():
+                run = model.run(tissue(body), held, reach)
+                yield name, size, mode, run.displacement, run.force
+            for name, make in _meshes(body, mesh, size_mm, size, solver).items():
+                changed, on = make()
+                held = mode_boundary(on.mesh, mode, glued(on), ContactSettings())
+                run = changed.run(tissue(body), held, reach)
+                yield name, size, mode, run.displacement, run.force
+
+
+def _materials(body: Body, size: float) -> dict[str, OgdenMaterial]:
+    """Changed solids: compressibility, a third term, fibres along a slanted axis."""
+    plain = tissue(body)
+    third = 0.033 * size * MODULUS
+    slant = np.radians(15.0)
+    x, y = body.toward()
+    axis = (float(np.sin(slant)) * x, float(np.sin(slant)) * y, float(np.cos(slant)))
+    return {
+        "poisson": replace(plain, poisson_ratio=POISSON - 0.01 * size),
+        "third_term": OgdenMaterial((*plain.mu, third), (*plain.alpha, -15.0), POISSON),
+        "fibres": replace(plain, fibres=Fibres(0.04 * size * MODULUS, axis)),
+    }
+
+
+def _boundaries(body: Body, mesh: SampleMesh, mode: str, size: float) -> dict[str, Boundary]:
+    """Changed boundary conditions: a strip without glue; a tilted, or a slippery platen."""
+    if mode != "compression":
+        left = partial_bond(mesh.mesh, glued(mesh), 1.0 - 0.125 * size, body.toward())
+        return {"strip": mode_boundary(mesh.mesh, mode, left, ContactSettings())}
+    x, y = body.toward()
+    slippery = ContactSettings(friction=0.5 / (1.0 + size))
+    return {
+        "tilt": platen_boundary(mesh.mesh, ContactSettings(), tilt_deg=(size * x, size * y)),
+        "slip": platen_boundary(mesh.mesh, slippery),
+    }
+
+
+def _meshes(
+    body: Body, mesh: SampleMesh, size_mm: float, size: float, solver: SolverSettings
+) -> dict[str, Callable[[], tuple[ExplicitModel, SampleMesh]]]:
+    """Changed samples: larger all round, and with a stiff inclusion."""
+
+    def larger() -> tuple[ExplicitModel, SampleMesh]:
+        shifted = cuboid_mesh(body, size_mm, 0.1 * size)
+        return ExplicitModel(shifted.mesh, solver), shifted
+
+    return {"larger": larger, "inclusion": partial(_with_inclusion, body, mesh, size, solver)}
+
+
+def _with_inclusion(
+    body: Body, mesh: SampleMesh, size: float, solver: SolverSettings
+) -> tuple[ExplicitModel, SampleMesh]:
+    """A ball in the upper half, off the axis, 1 + 5 times as stiff at size 1."""
+    middle = mesh.mesh.points[mesh.mesh.hexes].mean(axis=1) / MM
+    x, y = body.toward()
+    centre = np.array([0.2 * body.length * x, 0.2 * body.width * y, 0.65 * body.height])
+    inside = np.linalg.norm(middle - centre, axis=1) < 0.3 * body.height
+    return ExplicitModel(mesh.mesh, solver, np.where(inside, 1.0 + 5.0 * size, 1.0)), mesh

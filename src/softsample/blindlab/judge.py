@@ -1,0 +1,159 @@
+"""What the loop is given: its own model of a body, and bare records; what it answers.
+
+The only file of the laboratory that knows the loop. Model curves come from the loop's own runs, on
+another mesh and at another mixture than the records.
+"""
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, replace
+from time import process_time
+from typing import Any
+
+import numpy as np
+import pandas as pd
+
+from softsample.blindlab.bodies import ALPHA, MODES, POISSON, Body
+from softsample.blindlab.curves import MM, cuboid_mesh, glued, imperfect_mesh
+from softsample.blindlab.records import Record
+from softsample.calibration.curves import CurveFamily
+from softsample.constitutive.ogden import unit_modulus
+from softsample.fem.boundary import ContactSettings, mode_boundary
+from softsample.fem.explicit import ExplicitModel, SolverSettings
+from softsample.fem.family import FamilySettings, family_fractions
+from softsample.loop.diagnose import LoopSettings, diagnose, report
+from softsample.loop.specimen import Elastic, Specimen
+from softsample.loop.variants import VariantSettings, coarse_sample, simulate_variants
+from softsample.meshing.sample import SampleMesh
+
+MODULUS = 1000.0  # Pa, of the runs
+
+
+def model_curves(
+    body: Body, size_mm: float, solver: SolverSettings, variants: VariantSettings
+) -> pd.DataFrame:
+    """Curves of the loop's model of a body: its cuboid, all mixtures, and the changed models.
+
+    Returns
+    -------
+    DataFrame
+        `curve` (a mixture as a number, or the name of a change), `mode`, `displacement_mm`,
+        `area_mm2` = force, or change of the force, over shear modulus.
+    """
+    r = round(body.mixture, 1)  # where a calibration might have ended
+    contact = ContactSettings()
+    mesh = cuboid_mesh(body, size_mm)
+    rows = []
+    for mode in MODES:
+        reach = MM * body.stroke(mode)
+        travel, changes = simulate_variants(
+            coarse_sample(lambda shift: cuboid_mesh(body, size_mm, shift / MM), mode, variants),
+            unit_modulus(r, ALPHA, POISSON, MODULUS),
+            reach,
+            contact,
+            solver,
+            variants,
+        )
+        curves = dict(changes)
+        for fraction in family_fractions(FamilySettings()):
+            curves[str(fraction)] = _curve(mesh, mode, float(fraction), 1e3 * travel, solver)
+        if body.imperfect:
+            real = imperfect_mesh(body, size_mm)
+            curves["real_geometry"] = _curve(real, mode, r, 1e3 * travel, solver)
+            curves["real_geometry"] -= _curve(mesh, mode, r, 1e3 * travel, solver)
+        for name, area in curves.items():
+            rows += [
+                {"curve": name, "mode": mode, "displacement_mm": u, "area_mm2": a}
+                for u, a in zip(travel / MM, area / MM**2, strict=True)
+            ]
+    return pd.DataFrame(rows)
+
+
+def _curve(
+    mesh: SampleMesh, mode: str, mixture: float, travel_mm: np.ndarray, solver: SolverSettings
+) -> np.ndarray:
+    """Force over modulus [m2] of one mixture at travels [mm]."""
+    held = mode_boundary(mesh.mesh, mode, glued(mesh), ContactSettings())
+    solid = unit_modulus(mixture, ALPHA, POISSON, MODULUS)
+    run = ExplicitModel(mesh.mesh, solver).run(solid, held, MM * travel_mm[-1])
+    return np.interp(travel_mm, run.displacement / MM, run.force) / MODULUS
+
+
+def elastics(table: pd.DataFrame) -> dict[str, Elastic]:
+    """The loop's model by mode, from `model_curves`."""
+    found = {}
+    for mode, of_mode in table.groupby("mode"):
+        travel = MM * np.unique(of_mode["displacement_mm"])
+        curves = {
+            str(name): MM**2 * curve.sort_values("displacement_mm")["area_mm2"].to_numpy()
+            for name, curve in of_mode.groupby("curve")
+        }
+        mixtures = sorted((name for name in curves if name[0].isdigit()), key=float)
+        family = CurveFamily(
+            np.array([float(r) for r in mixtures]),
+            travel,
+            np.stack([curves.pop(r) for r in mixtures]),
+        )
+        found[str(mode)] = Elastic(family, curves, contact=mode == "compression")
+    return found
+
+
+@dataclass(frozen=True)
+class Resolution:
+    """What the loop is told that its model does not resolve; mirrors config `blind: noise:`.
+
+    Parameters
+    ----------
+    floor_percent : float
+        Smooth error [% of peak], beside the floor of the experiment.
+    fine_percent, scale_percent, contact_zero_mm : float
+        As of `NoiseSettings`.
+    """
+
+    floor_percent: float = 0.1
+    fine_percent: float = 0.1
+    scale_percent: float = 0.2
+    contact_zero_mm: float = 0.01
+
+    def settings(self, loop: LoopSettings, floor_percent: float) -> LoopSettings:
+        """Settings of the loop for experiments with a floor."""
+        noise = replace(
+            loop.noise,
+            floor_percent=float(np.hypot(self.floor_percent, floor_percent)),
+            fine_percent=self.fine_percent,
+            scale_percent=self.scale_percent,
+            contact_zero_mm=self.contact_zero_mm,
+        )
+        return replace(loop, noise=noise)
+
+
+def answer(
+    records: Sequence[Record], models: Mapping[str, Elastic], settings: LoopSettings
+) -> dict[str, Any]:
+    """The loop's verdict on the records of one experiment, with what the score needs of it."""
+    before = process_time()
+    specimens = [
+        Specimen.of_record(f"test_{k}", record.mode, record.table, models[record.mode])
+        for k, record in enumerate(records)
+    ]
+    verdict = report(diagnose(specimens, settings), settings)
+    held_out = {
+        when: float(np.sqrt(np.mean([
+            error["rms_percent_structured"] ** 2
+            for fold in verdict[f"held_out_{when}"].values()
+            for error in fold.values()
+        ])))
+        for when in ("before", "after")
+    }  # fmt: skip
+    return {
+        "verdict": verdict["verdict"],
+        "effects": [
+            {key: effect[key] for key in ("name", "class", "parameters", "evidence")}
+            for effect in verdict["effects"]
+        ],
+        "theta_before": verdict["theta_before"],
+        "theta_after": verdict["theta_after"],
+        "held_out_percent": held_out,
+        "white_mean_square": verdict["white_mean_square"],
+        "not_identifiable": verdict["not_identifiable"],
+        "cpu_s": process_time() - before,
+    }

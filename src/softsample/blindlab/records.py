@@ -1,0 +1,160 @@
+"""Records of an experiment: clock, faults, floor, noise."""
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+import pandas as pd
+from numpy.typing import NDArray
+from scipy.interpolate import PchipInterpolator
+from scipy.signal import lfilter
+
+from softsample.blindlab.bodies import MODES, Body
+from softsample.blindlab.faults import Curve, Fault, Trial
+
+Array = NDArray[np.float64]
+
+SPEED = 0.3  # mm/s
+RATE = 100.0  # Hz
+FINER = 4  # steps of the laboratory's clock in one of the record
+REST, HOLD = 2.0, 60.0  # s
+DESIGNS = {"A": (1.0,), "B": (1.0,), "C": (1.0, 10.0)}
+"""Speeds of each design, as multiples; A is the loading ramp alone."""
+
+WHITE, SLOW, SLOW_TIME = 1.0e-3, 0.5e-3, 1.0  # N, N, s
+READING = 1.0e-3  # mm
+FLOOR_LENGTH = 0.25  # of the stroke
+MU_PA = (800.0, 2500.0)
+
+
+@dataclass(frozen=True, eq=False)
+class Record:
+    """What the machine writes of one test: mode and table."""
+
+    mode: str
+    table: pd.DataFrame
+
+
+def make_records(
+    body: Body,
+    curves: pd.DataFrame,
+    faults: Sequence[Fault],
+    mu: float,
+    design: str,
+    floor_percent: float,
+    size: float,
+    random: np.random.Generator,
+) -> list[Record]:
+    """Records of one animal: every mode, at every speed of the design.
+
+    Parameters
+    ----------
+    body : Body
+        The sample.
+    curves : DataFrame
+        As of `planted_curves`.
+    faults : sequence of Fault
+        What is wrong.
+    mu : float
+        Shear modulus [Pa].
+    design : str
+        Key of `DESIGNS`.
+    floor_percent : float
+        Standard deviation of a smooth error of each mode that nothing explains [% of peak].
+    size : float
+        Multiple of the nominal size, for the faults that are changed curves.
+    random : Generator
+        Of this experiment.
+    """
+    elastic = {mode: _curve(body, curves, faults, mode, size) for mode in MODES}
+    records = []
+    for mode in MODES:
+        wave = _smooth(random)
+        for speed in DESIGNS[design]:
+            test = _test(body, mode, mu, elastic, design, SPEED * speed)
+            force = _force(test, faults)
+            moved = np.clip(test.travel / (0.02 * test.stroke), 0.0, 1.0)
+            error = 0.01 * floor_percent * np.abs(force).max()
+            force = force + error * moved * wave(test.travel / test.stroke)
+            records.append(Record(mode, _table(test, force, random)))
+    return _relabelled(records, faults)
+
+
+def _curve(
+    body: Body, curves: pd.DataFrame, faults: Sequence[Fault], mode: str, size: float
+) -> Curve:
+    """Plain curve, plus the differences that changed models make."""
+    of_mode = curves[curves["mode"] == mode]
+    changed = [fault.curve for fault in faults if fault.curve]
+    plain = of_mode[of_mode["curve"] == ("shape" if body.imperfect else "plain")]
+    if body.imperfect:
+        plain = plain[plain["size"] == size]
+    travel = plain["displacement_mm"].to_numpy()
+    area = plain["area_mm2"].to_numpy()
+    for name in changed if not body.imperfect else []:
+        other = of_mode[(of_mode["curve"] == name) & (of_mode["size"] == size)]
+        if len(other):
+            area = area + other["area_mm2"].to_numpy() - plain["area_mm2"].to_numpy()
+    return PchipInterpolator(travel, area, extrapolate=True)
+
+
+def _test(
+    body: Body, mode: str, mu: float, elastic: Mapping[str, Curve], design: str, speed: float
+) -> Trial:
+    """The platen's travel on the laboratory's clock."""
+    stroke = body.stroke(mode)
+    way = stroke / speed
+    knots, heights = [0.0, way], [0.0, stroke]
+    if design != "A":
+        knots = [0.0, REST, REST + way, REST + way + HOLD, REST + 2.0 * way + HOLD]
+        heights = [0.0, 0.0, stroke, stroke, 0.0]
+    time = np.arange(0.0, knots[-1], 1.0 / RATE / FINER)
+    return Trial(mode, time, np.interp(time, knots, heights), stroke, body.height, mu, elastic)
+
+
+def _force(test: Trial, faults: Sequence[Fault]) -> Array:
+    """Force of the platen on the sample along the travel [N], through all faults in order."""
+    travel = test.travel
+    for fault in faults:
+        travel = fault.travel(test, travel)
+    force = test.elastic(travel)
+    for fault in faults:
+        force = fault.tissue(test, force)
+    if test.mode == "compression":
+        force = np.maximum(force, 0.0)
+    for fault in faults:
+        force = fault.instrument(test, force)
+    return force
+
+
+def _smooth(random: np.random.Generator) -> Curve:
+    """Random smooth function of standard deviation 1 on travels over the stroke."""
+    wave = random.normal(0.0, 1.0 / FLOOR_LENGTH, 64)
+    phase = random.uniform(0.0, 2.0 * np.pi, 64)
+    return lambda x: np.cos(np.outer(x, wave) + phase).sum(axis=1) * np.sqrt(2.0 / 64.0)
+
+
+def _table(test: Trial, force: Array, random: np.random.Generator) -> pd.DataFrame:
+    """Every so many steps of the clock, with the noise of cell and reading."""
+    kept = slice(None, None, FINER)
+    n = len(test.time[kept])
+    keep = np.exp(-1.0 / RATE / SLOW_TIME)
+    kicks = random.normal(0.0, SLOW * np.sqrt(1.0 - keep**2), n)
+    kicks[0] /= np.sqrt(1.0 - keep**2)
+    noise = np.asarray(lfilter([1.0], [1.0, -keep], kicks)) + random.normal(0.0, WHITE, n)
+    return pd.DataFrame(
+        {
+            "time_s": test.time[kept],
+            "displacement_mm": test.sign * test.travel[kept] + random.normal(0.0, READING, n),
+            "force_N": test.sign * force[kept] + noise,
+        }
+    )
+
+
+def _relabelled(records: list[Record], faults: Sequence[Fault]) -> list[Record]:
+    for fault in faults:
+        if fault.swap:
+            one, other = fault.swap
+            labels = {one: other, other: one}
+            records = [Record(labels.get(r.mode, r.mode), r.table) for r in records]
+    return records

@@ -1,0 +1,266 @@
+"""Frozen answers against what was planted: goals with bounds, confusion of effects."""
+
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+import pandas as pd
+from scipy.stats import beta, binom
+
+from softsample.blindlab.faults import EFFECTS
+from softsample.errors import InputError
+
+Row = dict[str, Any]
+
+POWER = 0.95
+"""Share of experiments in which an effect has to be noticed to count as identifiable."""
+
+LEAST_BIAS = 0.01
+"""Moduli that are less wrong than this have no bias to remove."""
+
+
+@dataclass(frozen=True)
+class Case:
+    """An experiment with its answer.
+
+    Parameters
+    ----------
+    planted : mapping
+        As of `Experiment.planted`.
+    answer : mapping
+        As of `judge.answer`.
+    """
+
+    planted: Mapping[str, Any]
+    answer: Mapping[str, Any]
+
+    @property
+    def names(self) -> list[str]:
+        """What was planted."""
+        return list(self.planted["names"])
+
+    @property
+    def noticed(self) -> bool:
+        """Whether the answer says that something is wrong."""
+        return bool(self.answer["verdict"] != "none")
+
+    @property
+    def named(self) -> bool:
+        """Whether the answer commits itself to effects."""
+        return bool(self.answer["verdict"] == "explained")
+
+    @property
+    def classes(self) -> list[list[str]]:
+        """Classes of the answer, none if it does not commit itself."""
+        return [effect["class"] for effect in self.answer["effects"]] if self.named else []
+
+    @property
+    def found(self) -> int:
+        """How many of the planted effects lie in a class of the answer."""
+        return sum(any(name in names for names in self.classes) for name in self.names)
+
+    @property
+    def extra(self) -> bool:
+        """Whether a class of the answer holds nothing that was planted."""
+        return any(not set(names) & set(self.names) for names in self.classes)
+
+    @property
+    def first(self) -> str:
+        """First effect of the answer, or its verdict."""
+        return str(self.answer["effects"][0]["name"]) if self.named else self.answer["verdict"]
+
+    @property
+    def bias(self) -> tuple[float, float]:
+        """Relative error of the modulus before and after."""
+        before, after = (
+            self.answer[f"theta_{when}"]["mu"]["value"] / self.planted["mu_pa"] - 1.0
+            for when in ("before", "after")
+        )
+        return abs(before), abs(after)
+
+    @property
+    def held_out_removed(self) -> float:
+        """Part of the structured error on what folds leave out that the answer removes."""
+        error = self.answer["held_out_percent"]
+        return float(1.0 - error["after"] / max(error["before"], 1e-9))
+
+
+def opened(
+    planted: Mapping[str, Any], seal: Mapping[str, Any], sha256: str
+) -> list[Mapping[str, Any]]:
+    """What was planted in each experiment, if it is what was sealed.
+
+    Raises
+    ------
+    InputError
+        If the file has changed since, by its `sha256`.
+    """
+    if sha256 != seal["sha256"]:
+        raise InputError(
+            f"what was planted has SHA-256 {sha256[:12]}..., sealed was {seal['sha256'][:12]}...: "
+            "delete seal and answers and judge again"
+        )
+    return list(planted["experiments"])
+
+
+def share(goal: str, hits: Sequence[bool], side: str) -> Row:
+    """A share with its one-sided 95 % bound (Clopper and Pearson), upper or lower."""
+    n, k = len(hits), int(np.sum(hits))
+    bound = np.nan
+    if n:
+        upper, lower = beta.ppf(0.95, k + 1, n - k), beta.ppf(0.05, k, n - k + 1)
+        bound = (1.0 if k == n else upper) if side == "upper" else (0.0 if k == 0 else lower)
+    return {"goal": goal, "value": k / n if n else np.nan, "bound": float(bound), "n": n}
+
+
+def median(goal: str, values: Sequence[float], side: str) -> Row:
+    """A median with its one-sided 95 % bound from order statistics."""
+    ordered, n = np.sort(np.asarray(values, dtype=float)), len(values)
+    if not n:
+        return {"goal": goal, "value": np.nan, "bound": np.nan, "n": 0}
+    rank = int(binom.ppf(0.05, n, 0.5))
+    bound = ordered[max(rank - 1, 0)] if side == "lower" else ordered[min(n - rank, n - 1)]
+    return {"goal": goal, "value": float(np.median(ordered)), "bound": float(bound), "n": n}
+
+
+def score(cases: Sequence[Case]) -> list[Row]:
+    """All goals for each design, floor and size: goal, design, floor, size, value, bound, n.
+
+    Bounds are one-sided at 95 %, on the side where the goal would be missed; counts of effects
+    have none.
+    """
+    rows = []
+    for key, group in _by(cases, "design", "floor_percent").items():
+        setting = dict(zip(("design", "floor_percent"), key, strict=True))
+        rows += [{**row, **setting, "size": None} for row in _overall(group)]
+        singles = [case for case in group if case.planted["kind"] == "effect"]
+        for (size,), of_size in _by(singles, "size").items():
+            rows += [{**row, **setting, "size": size} for row in _effects(of_size)]
+    return rows
+
+
+def _by(cases: Sequence[Case], *keys: str) -> dict[tuple[Any, ...], list[Case]]:
+    groups: dict[tuple[Any, ...], list[Case]] = {}
+    for case in cases:
+        groups.setdefault(tuple(case.planted[key] for key in keys), []).append(case)
+    return dict(sorted(groups.items()))
+
+
+def _overall(cases: Sequence[Case]) -> Iterator[Row]:
+    """Goals that need no effect at one size: nulls, scales, strangers, pairs, cost."""
+    kinds = {kind: cs for (kind,), cs in _by(cases, "kind").items()}
+    yield share("1 false alarms", [c.noticed for c in kinds.get("null", [])], "upper")
+    yield share("scale not called identifiable", [
+        not any({"gain", "rate_stiffening"} & set(names) for names in c.classes) and not c.named
+        for c in kinds.get("scale", [])
+    ], "lower")  # fmt: skip
+    strangers = kinds.get("stranger", [])
+    yield share("6 out of library: unknown or none", [not c.named for c in strangers], "lower")
+    for (names,), of_kind in _by_names(strangers).items():
+        yield share(f"6 {names}", [not c.named for c in of_kind], "lower")
+    pairs = kinds.get("pair", [])
+    yield share("8 pairs: both classes", [c.found == 2 for c in pairs], "lower")
+    yield share("8 pairs: at least one", [c.found >= 1 for c in pairs], "lower")
+    yield share("8 pairs: wrong extra", [c.extra for c in pairs], "upper")
+    yield _calibration(cases)
+    yield median("17 CPU seconds a verdict", [c.answer["cpu_s"] for c in cases], "upper")
+
+
+def _calibration(cases: Sequence[Case]) -> Row:
+    """Stated confidence in the first class less how often that is right, in the mean."""
+    asked = [c for c in cases if c.named and c.answer.get("confidence") is not None]
+    off = [c.answer["confidence"] - bool(set(c.classes[0]) & set(c.names)) for c in asked]
+    value = abs(float(np.mean(off))) if off else np.nan
+    return {"goal": "16 stated confidence less hits", "value": value, "bound": None, "n": len(off)}
+
+
+def _by_names(cases: Sequence[Case]) -> dict[tuple[str], list[Case]]:
+    groups: dict[tuple[str], list[Case]] = {}
+    for case in cases:
+        groups.setdefault((" and ".join(case.names),), []).append(case)
+    return dict(sorted(groups.items()))
+
+
+def _effects(cases: Sequence[Case]) -> Iterator[Row]:
+    """Goals on single effects of one size."""
+    powers = {
+        names: float(np.mean([c.noticed for c in of_name]))
+        for (names,), of_name in _by_names(cases).items()
+    }
+    for (names,), of_name in _by_names(cases).items():
+        yield share(f"2 power {names}", [c.noticed for c in of_name], "lower")
+    strong = [name for name, power in powers.items() if power >= POWER]
+    yield {"goal": "2 effects with power", "value": len(strong), "bound": None, "n": len(powers)}
+    noticed = [c for c in cases if c.noticed]
+    right = [c for c in noticed if c.found]
+    yield share("3 class correct when noticed", [c.found == 1 for c in noticed], "lower")
+    yield share("4 exact effect first", [c.first == c.names[0] for c in noticed], "lower")
+    wrong = [c.named and not c.found for c in cases]
+    yield share("5 confidently wrong", wrong, "upper")
+    for (names,), of_name in _by_names(cases).items():
+        yield share(f"5 wrong {names}", [c.named and not c.found for c in of_name], "upper")
+    yield share("wrong extra class", [c.extra for c in noticed], "upper")
+    yield share("7 called unknown", [c.answer["verdict"] == "unknown" for c in cases], "upper")
+    yield median("members of a class", [float(len(c.classes[0])) for c in right], "upper")
+    yield median("9 held-out error removed", [c.held_out_removed for c in right], "lower")
+    yield share("10 held-out worse by 5 %", [c.held_out_removed < -0.05 for c in cases], "upper")
+    yield median("11 white RMS after", [
+        float(np.sqrt(c.answer["white_mean_square"]["after"])) for c in right
+    ], "upper")  # fmt: skip
+    biased = [c.bias for c in cases if c.names[0] in strong and c.bias[0] > LEAST_BIAS]
+    yield median("12 bias of mu removed", [1.0 - now / was for was, now in biased], "lower")
+    yield share("13 cover of mu", [_covers(c.answer["theta_after"]["mu"], c.planted["mu_pa"])
+                                   for c in right], "lower")  # fmt: skip
+    yield share("13 cover of effects", [hit for c in right for hit in _covered(c)], "lower")
+    yield median("14 error of the size", [e for c in right for e in _size_errors(c)], "upper")
+
+
+def _covers(interval: Mapping[str, float], value: float) -> bool:
+    return bool(interval["low"] <= value <= interval["high"])
+
+
+def _compared(case: Case) -> Iterator[tuple[Mapping[str, float], float]]:
+    """Parameters of the named effect that mean the same as what was planted."""
+    for effect in case.answer["effects"]:
+        sizes = case.planted["sizes"].get(effect["name"], {})
+        for name, value in sizes.items():
+            if name in effect["parameters"]:
+                yield effect["parameters"][name], value
+
+
+def _covered(case: Case) -> list[bool]:
+    return [_covers(parameter, value) for parameter, value in _compared(case)]
+
+
+def _size_errors(case: Case) -> list[float]:
+    return [abs(parameter["value"] / value - 1.0) for parameter, value in _compared(case)]
+
+
+def confusion(cases: Sequence[Case], size: float = 1.0) -> pd.DataFrame:
+    """Share of answers (columns: first effect, or the verdict) for what was planted (rows).
+
+    An answer whose first class holds what was planted counts for that, whichever member of the
+    class stands first.
+    """
+    kept = [c for c in cases if c.planted["kind"] != "pair" and c.planted["size"] == size]
+    rows = [
+        {"floor_percent": c.planted["floor_percent"], "design": c.planted["design"],
+         "planted": " and ".join(c.names) or "nothing", "answered": _counted(c)}
+        for c in kept
+    ]  # fmt: skip
+    table = pd.DataFrame(rows, columns=["floor_percent", "design", "planted", "answered"])
+    shares = pd.crosstab(
+        [table["design"], table["floor_percent"], table["planted"]],
+        table["answered"],
+        normalize="index",
+    )
+    columns = [c for c in (*EFFECTS, "unknown", "none") if c in shares]
+    return shares.reindex(columns=columns).reset_index()
+
+
+def _counted(case: Case) -> str:
+    """What an answer counts for."""
+    if case.named and case.names and case.names[0] in case.classes[0]:
+        return case.names[0]
+    return case.first

@@ -1,0 +1,46 @@
+"""What the loop answered for what was planted, as shares of the experiments."""
+
+import pandas as pd
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
+
+from softsample.figures.style import page_figure, styled
+
+KEYS = ["design", "floor_percent", "planted"]
+
+
+@styled
+def confusion_figure(table: pd.DataFrame, design: str = "B") -> Figure:
+    """One matrix for each floor of a design; rows are what was planted.
+
+    Parameters
+    ----------
+    table : DataFrame
+        As of `softsample.blindlab.score.confusion`.
+    design : str
+        Design of the experiments.
+    """
+    of_design = table[table["design"] == design]
+    floors = list(of_design.groupby("floor_percent"))
+    figure = page_figure(110.0 * len(floors) + 30.0)
+    axes = figure.subplots(len(floors), 1, squeeze=False, sharex=True)[:, 0]
+    for ax, (floor, part) in zip(axes, floors, strict=True):
+        _matrix(ax, part.set_index("planted").drop(columns=KEYS[:2]))
+        ax.set_title(f"floor {floor:g} % of peak")
+    return figure
+
+
+def _matrix(ax: Axes, shares: pd.DataFrame) -> None:
+    known = [name for name in shares.columns if name in shares.index]
+    shares = shares.loc[[*known, *shares.index.difference(known)]]
+    ax.imshow(shares.to_numpy(), cmap="Blues", vmin=0.0, vmax=1.0, aspect="auto")
+    for i, row in enumerate(shares.to_numpy()):
+        for j, value in enumerate(row):
+            if value > 0.0:
+                ink = "white" if value > 0.6 else "black"
+                ax.text(j, i, f"{100 * value:.0f}", ha="center", va="center", color=ink, size=5.0)
+    ax.set_yticks(range(len(shares)), [str(name).replace("_", " ") for name in shares.index])
+    labels = [str(name).replace("_", " ") for name in shares.columns]
+    ax.set_xticks(range(len(labels)), labels, rotation=90)
+    ax.tick_params(labelsize=6.0, length=0.0)
+    ax.set_ylabel("planted")

@@ -1,0 +1,269 @@
+"""Parts of the blind laboratory one by one: faults, records, plan, seal, score."""
+
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+import pandas as pd
+import pytest
+
+import blind_page
+from softsample.blindlab import records
+from softsample.blindlab.bodies import MODES, Body
+from softsample.blindlab.faults import EFFECTS, KINDS, Fault, Trial
+from softsample.blindlab.plan import GROUPS, Benches, Experiment, Extent, plan
+from softsample.blindlab.score import Case, confusion, median, opened, score, share
+from softsample.errors import InputError
+
+ROOT = Path(__file__).resolve().parents[2]
+BODY = Body(1, False, 23.0, 20.0, 13.0, 0.7, 0.3)
+CHANGED = {"tilt", "shape", "strip", "slip", "poisson", "larger", "third_term", "fibres"}
+MU = 1000.0
+
+
+def straight_curves():
+    """30 mm2 of force over modulus for each millimetre; changed models have a tenth less."""
+    travel = np.linspace(0.0, 8.0, 33)
+    return pd.concat(
+        pd.DataFrame(
+            {
+                "curve": curve,
+                "size": 1.0,
+                "mode": mode,
+                "displacement_mm": travel,
+                "area_mm2": (30.0 if curve == "plain" else 27.0) * travel,
+            }
+        )
+        for curve in ("plain", *CHANGED, "inclusion")
+        for mode in MODES
+    )
+
+
+def made(name, size=1.0, mode="compression"):
+    """Trial, its travel [mm] and its force [N] with one fault, without noise."""
+    fault = KINDS[name].make(np.random.default_rng(3), BODY, size)
+    curves = straight_curves()
+    elastic = {m: records._curve(BODY, curves, [fault], m, 1.0) for m in MODES}
+    test = records._test(BODY, mode, MU, elastic, "B", records.SPEED)
+    return fault, test, records._force(test, [fault])
+
+
+def plain(test):
+    return 1e-6 * MU * 30.0 * test.travel
+
+
+@pytest.mark.parametrize("name", EFFECTS)
+def test_every_effect_changes_a_record_more_the_larger_it_is(name):
+    def change(size):
+        return sum(
+            float(np.abs(force / plain(test).max() - plain(test) / plain(test).max()).max())
+            for mode in MODES
+            for _, test, force in [made(name, size, mode)]
+        )
+
+    assert change(1.0) > 2e-3
+    if name not in ("real_geometry",) and EFFECTS[name].form[:7] != "own run":
+        assert change(0.5) < 0.8 * change(1.0)
+
+
+def test_the_effects_are_those_of_the_design_that_one_speed_can_identify():
+    assert len(EFFECTS) == 25
+    assert {name for names in GROUPS.values() for name in names} == set(EFFECTS) - {"real_geometry"}
+
+
+def test_relaxation_keeps_the_rest_of_a_step():
+    """A step of force decays to 1 - g after the longest time, along its spectrum."""
+    fault, test, _ = made("viscoelastic_relaxation")
+    time = np.linspace(0.0, 4000.0, 4001)
+    force = fault.tissue(replace(test, time=time), np.ones(4001))
+    assert force[0] == pytest.approx(1.0)
+    assert force[-1] == pytest.approx(1.0 - fault.sizes["g"], abs=2e-3)
+    at_median = np.interp(fault.sizes["tau_s"], time, force)
+    assert 1.0 - at_median == pytest.approx(fault.sizes["g"] * 0.6, rel=0.1)
+    assert np.all(np.diff(force) <= 1e-12)
+
+
+def test_drainage_spares_shear():
+    _, test, force = made("poroelastic_drainage", mode="shear")
+    np.testing.assert_allclose(force, plain(test), atol=1e-12)
+
+
+def test_compliance_solves_the_spring_in_series():
+    fault, test, force = made("machine_compliance")
+    reached = test.travel - fault.sizes["mm_per_N"] * force
+    np.testing.assert_allclose(force, 1e-6 * MU * 30.0 * reached, atol=1e-6)
+
+
+def test_backlash_is_a_constant_shift_of_the_way_back():
+    fault, test, force = made("backlash")
+    behind = (force - plain(test)) / (1e-6 * MU * 30.0)
+    before = test.time < 30.0
+    assert np.abs(behind[before]).max() < 1e-9
+    assert behind[-2000] == pytest.approx(fault.sizes["play_mm"], rel=1e-6)
+
+
+def test_offset_drift_and_weight_have_the_signs_of_the_machine():
+    for name, key in (("force_offset", "compression_mN"), ("self_weight", "weight_mN")):
+        fault, test, force = made(name)
+        assert 1e3 * (plain(test) - force)[400] == pytest.approx(fault.sizes[key], rel=1e-6)
+    fault, test, force = made("force_drift", mode="tension")
+    slope = 1e3 * np.polyfit(test.time, force - plain(test), 1)[0]
+    assert slope == pytest.approx(fault.sizes["mN_per_s"], rel=0.1)
+
+
+def test_a_scale_is_a_scale():
+    for name in ("gain", "rate_stiffening"):
+        _, test, force = made(name)
+        ratio = force[2000:8000] / plain(test)[2000:8000]
+        assert np.ptp(ratio) < 1e-12
+        assert ratio[0] > 1.005
+
+
+def test_records_have_the_noise_and_the_floor_that_they_say():
+    curves = straight_curves()
+    noise, floor = [], []
+    for seed in range(12):
+        for percent in (0.0, 2.0):
+            random = np.random.default_rng(seed)
+            made_of = (BODY, curves, [], MU, "B", percent, 1.0, random)
+            tension = records.make_records(*made_of)[0].table
+            left = tension["force_N"] - 1e-6 * MU * 30.0 * tension["displacement_mm"].clip(0.0)
+            (floor if percent else noise).append(left.to_numpy())
+    assert np.std(np.diff([n[:200] for n in noise])) == pytest.approx(np.sqrt(2) * 1e-3, rel=0.05)
+    peak = 1e-6 * MU * 30.0 * BODY.stroke("tension")
+    held = [f[4000] for f in floor]
+    assert 0.01 * peak < np.std(held) < 0.032 * peak
+
+
+def test_designs_are_what_they_say():
+    curves = straight_curves()
+
+    def lengths(design):
+        random = np.random.default_rng(1)
+        made_of = (BODY, curves, [], MU, design, 0.0, 1.0, random)
+        return [(r.mode, r.table["time_s"].max()) for r in records.make_records(*made_of)]
+
+    way = {mode: BODY.stroke(mode) / records.SPEED for mode in MODES}
+    assert lengths("A") == [(m, pytest.approx(way[m], abs=0.02)) for m in MODES]
+    assert lengths("B") == [(m, pytest.approx(62.0 + 2.0 * way[m], abs=0.02)) for m in MODES]
+    assert [mode for mode, _ in lengths("C")] == [m for m in MODES for _ in range(2)]
+
+
+def test_swapped_labels_are_swapped():
+    curves = straight_curves()
+    fault = KINDS["mixed_labels"].make(np.random.default_rng(1), BODY, 1.0)
+    random = np.random.default_rng(1)
+    made_of = (BODY, curves, [fault], MU, "B", 0.0, 1.0, random)
+    assert [r.mode for r in records.make_records(*made_of)] == ["shear", "compression", "tension"]
+
+
+def test_an_experiment_is_the_same_whenever_it_is_made_and_says_nothing_of_its_fault():
+    experiment = Experiment("effect", ("force_offset",), "B", 1.0, 0.0, 5)
+    one, again = (experiment.records(BODY, straight_curves()) for _ in range(2))
+    for a, b in zip(one, again, strict=True):
+        pd.testing.assert_frame_equal(a.table, b.table)
+        assert set(vars(a)) == {"mode", "table"}
+        assert list(a.table) == ["time_s", "displacement_mm", "force_N"]
+    planted = experiment.planted(BODY)
+    assert planted["names"] == ["force_offset"]
+    assert abs(planted["sizes"]["force_offset"]["shear_mN"]) == pytest.approx(5.0, rel=0.1)
+
+
+def test_the_plan_holds_what_the_extent_asks_for():
+    extent = Extent(seeds=2, nulls=3, pairs=4, first_seed=9)
+    kinds = pd.Series([e.kind for e in plan(extent)]).value_counts()
+    assert kinds.to_dict() == {"effect": 100, "scale": 8, "stranger": 24, "null": 6, "pair": 8}
+    group = {name: title for title, names in GROUPS.items() for name in names}
+    for experiment in plan(extent):
+        if experiment.kind == "pair":
+            one, other = experiment.names
+            assert group[one] != group[other]
+    assert plan(extent) == plan(extent)
+    bodies = {e.body(Benches(cuboids=2, shapes=1)).name for e in plan(extent)}
+    assert bodies == {"cuboid_700", "cuboid_701", "shape_700"}
+
+
+def test_a_broken_seal_is_refused():
+    assert opened({"experiments": [1]}, {"sha256": "ab"}, "ab") == [1]
+    with pytest.raises(InputError, match="delete seal and answers"):
+        opened({"experiments": [1]}, {"sha256": "ab"}, "cd")
+
+
+def case(names, verdict, classes=(), kind="effect", **more):
+    planted = {
+        "kind": kind, "names": names, "design": "B", "floor_percent": 0.0, "size": 1.0,
+        "mu_pa": 1000.0, "sizes": {"force_drift": {"mN_per_s": 0.1}},
+    }  # fmt: skip
+    size = {"mN_per_s": {"value": 0.11, "low": 0.09, "high": 0.13}}
+    mu = {"value": 1010.0, "low": 1000.0, "high": 1020.0}
+    answer = {
+        "verdict": verdict,
+        "effects": [{"name": c[0], "class": c, "parameters": size} for c in classes],
+        "theta_before": {"mu": {**mu, "value": 1100.0}},
+        "theta_after": {"mu": mu},
+        "held_out_percent": {"before": 2.0, "after": 0.5},
+        "white_mean_square": {"after": 1.21},
+        "cpu_s": 1.0,
+        **more,
+    }
+    return Case(planted, answer)
+
+
+def test_the_score_counts_what_it_says():
+    drift = "force_drift"
+    cases = [
+        case([drift], "explained", [[drift]]),
+        case([drift], "explained", [["dehydration", drift]]),
+        case([drift], "explained", [["gain"]]),
+        case([drift], "unknown"),
+        case([], "none", kind="null"),
+        case([], "unknown", kind="null"),
+        case(["x"], "none", kind="stranger"),
+        case(["force_offset", drift], "explained", [[drift], ["gain"]], kind="pair"),
+    ]
+    rows = {row["goal"]: row for row in score(cases)}
+    value = {goal: row["value"] for goal, row in rows.items()}
+    assert value["1 false alarms"] == 0.5
+    assert value["2 power force_drift"] == 1.0
+    assert value["2 effects with power"] == 1
+    assert value["3 class correct when noticed"] == 0.5
+    assert value["4 exact effect first"] == 0.25
+    assert value["5 confidently wrong"] == 0.25
+    assert value["6 out of library: unknown or none"] == 1.0
+    assert value["7 called unknown"] == 0.25
+    assert value["8 pairs: both classes"] == 0.0
+    assert value["8 pairs: at least one"] == 1.0
+    assert value["8 pairs: wrong extra"] == 1.0
+    assert value["9 held-out error removed"] == pytest.approx(0.75)
+    assert value["11 white RMS after"] == pytest.approx(1.1)
+    assert value["12 bias of mu removed"] == pytest.approx(0.9)
+    assert value["13 cover of mu"] == value["13 cover of effects"] == 1.0
+    assert value["14 error of the size"] == pytest.approx(0.1)
+    assert rows["1 false alarms"]["n"] == 2
+    table = confusion(cases).set_index("planted")
+    assert table.loc[drift, drift] == 0.5
+    assert table.loc["nothing", "none"] == 0.5
+
+
+def test_bounds_are_those_of_the_binomial_distribution():
+    assert share("x", [True] * 59, "lower")["bound"] == pytest.approx(0.95, abs=1e-3)
+    assert share("x", [True] * 12 + [False] * 388, "upper")["bound"] < 0.05
+    assert share("x", [True] * 13 + [False] * 387, "upper")["bound"] > 0.05
+    random = np.random.default_rng(4)
+    below = [median("x", random.normal(size=41), "lower")["bound"] <= 0.0 for _ in range(2000)]
+    assert 0.94 <= np.mean(below) < 0.99
+
+
+def test_the_page_is_the_laboratory():
+    page = (ROOT / "docs/blindlab.md").read_text(encoding="utf-8")
+    assert page == blind_page.page(), "stale: run python benchmarks/blind_page.py"
+    for name in KINDS:
+        assert f"`{name}`" in page
+
+
+def test_compression_only_pushes():
+    test = Trial("compression", np.arange(3.0), np.arange(3.0), 2.0, 13.0, MU,
+                {"compression": lambda u: 30.0 * u})  # fmt: skip
+    assert test.elastic(np.array([-1.0, 0.0, 1.0])).tolist() == [0.0, 0.0, pytest.approx(0.03)]
+    nothing = Fault("nothing")
+    assert nothing.travel(test, test.travel) is test.travel

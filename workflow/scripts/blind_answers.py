@@ -1,0 +1,33 @@
+"""Have the loop judge one part of the blind laboratory's experiments (rule `blind_answers`)."""
+
+from softsample.blindlab.judge import Resolution, answer, elastics
+from softsample.blindlab.plan import Benches, Extent, plan
+from softsample.io import read_table, write_json
+from softsample.loop.diagnose import LoopSettings
+from softsample.loop.noise import NoiseSettings
+from softsample.loop.select import SelectionSettings
+from softsample.workflow import logged_to, progress_bar
+
+with logged_to(snakemake.log[0]):
+    given, files = snakemake.params, snakemake.input
+    curves = dict(zip(given.names, map(read_table, files.curves), strict=True))
+    models = {
+        name: elastics(read_table(file))
+        for name, file in zip(given.names, files.models, strict=True)
+    }
+    loop = LoopSettings(
+        NoiseSettings(**given.loop["noise"]), SelectionSettings(**given.loop["selection"])
+    )
+    resolution, benches = Resolution(**given.noise), Benches(**given.bodies)
+    part = plan(Extent(**given.extent))[given.part :: given.parts]
+    tell, answers = progress_bar(), {}
+    for done, experiment in enumerate(part):
+        tell("experiments", done / len(part))
+        body = experiment.body(benches)
+        number = given.part + done * given.parts
+        answers[number] = answer(
+            experiment.records(body, curves[body.name]),
+            models[body.name],
+            resolution.settings(loop, experiment.floor_percent),
+        )
+    write_json(snakemake.output.answers, answers)

@@ -10,9 +10,10 @@ from softsample.loop.diagnose import LoopSettings, diagnose, pose, report
 from softsample.loop.effects import library
 from softsample.loop.errors import errors, folds, held_out
 from softsample.loop.model import Material, Model, Packing, State
-from softsample.loop.noise import NoiseSettings, Whitener, blocks, covariance, measure_noise
+from softsample.loop.noise import NoiseSettings, Whitener, covariance, measure_noise
 from softsample.loop.page import page
 from softsample.loop.screen import null_threshold, penalty, signatures
+from softsample.loop.specimen import blocks
 
 SETTINGS = NoiseSettings()
 
@@ -130,7 +131,7 @@ def test_folds_leave_out_what_they_say(problem):
     assert [m.all() for m in found["leave_out_shear"]] == [False, False, True]
     assert not found["leave_out_shear"][0].any()
     for mask, specimen in zip(found["last_quarter"], problem.specimens, strict=True):
-        starts = 20 * np.flatnonzero(mask)
+        starts = problem.whiteners[0].size * np.flatnonzero(mask)
         assert set(specimen.phase[starts]) == {"ramp"}
         assert specimen.travel[starts].min() > 0.74 * specimen.reach
 

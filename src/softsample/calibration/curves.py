@@ -6,7 +6,6 @@ from typing import Protocol, Self
 import numpy as np
 import pandas as pd
 from numpy.typing import NDArray
-from scipy.interpolate import BarycentricInterpolator
 
 from softsample.errors import CalibrationError
 from softsample.protocol import loading_ramp, travel_sign
@@ -42,12 +41,10 @@ class CurveFamily:
             raise CalibrationError("a simulated force is not finite; simulate the sample again")
         self.displacement = displacement
         self.bounds = {"mu1_fraction": (float(fractions.min()), float(fractions.max()))}
-        self._single = force_per_mu[0]
-        self._family = (
-            BarycentricInterpolator(np.sqrt(1.0 - fractions), force_per_mu)
-            if len(fractions) > 1
-            else None
-        )
+        self._nodes = np.sqrt(1.0 - fractions)
+        apart = np.subtract.outer(self._nodes, self._nodes) + np.eye(len(fractions))
+        self._weighted = force_per_mu / np.prod(apart, axis=1)[:, None]
+        self._forces = force_per_mu
 
     @classmethod
     def of_table(cls, table: pd.DataFrame, mode: str) -> Self:
@@ -68,8 +65,17 @@ class CurveFamily:
         Beyond the simulated range the end values hold, so that noise of the displacement
         reading does not extrapolate.
         """
-        curve = self._single if self._family is None else self._family(np.sqrt(1.0 - fraction))
-        return np.interp(displacement, self.displacement, curve)
+        return np.interp(displacement, self.displacement, self.curve(fraction))
+
+    def curve(self, fraction: float) -> Array:
+        """Force per modulus (n,) [m2] at the family's displacements: Lagrange's polynomial.
+
+        A family of one mixture has the same curve for all.
+        """
+        away = np.sqrt(1.0 - fraction) - self._nodes
+        if len(away) == 1 or not away.all():
+            return self._forces[int(np.argmin(np.abs(away)))]
+        return np.asarray((np.prod(away) / away) @ self._weighted)
 
     def force(self, displacement: Array, mu: float, fraction: float) -> Array:
         """Force along the travel [N] for a shear modulus `mu` [Pa]; see `force_per_mu`."""

@@ -7,8 +7,7 @@ from matplotlib.figure import Figure
 from softsample.figures.style import colours, page_figure, styled
 from softsample.loop.diagnose import Diagnosis
 from softsample.loop.fit import Fit
-from softsample.loop.noise import blocks
-from softsample.loop.specimen import Specimen
+from softsample.loop.specimen import Specimen, blocks
 
 
 @styled
@@ -21,7 +20,7 @@ def loop_figure(found: Diagnosis) -> Figure:
     for k, specimen in enumerate(specimens):
         size = found.problem.whiteners[k].size
         _forces(axes[0, k], specimen, fits, size)
-        band = 1e3 * float(np.hypot(found.noises[k].white / np.sqrt(size), found.noises[k].slow))
+        band = 1e3 * found.noises[k].block
         for row, label in ((1, "time [s]"), (2, "travel [mm]")):
             across = specimen.time if row == 1 else 1e3 * specimen.travel
             _residuals(axes[row, k], specimen, fits, size, across, band)

@@ -17,15 +17,17 @@ from softsample.loop.noise import (
     NoiseSettings,
     Whitener,
     block_size,
-    blocks,
     covariance,
     measure_noise,
 )
 from softsample.loop.select import Selection, SelectionSettings, select
-from softsample.loop.specimen import Specimen
+from softsample.loop.specimen import Specimen, blocks
 
 Array = NDArray[np.float64]
 Errors = Mapping[str, Mapping[str, Error]]
+
+PER_BLOCK = 4
+"""Points of a block at which predictions are computed."""
 
 NINETY = 1.6449
 """Standard deviations of a two-sided 90 % interval."""
@@ -70,8 +72,15 @@ class Diagnosis:
 
 
 def pose(specimens: Sequence[Specimen], settings: NoiseSettings) -> tuple[Problem, list[Noise]]:
-    """The records with their noise; its floor needs a first fit of the material."""
+    """The records with their noise; its floor needs a first fit of the material.
+
+    The problem works with `PER_BLOCK` means of samples in a block, which say as much.
+    """
     noises = [measure_noise(specimen, settings) for specimen in specimens]
+    specimens = [
+        specimen.reduced(max(1, noise.size // PER_BLOCK))
+        for specimen, noise in zip(specimens, noises, strict=True)
+    ]
     nothing = [np.zeros(len(s.force) // block_size(s.time, settings)) for s in specimens]
     rough = _whitened(specimens, noises, nothing, settings).fit_material()
     predicted = [
@@ -116,7 +125,7 @@ def diagnose(
     known = list(library().values()) if effects is None else list(effects)
     selection = select(problem, known, settings.selection)
     base, final = selection.base, selection.final
-    spread = [_block_noise(s, n, settings.noise) for s, n in zip(specimens, noises, strict=True)]
+    spread = [noise.block for noise in noises]
     before, after = errors(problem, base, spread), errors(problem, final, spread)
     return Diagnosis(
         problem,
@@ -128,11 +137,6 @@ def diagnose(
         held_out(problem, base, spread),
         held_out(problem, final, spread),
     )
-
-
-def _block_noise(specimen: Specimen, noise: Noise, settings: NoiseSettings) -> float:
-    size = block_size(specimen.time, settings)
-    return float(np.hypot(noise.white / np.sqrt(size), noise.slow))
 
 
 def _pooled(found: Errors) -> float:

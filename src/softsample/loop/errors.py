@@ -8,8 +8,8 @@ from numpy.typing import NDArray
 
 from softsample.loop.fit import Fit, Problem
 from softsample.loop.model import FIXED, State, residuals
-from softsample.loop.noise import blocks
 from softsample.loop.screen import LEAST_SIGNATURE
+from softsample.loop.specimen import blocks
 
 Array = NDArray[np.float64]
 Mask = NDArray[np.bool_]

@@ -8,8 +8,8 @@ from numpy.typing import NDArray
 from scipy.optimize import least_squares
 
 from softsample.loop.model import FIXED, Material, Model, Packing, State, residuals
-from softsample.loop.noise import Whitener, blocks
-from softsample.loop.specimen import Specimen
+from softsample.loop.noise import Whitener
+from softsample.loop.specimen import Specimen, blocks
 
 Array = NDArray[np.float64]
 

@@ -16,7 +16,7 @@ def relaxed(time: Array, force: Array, g: float, tau: float) -> Array:
     ----------
     Y. C. Fung, Biomechanics: Mechanical Properties of Living Tissues, Springer 1993.
     """
-    step = float(np.median(np.diff(time)))
+    step = float(time[-1] - time[0]) / (len(time) - 1)
     decay = np.exp(-step / tau)
     gain = tau / step * (1.0 - decay)
     growth = np.diff(force, prepend=0.0)

@@ -6,7 +6,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.linalg import cholesky, solve_triangular
 
-from softsample.loop.specimen import Specimen
+from softsample.loop.specimen import Specimen, blocks
 
 Array = NDArray[np.float64]
 
@@ -55,16 +55,18 @@ class Noise:
         Standard deviation of a sample [N].
     slow : float
         Standard deviation of the correlated part [N].
+    size : int
+        Samples in a block.
     """
 
     white: float
     slow: float
+    size: int
 
-
-def blocks(values: Array, size: int) -> Array:
-    """Means (n // size, ...) of consecutive groups of `size` samples; the rest is left out."""
-    n = len(values) // size
-    return values[: n * size].reshape(n, size, *values.shape[1:]).mean(axis=1)
+    @property
+    def block(self) -> float:
+        """Standard deviation of the mean of a block [N]."""
+        return float(np.hypot(self.white / np.sqrt(self.size), self.slow))
 
 
 def block_size(time: Array, settings: NoiseSettings) -> int:
@@ -88,7 +90,7 @@ def measure_noise(specimen: Specimen, settings: NoiseSettings) -> Noise:
     means = blocks(force, size)
     chunks = [means[k : k + window] for k in range(0, len(means) - window + 1, window)]
     if not chunks:
-        return Noise(white, 0.0)
+        return Noise(white, 0.0, size)
     axis = np.linspace(-1.0, 1.0, window)
     basis, _ = np.linalg.qr(np.stack([axis**k for k in range(3)], axis=1))
     left = np.eye(window) - basis @ basis.T
@@ -96,7 +98,7 @@ def measure_noise(specimen: Specimen, settings: NoiseSettings) -> Noise:
     lag = np.abs(np.subtract.outer(range(window), range(window))) * settings.block_s
     share = float(np.trace(left @ np.exp(-lag / settings.correlation_s)))
     excess = variance - np.trace(left) * white**2 / size
-    return Noise(white, float(np.sqrt(max(excess, 0.0) / share)))
+    return Noise(white, float(np.sqrt(max(excess, 0.0) / share)), size)
 
 
 def covariance(specimen: Specimen, noise: Noise, model: Array, settings: NoiseSettings) -> Array:
@@ -117,7 +119,7 @@ def covariance(specimen: Specimen, noise: Noise, model: Array, settings: NoiseSe
     size = block_size(specimen.time, settings)
     time, travel = blocks(specimen.time, size), blocks(specimen.travel, size)
     lag = np.abs(np.subtract.outer(time, time))
-    total = noise.white**2 / size * np.eye(len(time))
+    total = noise.white**2 / noise.size * np.eye(len(time))
     total += noise.slow**2 * np.exp(-lag / settings.correlation_s)
     apart = np.subtract.outer(travel, travel) / specimen.reach
     moved = 0.01 * specimen.peak * np.clip(travel / (0.02 * specimen.reach), 0.0, 1.0)
@@ -151,7 +153,8 @@ class Whitener:
         self._matrix = matrix
         part = matrix[np.ix_(self.keep, self.keep)]
         jitter = 1e-12 * np.trace(part) / max(len(part), 1)
-        self._factor = cholesky(part + jitter * np.eye(len(part)), lower=True)
+        factor = cholesky(part + jitter * np.eye(len(part)), lower=True)
+        self._white = solve_triangular(factor, np.eye(len(part)), lower=True)
 
     def blocks(self, residual: Array) -> Array:
         """Block means of a residual per sample, of the blocks that count."""
@@ -159,7 +162,7 @@ class Whitener:
 
     def __call__(self, residual: Array) -> Array:
         """White residual of the blocks that count, from one per sample (n_samples,) [N]."""
-        return np.asarray(solve_triangular(self._factor, self.blocks(residual), lower=True))
+        return np.asarray(self._white @ self.blocks(residual))
 
     def with_more(self, covariance: Array) -> "Whitener":
         """The same with more noise [N2]."""

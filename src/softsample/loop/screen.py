@@ -110,10 +110,11 @@ def null_threshold(
 ) -> float:
     """Largest gain less penalty among all effects that pure noise exceeds in 5 % of draws."""
     rng = np.random.default_rng(seed)
-    noise = rng.standard_normal((n, draws))
+    span = _orthonormal(np.hstack([signature.basis for signature in found]))
+    noise = rng.standard_normal((span.shape[1], draws))  # all of it that the signatures see
     best = np.full(draws, -np.inf)
     for signature in found:
-        gains = np.sum((signature.basis.T @ noise) ** 2, axis=0)
+        gains = np.sum((signature.basis.T @ span @ noise) ** 2, axis=0)
         best = np.maximum(best, gains - penalty(signature.effect, n))
     return float(np.quantile(best, level))
 

@@ -190,7 +190,10 @@ def _round(
 
 
 def _joint(problem: Problem, current: Fit, signature: Signature) -> Fit:
-    """Joint fit from the linear estimate of the sizes, and from every point of the grid."""
+    """Joint fit from the linear estimate of the sizes and from small ones.
+
+    The other points of the grid are tried until one fit earns what the linear estimate promises.
+    """
     effect = signature.effect
     sizes, *_ = np.linalg.lstsq(signature.columns, current.white, rcond=None)
     estimate = dict(signature.start)
@@ -203,11 +206,18 @@ def _joint(problem: Problem, current: Fit, signature: Signature) -> Fit:
     starts = [estimate, {**signature.start, **_small(effect)}] + [
         {**estimate, **dict(zip([p.name for p in shapes], point, strict=True))} for point in points
     ]
+    promised = current.cost - 0.95 * signature.gain(current.white)
+    model = current.model.with_effect(effect)
     states = [
         replace(current.state, values={**current.state.values, effect.name: values})
         for values in starts
     ]
-    return problem.fit(current.model.with_effect(effect), states[0], states[1:])
+    best = problem.fit(model, states[0], states[1:2])
+    for state in states[2:]:
+        if best.cost < promised:
+            break
+        best = min(best, problem.fit(model, state), key=lambda fit: fit.cost)
+    return best
 
 
 def _small(effect: Effect) -> dict[str, float]:

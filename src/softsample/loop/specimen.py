@@ -1,6 +1,6 @@
 """One test of one sample as the loop sees it: record, phases, elastic curves."""
 
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from typing import Self
 
 import numpy as np
@@ -11,6 +11,12 @@ from softsample.calibration.curves import CurveFamily
 from softsample.protocol import denoised, phases, travel_sign
 
 Array = NDArray[np.float64]
+
+
+def blocks(values: Array, size: int) -> Array:
+    """Means (n // size, ...) of consecutive groups of `size` samples; the rest is left out."""
+    n = len(values) // size
+    return np.asarray(values[: n * size].reshape(n, size, *values.shape[1:]).mean(axis=1))
 
 
 @dataclass(frozen=True, eq=False)
@@ -34,8 +40,7 @@ class Elastic:
 
     def force_per_mu(self, mixture: float, travel: Array) -> Array:
         """Force along the travel per shear modulus [m2] at travels [m]."""
-        grid = self.family.displacement
-        return self._beyond(self.family.force_per_mu(mixture, grid), travel)
+        return self._beyond(self.family.curve(mixture), travel)
 
     def change_per_mu(self, variant: str, travel: Array) -> Array:
         """Change of that force [m2] by one step of a variant; none where it was not simulated."""
@@ -100,6 +105,17 @@ class Specimen:
             sign * record["force_N"].to_numpy(float),
             phase,
             elastic,
+        )
+
+    def reduced(self, size: int) -> Self:
+        """The same with groups of `size` samples replaced by their means; the rest is left out."""
+        first = slice(0, len(self.time) // size * size, size)
+        return replace(
+            self,
+            time=blocks(self.time, size),
+            travel=blocks(self.travel, size),
+            force=blocks(self.force, size),
+            phase=self.phase[first],
         )
 
     @property

@@ -77,8 +77,9 @@ class CurveFamily:
             return self._forces[int(np.argmin(np.abs(away)))]
         return np.asarray((np.prod(away) / away) @ self._weighted)
 
-    def force(self, displacement: Array, mu: float, fraction: float) -> Array:
-        """Force along the travel [N] for a shear modulus `mu` [Pa]; see `force_per_mu`."""
+    def force(self, displacement: Array, /, mu: float, *shape: float) -> Array:
+        """Force along the travel [N] for a shear modulus `mu` [Pa]; `shape` is the fraction."""
+        (fraction,) = shape
         return mu * self.force_per_mu(fraction, displacement)
 
 

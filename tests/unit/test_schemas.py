@@ -27,7 +27,7 @@ SCHEMAS = {
     name: read_yaml(ROOT / f"workflow/schemas/{name}.schema.yaml")
     for name in ("config", "samples", "record")
 }
-CONFIGS = sorted((ROOT / "config").glob("*.yaml"))
+CONFIGS = [ROOT / f"config/{name}.yaml" for name in ("config", "quick", "test")]
 CONFIG = read_yaml(ROOT / "config/config.yaml")
 
 

@@ -37,7 +37,7 @@ def jobs(text):
     return {name: int(count) for name, count in re.findall(r"^(\w+)\s+(\d+)$", text, re.M)}
 
 
-@pytest.mark.parametrize("config", sorted(p.name for p in (ROOT / "config").glob("*.yaml")))
+@pytest.mark.parametrize("config", ["config.yaml", "quick.yaml", "test.yaml"])
 def test_dry_run_plans_the_whole_study(config, tmp_path):
     status, text = dry_run(
         "--configfile", f"config/{config}", "--config", f"results={tmp_path / 'results'}"
@@ -342,3 +342,14 @@ def test_a_killed_run_leaves_no_half_file_and_resumes(project):
     assert status == 0, text
     assert checked(project).exists()
     assert not [name for name in os.listdir(checked(project).parent) if "partial" in name]
+
+
+def test_undeclared_records_go_from_image_to_verdict(tmp_path):
+    status, text = dry_run(
+        "verdicts", "--configfile", "config/undeclared.yaml",
+        "--config", f"results={tmp_path / 'results'}",
+    )  # fmt: skip
+    assert status == 0, text
+    planned = jobs(text)
+    assert planned["segment"] == planned["check_inputs"] == 30
+    assert planned["diagnose"] == planned["diagnose_ideal"] == 10

@@ -66,7 +66,7 @@ GROUPS = {
 }
 COMPRESSED = [name for name, row in SAMPLES.items() if row["mode"] == "compression"]
 BLIND = config["blind"]
-SHIPPED = TABLE.resolve() == (ROOT / "resources/cohort/samples.tsv").resolve()
+SHIPPED = (ROOT / "resources").resolve() in TABLE.resolve().parents
 
 
 pathvars:
@@ -153,7 +153,7 @@ def real_image(column):
 
 
 def shipped_files():
-    """Files of the shipped cohort that the study reads."""
+    """Files that come with the project and that the study reads."""
     if not SHIPPED:
         return []
     columns = ("image", "record")
@@ -251,7 +251,8 @@ def exports_of(sample):
 
 
 PAPER = [str(ROOT / f"resources/paper/{name}.csv") for name in ("moduli", "summary")]
-COHORT = "virtual cohort" if SHIPPED else f"study {TABLE.resolve().parent.name}"
+PAPERS = TABLE.resolve() == (ROOT / "resources/cohort/samples.tsv").resolve()  # materials are its
+COHORT = "virtual cohort" if PAPERS else f"study {TABLE.resolve().parent.name}"
 FORMATS = ("png", "pdf")
 
 

@@ -77,9 +77,37 @@ use rule diagnose as diagnose_ideal with:
         "Diagnose the residual of the cuboid: group {wildcards.group}"
 
 
+VERDICTS = {
+    **{(group, "real"): f"<results>/loop/{group}/verdict.json" for group in GROUPS},
+    **{(group, "ideal"): f"<results>/loop/{group}/ideal/verdict.json" for group in GROUPS},
+}
+
+
+rule table_loop:
+    input:
+        verdicts=VERDICTS.values(),
+        code=library("workflow/scripts/table_loop.py"),
+    output:
+        table=report(
+            "<results>/tables/loop.csv",
+            caption="../report/loop.rst",
+            category="Tables",
+            labels={"table": "Verdicts"},
+        ),
+        errors="<results>/tables/loop_errors.csv",
+    log:
+        "<logs>/loop.log",
+    params:
+        models=list(VERDICTS),
+    message:
+        "Table of verdicts"
+    script:
+        "../scripts/table_loop.py"
+
+
 rule verdicts:
     input:
-        expand("<results>/loop/{group}/verdict.json", group=GROUPS),
-        expand("<results>/loop/{group}/ideal/verdict.json", group=GROUPS),
+        VERDICTS.values(),
+        "<results>/tables/loop.csv",
     message:
         "Verdicts of all groups"

@@ -187,7 +187,7 @@ rule numbers:
         "<logs>/numbers.log",
     params:
         cohort=COHORT,
-        shipped=SHIPPED,
+        shipped=PAPERS,
         shown=SHOWN,
         samples=len(SAMPLES),
     message:

@@ -1,0 +1,92 @@
+"""Verdicts of all groups as tables."""
+
+from collections.abc import Mapping
+from typing import Any
+
+import numpy as np
+import pandas as pd
+
+Verdicts = Mapping[tuple[str, str], Mapping[str, Any]]
+
+
+def verdict_table(verdicts: Verdicts) -> pd.DataFrame:
+    """One row a group and geometry: what was found, the modulus and the error before and after.
+
+    Parameters
+    ----------
+    verdicts : mapping
+        `softsample.loop.diagnose.report` by group and geometry of the model.
+
+    Returns
+    -------
+    DataFrame
+        `group`, `geometry`, `verdict`, `effects`, `classes` (members that the records cannot tell
+        apart joined by ``|``, effects by ``; ``), `evidence`; `mu_before_pa`, `mu_after_pa`, 90 %
+        interval; `error_before_percent`, `error_after_percent`: root mean square over the tests of
+        the structured error [% of peak]; `held_out_before_percent`, `held_out_after_percent`: its
+        median over folds and tests, missing where there are no folds.
+    """
+    rows = []
+    for (group, geometry), verdict in verdicts.items():
+        effects, after = verdict["effects"], verdict["theta_after"]["mu"]
+        rows.append(
+            {
+                "group": group,
+                "geometry": geometry,
+                "verdict": verdict["verdict"],
+                "effects": "; ".join(effect["name"] for effect in effects),
+                "classes": "; ".join("|".join(effect["class"]) for effect in effects),
+                "evidence": "; ".join(f"{effect['evidence']:.0f}" for effect in effects),
+                "mu_before_pa": verdict["theta_before"]["mu"]["value"],
+                "mu_after_pa": after["value"],
+                "mu_after_low_pa": after["low"],
+                "mu_after_high_pa": after["high"],
+                **{f"error_{when}_percent": _whole(verdict, when) for when in ("before", "after")},
+                **{
+                    f"held_out_{when}_percent": _held_out(verdict, when)
+                    for when in ("before", "after")
+                },
+            }
+        )
+    return pd.DataFrame(rows)
+
+
+def _whole(verdict: Mapping[str, Any], when: str) -> float:
+    parts = [test["all"]["rms_percent_structured"] for test in verdict[f"error_{when}"].values()]
+    return float(np.sqrt(np.mean(np.square(parts))))
+
+
+def _held_out(verdict: Mapping[str, Any], when: str) -> float:
+    folds = verdict[f"held_out_{when}"].values()
+    parts = [test["rms_percent_structured"] for fold in folds for test in fold.values()]
+    return float(np.median(parts)) if parts else float("nan")
+
+
+def error_table(verdicts: Verdicts) -> pd.DataFrame:
+    """One row a group, geometry, test and part of the record: error before and after.
+
+    Returns
+    -------
+    DataFrame
+        `group`, `geometry`, `kind` (`fitted` or `held out`), `part` (phase or what was left out),
+        `test`, then `rms_N`, `rms_percent`, the same `_structured`, each `_before` and `_after`.
+    """
+    rows = []
+    for (group, geometry), verdict in verdicts.items():
+        for test, phases in verdict["error_before"].items():
+            for phase, before in phases.items():
+                after = verdict["error_after"][test][phase]
+                rows.append((group, geometry, "fitted", phase, test, before, after))
+        for fold, tests in verdict["held_out_before"].items():
+            for test, before in tests.items():
+                after = verdict["held_out_after"][fold][test]
+                rows.append((group, geometry, "held out", fold, test, before, after))
+    names = ("group", "geometry", "kind", "part", "test")
+    return pd.DataFrame(
+        [
+            dict(zip(names, row[:-2], strict=True))
+            | {f"{name}_before": value for name, value in row[-2].items()}
+            | {f"{name}_after": value for name, value in row[-1].items()}
+            for row in rows
+        ]
+    )

@@ -18,6 +18,7 @@ include: "workflow/rules/report.smk"
 include: "workflow/rules/checks.smk"
 include: "workflow/rules/geometry_effects.smk"
 include: "workflow/rules/scoring.smk"
+include: "workflow/rules/reproduction.smk"
 
 
 report: "workflow/report/workflow.rst"

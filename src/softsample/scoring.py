@@ -119,6 +119,24 @@ def contact_zero_error(truth: Truth, cuboid: Mapping[str, Any]) -> float:
     return 1e-3 * float(cuboid["highest_point_mm"] - truth["mesh"]["highest_point_mm"])
 
 
+def against_truth_mesh(truth: Truth, cuboid: Mapping[str, Any]) -> dict[str, float]:
+    """Our volume and glued area over those of the mesh that the record was made with [%].
+
+    Elements of 1 mm cut ridges and edges, and that mesh is glued by whole faces only; ours are the
+    volume and the area of the surface.
+    """
+    mesh = truth["mesh"]
+    glued = truth["mode"] != "compression"
+    return {
+        "mesh_volume_percent": percent(cuboid["volume_real_mm3"], mesh["volume_mm3"]),
+        "mesh_glued_percent": percent(
+            cuboid["glued_area_mm2"], mesh["glued_top_area_projected_mm2"]
+        )
+        if glued
+        else float("nan"),
+    }
+
+
 def contact_zero_part(
     families: Mapping[str, CurveFamily],
     measured: Mapping[str, MeasuredCurve],
@@ -162,6 +180,7 @@ def recovery_table(
     contact_zero: Mapping[str, float],
     starts_mm: Mapping[str, float],
     noise: Mapping[str, float],
+    meshes: Mapping[str, Mapping[str, float]],
     sensitivity: pd.DataFrame,
     band: pd.DataFrame,
 ) -> pd.DataFrame:
@@ -171,8 +190,9 @@ def recovery_table(
     ----------
     score
         `score_table`.
-    contact_zero, starts_mm, noise
-        `contact_zero_part` by group, `contact_zero_error` [mm] and `noise_part` by sample.
+    contact_zero, starts_mm, noise, meshes
+        `contact_zero_part` by group; `contact_zero_error` [mm], `noise_part` and
+        `against_truth_mesh` by sample.
     sensitivity, band
         Tables of the study (`tables/sensitivity.csv`, `tables/band.csv`).
 
@@ -182,7 +202,8 @@ def recovery_table(
         `sample`, `group`, `mu_true_pa`, `mu_real_pa`, `error_percent`; `contact_zero_mm`,
         `contact_zero_percent`; `twice_the_size_percent`: force at the end with elements of twice
         the size; `band_low_percent`, `band_high_percent`: modulus on the boundary's one-sigma band;
-        `volume_error_percent`; `noise_percent`; `rest_percent`: error without the contact zero.
+        `volume_error_percent`; `mesh_volume_percent` and `mesh_glued_percent`, of
+        `against_truth_mesh`; `noise_percent`; `rest_percent`: error without the contact zero.
     """
     mesh = sensitivity[sensitivity["change"] == "elements of twice the size"]
     coarse = mesh.set_index("sample")["end_force_percent"]
@@ -202,6 +223,6 @@ def recovery_table(
             "volume_error_percent": score["volume_error_percent"],
             "noise_percent": score["sample"].map(noise),
         }
-    )
+    ).merge(pd.DataFrame(meshes).T, left_on="sample", right_index=True)
     factor = (1.0 + table["error_percent"] / 100.0) / (1.0 + table["contact_zero_percent"] / 100.0)
     return table.assign(rest_percent=100.0 * (factor - 1.0))

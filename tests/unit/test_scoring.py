@@ -7,6 +7,7 @@ import pytest
 from softsample.calibration.curves import CurveFamily, MeasuredCurve
 from softsample.calibration.slsqp import CalibrationSettings
 from softsample.scoring import (
+    against_truth_mesh,
     contact_zero_error,
     contact_zero_part,
     noise_part,
@@ -56,7 +57,16 @@ def test_row_of_the_recovery_by_hand():
     )  # fmt: skip
     band = pd.DataFrame({"sample": ["T1", "C1"], "low_percent": -0.2, "high_percent": 0.1})
     noise = {"T1": 0.01, "C1": 0.02}
-    table = recovery_table(score, {"TC1": 5.0}, {"C1": 0.1}, noise, sensitivity, band)
+    truth = {"volume_mm3": 5000.0, "glued_top_area_projected_mm2": 200.0}
+    cuboid = {"volume_real_mm3": 5050.0, "glued_area_mm2": 190.0}
+    modes = {"T1": "tension", "C1": "compression"}
+    meshes = {
+        sample: against_truth_mesh({"mode": mode, "mesh": truth}, cuboid)
+        for sample, mode in modes.items()
+    }
+    table = recovery_table(score, {"TC1": 5.0}, {"C1": 0.1}, noise, meshes, sensitivity, band)
+    np.testing.assert_allclose(table["mesh_volume_percent"], 1.0)
+    np.testing.assert_allclose(table["mesh_glued_percent"], [-5.0, np.nan])
     assert table["twice_the_size_percent"].tolist() == [-3.0, -1.0]
     assert table["contact_zero_mm"].isna().tolist() == [True, False]
     assert table["rest_percent"].tolist() == [pytest.approx(100.0 * (1.08 / 1.05 - 1.0))] * 2

@@ -25,7 +25,7 @@ TABLE_1 = [
     "paper_mu1_real_pa", "paper_mu2_real_pa", "paper_mu_real_pa",
     "paper_mu1_ideal_pa", "paper_mu2_ideal_pa", "paper_mu_ideal_pa", "paper_difference_percent",
     "mu_real_against_paper_percent", "mu_ideal_against_paper_percent",
-    "difference_against_paper_points",
+    "difference_against_paper_points", "note",
 ]  # fmt: skip
 TABLE_2 = [name for name in TABLE_1 if "mu1" not in name and "mu2" not in name]
 
@@ -59,6 +59,7 @@ def test_row_of_table_1_by_hand(paper):
         pytest.approx(100.0 * (1000.0 / 1131.4 - 1.0)),
         pytest.approx(100.0 * (750.0 / 1068.2 - 1.0)),
         pytest.approx(-19.4),
+        "",
     ]
 
 
@@ -96,9 +97,9 @@ def test_no_group_at_all_gives_an_empty_table_with_all_columns(paper):
 def test_a_fit_that_is_not_trusted_is_noted(paper):
     bad = {"success": False, "verdict": "not trusted; mu at its maximum"}
     fits = [fit("S1", "real", 1.0, 1.0, **bad), fit("S1", "ideal", 1.0, 1.0)]
-    assert moduli_table(fits, "ogden2", paper)[1] == [
-        "S1, real geometry: not trusted; mu at its maximum"
-    ]
+    table, notes = moduli_table(fits, "ogden2", paper)
+    assert notes == ["S1, real geometry: not trusted; mu at its maximum"]
+    assert table["note"].tolist() == ["real geometry: not trusted; mu at its maximum"]
 
 
 def test_the_same_result_twice_is_refused(paper):

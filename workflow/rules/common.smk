@@ -17,6 +17,7 @@ os.environ.update(PYTHONPATH=os.pathsep.join(dict.fromkeys(search_path)))
 from softsample.errors import SoftsampleError
 from softsample.formats import files_of
 from softsample.io import read_samples, read_yaml, write_text
+from softsample.report.tables import LEVEL
 from softsample.validation import DEFAULT_AXES, check_config, check_samples
 from softsample.workflow import failed_jobs, sha256_of_files
 

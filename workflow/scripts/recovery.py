@@ -3,17 +3,24 @@
 from softsample.calibration.curves import CurveFamily, MeasuredCurve
 from softsample.calibration.slsqp import CalibrationSettings
 from softsample.io import read_json, read_record, read_table, write_table
-from softsample.scoring import contact_zero_error, contact_zero_part, noise_part, recovery_table
+from softsample.scoring import (
+    against_truth_mesh,
+    contact_zero_error,
+    contact_zero_part,
+    noise_part,
+    recovery_table,
+)
 from softsample.workflow import logged_to
 
 with logged_to(snakemake.log[0]):
     given, files = snakemake.params, snakemake.input
-    families, measured, starts = {}, {}, {}
+    families, measured, starts, meshes = {}, {}, {}, {}
     for at, (sample, mode) in enumerate(zip(given.samples, given.modes, strict=True)):
         families[sample] = CurveFamily.of_table(read_table(files.curves[at]), mode)
         measured[sample] = MeasuredCurve.of_record(read_record(files.records[at]), mode)
+        truth, cuboid = read_json(files.truth[at]), read_json(files.cuboids[at])
+        meshes[sample] = against_truth_mesh(truth, cuboid)
         if mode == "compression":
-            truth, cuboid = read_json(files.truth[at]), read_json(files.cuboids[at])
             starts[sample] = contact_zero_error(truth, cuboid)
     parts = {
         group: contact_zero_part(
@@ -30,6 +37,7 @@ with logged_to(snakemake.log[0]):
         parts,
         {sample: 1e3 * start for sample, start in starts.items()},
         {sample: noise_part(curve) for sample, curve in measured.items()},
+        meshes,
         read_table(files.sensitivity),
         read_table(files.band),
     )

@@ -50,7 +50,7 @@ def moduli_table(
         Moduli [Pa]; `difference_percent` = 100 (ideal - real) / real, negative when the cuboid
         gives the lower modulus. The paper's values have the same names after `paper_`;
         `mu_real_against_paper_percent` and `mu_ideal_against_paper_percent` are ours over them,
-        `difference_against_paper_points` is ours minus theirs.
+        `difference_against_paper_points` is ours minus theirs. `note`: fits not to be trusted.
     notes : list of str
         What a reader has to know of single rows: groups left out, fits that are not trusted.
 
@@ -66,15 +66,17 @@ def moduli_table(
         if missing:
             notes.append(f"{group} is left out: no calibration on the {missing[0]} geometry")
             continue
-        notes += [
-            f"{group}, {name} geometry: {pair[name]['verdict']}"
+        doubts = [
+            f"{name} geometry: {pair[name]['verdict']}"
             for name in GEOMETRIES
             if not pair[name]["success"]
         ]
-        rows.append(_moduli_row(pair["real"], pair["ideal"], model))
-    columns = [f"{term}_{name}_pa" for name in GEOMETRIES for term in TERMS[model]]
-    table = pd.DataFrame(rows, columns=["group", "mode", *columns, "difference_percent"])
-    return _beside_paper(table, model, paper), notes
+        notes += [f"{group}, {doubt}" for doubt in doubts]
+        row = _moduli_row(pair["real"], pair["ideal"], model)
+        rows.append({**row, "note": "; ".join(doubts)})
+    moduli = [f"{term}_{name}_pa" for name in GEOMETRIES for term in TERMS[model]]
+    columns = ["group", "mode", *moduli, "difference_percent", "note"]
+    return _beside_paper(pd.DataFrame(rows, columns=columns), model, paper), notes
 
 
 def _paired(fits: Iterable[Mapping[str, Any]]) -> dict[str, dict[str, Mapping[str, Any]]]:
@@ -116,7 +118,7 @@ def loading(modes: Iterable[str]) -> str:
 
 def _beside_paper(table: pd.DataFrame, model: str, paper: pd.DataFrame | None) -> pd.DataFrame:
     """`table` with the paper's columns, empty where the paper has no such group."""
-    names = {column: f"paper_{column}" for column in table.columns.drop(["group", "mode"])}
+    names = {column: f"paper_{column}" for column in table.columns.drop(["group", "mode", "note"])}
     if paper is None:
         table = table.assign(**dict.fromkeys(names.values(), np.nan))
     else:
@@ -126,7 +128,8 @@ def _beside_paper(table: pd.DataFrame, model: str, paper: pd.DataFrame | None) -
         ratio = table[f"mu_{geometry}_pa"] / table[f"paper_mu_{geometry}_pa"]
         table[f"mu_{geometry}_against_paper_percent"] = 100.0 * (ratio - 1.0)
     bias = table["difference_percent"] - table["paper_difference_percent"]
-    return table.assign(difference_against_paper_points=bias)
+    table = table.assign(difference_against_paper_points=bias)
+    return table[[*table.columns.drop("note"), "note"]]
 
 
 def geometry_table(

@@ -1,0 +1,77 @@
+"""Pages of the documentation, rendered from tables so that no number is typed."""
+
+from collections.abc import Mapping
+from pathlib import Path
+from typing import Any
+
+import jinja2
+import numpy as np
+import pandas as pd
+
+from softsample.report.geometry_effects import spoken
+
+MISSING = "–"
+
+QUANTITY_NAMES = {
+    "bottom_area_absolute": "bottom area, without sign",
+    "bottom_area": "bottom area",
+    "top_area": "top area",
+    "modulus_two_term": "modulus, two-term model",
+    "modulus_one_term": "modulus, one-term model",
+}
+
+
+def render_page(template: Path, tables: Mapping[str, pd.DataFrame]) -> str:
+    """A page of Markdown.
+
+    Parameters
+    ----------
+    template
+        Jinja template. In it, each table is a list of rows under its name; `figures` of a
+        page are linked by their paths.
+    tables
+        Tables by name; those that a study does not have are absent, and the template asks
+        with `is defined`.
+
+    Raises
+    ------
+    jinja2.UndefinedError
+        If the template uses a table or column that is not there.
+    """
+    environment = jinja2.Environment(
+        loader=jinja2.FileSystemLoader(template.parent), undefined=jinja2.StrictUndefined,
+        trim_blocks=True, lstrip_blocks=True, keep_trailing_newline=True, autoescape=False,
+    )  # fmt: skip
+    environment.filters |= {"fixed": fixed, "signed": signed, "mean": mean}
+    environment.filters["loading"] = lambda mode: str(mode).replace("+", " and ")
+    environment.filters["quantity"] = QUANTITY_NAMES.__getitem__
+    environment.globals |= {"spoken": spoken}
+    rows = {name: table.to_dict("records") for name, table in tables.items()}
+    return environment.get_template(template.name).render(**rows)
+
+
+def fixed(value: Any, digits: int = 1) -> str:
+    """A number with a fixed number of decimals and a true minus sign; a dash for none."""
+    return _written(value, f".{digits}f")
+
+
+def signed(value: Any, digits: int = 1) -> str:
+    """The same with its sign."""
+    return _written(value, f"+.{digits}f")
+
+
+def mean(rows: list[dict[str, Any]], column: str) -> float:
+    """Mean of a column, rows without a value left out; NaN if none has one."""
+    values = np.array([row[column] for row in rows], dtype=float)
+    known = values[np.isfinite(values)]
+    return float(known.mean()) if len(known) else float("nan")
+
+
+def _written(value: Any, form: str) -> str:
+    if not np.isfinite(value):
+        return MISSING
+    text = format(float(value), form)
+    bare = text.lstrip("+-")
+    if float(bare) == 0.0:
+        text = bare
+    return text.replace("-", "−")

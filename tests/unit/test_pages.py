@@ -1,0 +1,82 @@
+"""Pages of results in docs/: rendered from committed tables, nothing typed, nothing stale."""
+
+import re
+from pathlib import Path
+
+import pandas as pd
+import pytest
+from jinja2 import UndefinedError
+
+from softsample.io import read_table
+from softsample.report.page import fixed, mean, render_page, signed
+from softsample.workflow import sha256
+
+ROOT = Path(__file__).resolve().parents[2]
+DOCS = ROOT / "docs"
+DATA, FIGURES = DOCS / "data/reproduction", DOCS / "figures/reproduction"
+TEMPLATES = sorted((ROOT / "workflow/report").glob("*.md.j2"))
+PAGES = [template.name.removesuffix(".j2") for template in TEMPLATES]
+OURS = ROOT / "results"
+
+
+def tables():
+    return {path.stem: read_table(path) for path in sorted(DATA.glob("*.csv"))}
+
+
+@pytest.mark.parametrize("page", PAGES)
+def test_a_page_is_what_its_template_makes_of_its_tables(page):
+    template = ROOT / "workflow/report" / f"{page}.j2"
+    written = (DOCS / page).read_text(encoding="utf-8")
+    assert render_page(template, tables()) == written, "run make docs"
+
+
+def test_tables_and_figures_are_those_that_the_study_wrote():
+    sums = read_table(DATA / "SHA256.csv")
+    there = {path.name: path for folder in (DATA, FIGURES) for path in folder.iterdir()}
+    del there["SHA256.csv"]
+    assert dict(zip(sums["file"], sums["sha256"], strict=True)) == {
+        name: sha256(path) for name, path in there.items()
+    }
+
+
+@pytest.mark.parametrize("page", PAGES)
+def test_all_pictures_and_links_of_a_page_are_there(page):
+    text = (DOCS / page).read_text(encoding="utf-8")
+    links = re.findall(r"\]\(([^)#]+)\)", text)
+    assert links
+    assert not [link for link in links if not (DOCS / link).exists()]
+
+
+@pytest.mark.parametrize("template", TEMPLATES, ids=lambda path: path.name)
+def test_no_result_is_typed_into_a_template(template):
+    """Outside of Jinja's braces: no decimal number, percentage or length but the truth's elements."""
+    text = re.sub(r"{{.*?}}|{%.*?%}", "", template.read_text(encoding="utf-8"), flags=re.DOTALL)
+    text = re.sub(r"section 3\.1|(hexahedra|elements) of 1 mm|to [25] % up to", "", text)
+    assert re.findall(r"\d+\.\d+|\d+ ?%|\d+ mm", text) == []
+
+
+@pytest.mark.skipif(not (OURS / "scoring/recovery.csv").is_file(), reason="no study was run here")
+def test_the_tables_are_those_of_the_study_that_was_run_here():
+    """A newer study than the page: run make docs."""
+    for path in sorted(DATA.glob("*.csv")):
+        for folder in ("tables", "scoring"):
+            source = OURS / folder / path.name
+            if source.is_file():
+                pd.testing.assert_frame_equal(read_table(path), read_table(source), rtol=1e-6)
+
+
+def test_numbers_have_a_true_minus_and_no_minus_zero():
+    assert fixed(-1.25, 1) == "−1.2"
+    assert signed(3.14159, 2) == "+3.14"
+    assert signed(-0.04, 1) == "0.0"
+    assert fixed(float("nan")) == "–"
+    assert mean([{"a": 1.0}, {"a": float("nan")}, {"a": 3.0}], "a") == 2.0
+
+
+def test_a_template_that_asks_for_what_is_not_there_is_refused(tmp_path):
+    template = tmp_path / "page.md.j2"
+    template.write_text("{% for row in table %}{{ row.mu | fixed }} {% endfor %}{{ other }}")
+    with pytest.raises(UndefinedError, match="'other' is undefined"):
+        render_page(template, {"table": pd.DataFrame({"mu": [1.0, 2.5]})})
+    template.write_text("{% for row in table %}{{ row.mu | fixed }} {% endfor %}")
+    assert render_page(template, {"table": pd.DataFrame({"mu": [1.0, 2.5]})}) == "1.0 2.5 "

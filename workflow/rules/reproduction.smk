@@ -1,0 +1,38 @@
+# The pages of docs/ that show the study's results; `make docs` copies them there.
+
+PAGES = ["reproduction", "recovery"]
+
+
+rule reproduction:
+    input:
+        tables=[
+            *(name for name in tables() if name.endswith(".csv")),
+            *(name for name in geometry_results() if name.endswith(".csv")),
+            "<results>/scoring/recovery.csv",
+            "<results>/scoring/element_type.csv",
+        ],
+        figures=[
+            name
+            for name in figures() + geometry_results()
+            if name.endswith(".png") and "/samples/" not in name
+        ],
+        templates=[str(ROOT / f"workflow/report/{page}.md.j2") for page in PAGES],
+        code=library("workflow/scripts/reproduction.py"),
+    output:
+        pages=[f"<results>/docs/{page}.md" for page in PAGES],
+        data=directory("<results>/docs/data/reproduction"),
+        figures=directory("<results>/docs/figures/reproduction"),
+    log:
+        "<logs>/reproduction.log",
+    params:
+        settings={
+            "element_size_mm": config["mesh"]["element_size_mm"],
+            "preload_mm": config["protocol"]["preload_mm"],
+            "effects_element_size_mm": EFFECTS["element_size_mm"],
+            "prescribed_strain": EFFECTS["prescribed_strain"],
+            "level_percent": 100 * LEVEL,
+        },
+    message:
+        "Pages of the documentation: {output.pages}"
+    script:
+        "../scripts/reproduction.py"

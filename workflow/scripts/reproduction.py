@@ -1,0 +1,26 @@
+"""Pages of the documentation with their tables and figures (rule `reproduction`)."""
+
+from pathlib import Path
+
+import pandas as pd
+
+from softsample.figures.small import shrink
+from softsample.io import read_table, write_table, write_text, written_aside
+from softsample.report.page import render_page
+from softsample.workflow import logged_to, sha256
+
+with logged_to(snakemake.log[0]):
+    given, out = snakemake.input, snakemake.output
+    data, figures = Path(out.data), Path(out.figures)
+    write_table(data / "settings.csv", pd.DataFrame([dict(snakemake.params.settings)]))
+    for source in map(Path, given.tables):
+        write_table(data / source.name, read_table(source))
+    for source in map(Path, given.figures):
+        with written_aside(figures / source.name) as aside:
+            shrink(source, aside)
+    written = [*sorted(data.glob("*.csv")), *sorted(figures.glob("*.png"))]
+    sums = {"file": [path.name for path in written], "sha256": list(map(sha256, written))}
+    write_table(data / "SHA256.csv", sums)
+    tables = {path.stem: read_table(path) for path in sorted(data.glob("*.csv"))}
+    for template, page in zip(given.templates, out.pages, strict=True):
+        write_text(page, render_page(Path(template), tables))

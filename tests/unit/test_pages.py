@@ -49,7 +49,7 @@ def test_all_pictures_and_links_of_a_page_are_there(page):
 
 @pytest.mark.parametrize("template", TEMPLATES, ids=lambda path: path.name)
 def test_no_result_is_typed_into_a_template(template):
-    """Outside of Jinja's braces: no decimal number, percentage or length but the truth's elements."""
+    """Outside of Jinja's braces: no decimals, percentages or lengths but the truth's elements."""
     text = re.sub(r"{{.*?}}|{%.*?%}", "", template.read_text(encoding="utf-8"), flags=re.DOTALL)
     text = re.sub(r"section 3\.1|(hexahedra|elements) of 1 mm|to [25] % up to", "", text)
     assert re.findall(r"\d+\.\d+|\d+ ?%|\d+ mm", text) == []

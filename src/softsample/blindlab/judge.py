@@ -154,6 +154,7 @@ def answer(
         "theta_after": verdict["theta_after"],
         "held_out_percent": held_out,
         "white_mean_square": verdict["white_mean_square"],
+        "path": verdict["path"],
         "not_identifiable": verdict["not_identifiable"],
         "cpu_s": process_time() - before,
     }

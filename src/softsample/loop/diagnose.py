@@ -227,9 +227,9 @@ def _effect_report(effect: Effect, selection: Selection, final: Fit) -> dict[str
         (e.name, p.name): float(d) * (p.high - p.low)
         for (e, p), d in zip(final.model.parameters, deviation, strict=True)
     }
-    (chosen,) = (
+    chosen = [
         step.chosen for step in selection.steps if step.chosen and step.chosen.name == effect.name
-    )
+    ][-1]  # one that was dropped can come back
     parameters = {}
     for p in effect.parameters:
         value, spread = final.state.values[effect.name][p.name], unit[effect.name, p.name]

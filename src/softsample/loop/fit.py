@@ -81,6 +81,18 @@ class Problem:
         """White residual of all tests from one per test."""
         return np.concatenate([w(part) for w, part in zip(self.whiteners, parts, strict=True)])
 
+    def predicted(self, model: Model, state: State) -> list[Array]:
+        """Predicted force of every test [N]."""
+        return [model.predict(specimen, state) for specimen in self.specimens]
+
+    def white_changes(self, here: Sequence[Array], there: Sequence[Sequence[Array]]) -> Array:
+        """White changes (n, k) from one prediction to k others; the prior does not change."""
+        tests = [
+            whitener(np.stack([changed[t] - here[t] for changed in there], axis=1))
+            for t, whitener in enumerate(self.whiteners)
+        ]
+        return np.concatenate([*tests, np.zeros((1, len(there)))])
+
     def residual(self, model: Model, state: State) -> Array:
         """White residual of a state, its last entry that of the prior of the contact zero."""
         prior = state.contact_zero / self.contact_zero_mm

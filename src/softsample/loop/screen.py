@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 
 from softsample.loop.effects.base import Effect, Parameter, Values
 from softsample.loop.fit import Fit, Problem
-from softsample.loop.model import Model
+from softsample.loop.model import State
 
 Array = NDArray[np.float64]
 
@@ -60,20 +60,34 @@ class Signature:
         return float(np.sum((basis.T @ white) ** 2))
 
 
+STEPS = (0.1, 1.0)
+"""Parts of the nominal size at which the signature of a shifted travel is taken: a curve that
+begins with a toe changes by a small shift in another way than by a large one."""
+
+
 def signatures(problem: Problem, base: Fit, effects: Sequence[Effect]) -> list[Signature]:
     """Signatures of all effects, one for every point of the grid of how each acts."""
     explained = _orthonormal(base.jacobian)
+    here = problem.predicted(base.model, base.state)
     found = []
     for effect in effects:
         shapes = [p for p in effect.parameters if not p.is_size]
         model = base.model.with_effect(effect)
-        for point in product(*(p.grid for p in shapes)):
-            start = {**effect.neutral(), **dict(zip([p.name for p in shapes], point, strict=True))}
-            columns = np.stack(
-                [_change(problem, base, model, effect, start, p) for p in effect.sizes], axis=1
-            )
+        points = list(product(*(p.grid for p in shapes)))
+        starts = [
+            {**effect.neutral(), **dict(zip([p.name for p in shapes], point, strict=True))}
+            for point in points
+        ]
+        for step in STEPS if effect.shifts_travel else STEPS[:1]:
+            changed = [
+                problem.predicted(model, _stepped(base.state, effect, start, p, step))
+                for start in starts
+                for p in effect.sizes
+            ]
+            columns = problem.white_changes(here, changed) / step
             columns -= explained @ (explained.T @ columns)
-            found.append(Signature(effect, start, columns, _orthonormal(columns)))
+            for start, part in zip(starts, np.split(columns, len(starts), axis=1), strict=True):
+                found.append(Signature(effect, start, part, _orthonormal(part)))
     return found
 
 
@@ -82,14 +96,12 @@ def nominal_step(parameter: Parameter) -> float:
     return parameter.nominal - parameter.neutral or 0.1 * (parameter.high - parameter.neutral)
 
 
-def _change(
-    problem: Problem, base: Fit, model: Model, effect: Effect, start: Values, parameter: Parameter
-) -> Array:
-    """Change of the white residual per nominal size of one parameter."""
-    step = 0.1
+def _stepped(
+    state: State, effect: Effect, start: Values, parameter: Parameter, step: float
+) -> State:
+    """State with one parameter of an effect moved by a part of its nominal size."""
     values = {**start, parameter.name: parameter.neutral + step * nominal_step(parameter)}
-    state = replace(base.state, values={**base.state.values, effect.name: values})
-    return (base.white - problem.residual(model, state)) / step
+    return replace(state, values={**state.values, effect.name: values})
 
 
 def _orthonormal(columns: Array) -> Array:

@@ -22,6 +22,11 @@ from softsample.loop.screen import (
 Array = NDArray[np.float64]
 
 
+PROMISING = 0.1
+"""Candidates whose linear gain is below this part of the best one's, or of the threshold, are not
+fitted."""
+
+
 @dataclass(frozen=True)
 class SelectionSettings:
     """Mirrors config `loop: selection:`.
@@ -132,11 +137,15 @@ def select(problem: Problem, effects: Sequence[Effect], settings: SelectionSetti
     found = signatures(problem, base, library)
     strengths = {e.name: max(s.strength for s in found if s.effect is e) for e in library}
     weak = [name for name, strength in strengths.items() if strength < LEAST_SIGNATURE]
+    threshold = max(
+        settings.least_gain,
+        null_threshold(found, len(base.white), settings.null_draws, settings.seed),
+    )
     while len(current.model.effects) < settings.most_effects:
         open_effects = [e for e in library if e.name not in current.model.names]
         if steps:
             found = signatures(problem, current, open_effects)
-        step = _round(problem, current, found, settings)
+        step = _round(problem, current, found, threshold, settings)
         steps.append(step)
         if step.chosen is None:
             break
@@ -149,20 +158,22 @@ def select(problem: Problem, effects: Sequence[Effect], settings: SelectionSetti
 
 
 def _round(
-    problem: Problem, current: Fit, found: Sequence[Signature], settings: SelectionSettings
+    problem: Problem,
+    current: Fit,
+    found: Sequence[Signature],
+    threshold: float,
+    settings: SelectionSettings,
 ) -> Step:
     n = len(current.white)
-    threshold = max(
-        settings.least_gain, null_threshold(found, n, settings.null_draws, settings.seed)
-    )
     ranked = sorted(
         best_of_each(found, current.white).values(),
         key=lambda pair: pair[0] - penalty(pair[1].effect, n),
         reverse=True,
     )
     candidates = []
+    best_gain = max(gain for gain, _ in ranked)
     for gain, signature in ranked[: settings.refits]:
-        if gain <= 0.0:
+        if gain < PROMISING * max(best_gain, threshold):
             continue
         fit = _joint(problem, current, signature)
         fallen = current.cost - fit.cost
@@ -180,7 +191,7 @@ def _round(
     members = [
         c.name
         for c in candidates
-        if c.evidence > threshold
+        if c.evidence > 0.0
         and (
             c.evidence > best.evidence - settings.class_gain
             or (c.cosine > settings.class_cosine and c.gain > 0.7 * best.gain)

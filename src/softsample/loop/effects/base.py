@@ -106,6 +106,11 @@ class Effect:
     instrument: Callable[[Specimen, Array, Array, Values], Array] = field(default=_force)
 
     @property
+    def shifts_travel(self) -> bool:
+        """Whether it acts on the travel."""
+        return self.travel is not _travel
+
+    @property
     def sizes(self) -> tuple[Parameter, ...]:
         """Parameters that the effect grows with."""
         return tuple(p for p in self.parameters if p.is_size)

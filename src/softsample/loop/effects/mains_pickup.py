@@ -23,7 +23,7 @@ EFFECT = Effect(
             for part in ("sin", "cos")
         ),
         Parameter(
-            "period_s", "s", 0.8, 70.0, 10.0, grid=(1.0, 1.5, 2.5, 4.0, 7.0, 12.0, 20.0, 40.0)
+            "period_s", "s", 0.8, 70.0, 10.0, grid=tuple(90.0 / k for k in range(2, 91))
         ),
     ),
     tier="P",

@@ -272,6 +272,7 @@ def tables():
         "sensitivity.csv",
         "band.csv",
         "intervals.csv",
+        "loop.csv",
         "numbers.rst",
         *(["contact.csv"] if COMPRESSED else []),
     ]

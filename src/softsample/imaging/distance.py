@@ -1,23 +1,24 @@
 """Signed distance on a grid: exact near the surface, carried on below the base."""
 
+import numba
 import numpy as np
 from numpy.typing import NDArray
 from scipy import ndimage, sparse
 from scipy.sparse.linalg import spsolve
-from scipy.spatial import cKDTree
 
 from softsample.imaging.frame import Surface
 
 Array = NDArray[np.float64]
 Mask = NDArray[np.bool_]
 
-CANDIDATES = 6
-"""Triangles tried for each grid point: those with the nearest centres."""
+BAND = 7.0
+"""Distance up to which the nearest triangle is searched for, in grid spacings."""
+
+SEARCHES = 6
+"""Blocks of 27 cells searched for the nearest triangle, one after the other, at most."""
 
 
-def signed_distance(
-    inside: Mask, surface: Surface, origin: Array, spacing: float, band: float
-) -> Array:
+def signed_distance(inside: Mask, surface: Surface, origin: Array, spacing: float) -> Array:
     """Signed distance to a triangulated surface, negative inside.
 
     Parameters
@@ -25,56 +26,84 @@ def signed_distance(
     inside : (nx, ny, nz) bool
         Grid points inside the surface.
     surface : Surface
-        Triangles of about one grid spacing or smaller [m].
+        Triangles of about one grid spacing or smaller [m], within the grid.
     origin : (3,) float64
         Position of grid point [0, 0, 0] [m].
     spacing : float
         Grid spacing [m].
-    band : float
-        Exact up to this distance [m]; beyond, correct to about a spacing.
     """
-    outer = ndimage.distance_transform_edt(~inside)
-    inner = ndimage.distance_transform_edt(inside)
-    rough = np.where(inside, inner, outer) * spacing
-    near = rough < band + spacing
-    # Walls leave the grid through its lower face: beyond the band count from the band's edge.
-    away, nearest = ndimage.distance_transform_edt(~near, sampling=spacing, return_indices=True)
-    distance = np.zeros(inside.shape)
-    distance[near] = unsigned_distance(origin + spacing * np.argwhere(near), surface)
-    distance = np.where(near, distance, away + distance[tuple(nearest)])
+    corners = (surface.corners - origin) / spacing
+    places = tuple(np.rint(corners.mean(axis=1)).astype(np.int64).T)
+    cell = np.ravel_multi_index(places, inside.shape, mode="clip")
+    order = np.argsort(cell, kind="stable")
+    first = np.searchsorted(cell[order], np.arange(inside.size + 1))
+    empty = (np.diff(first) == 0).reshape(inside.shape)
+    start = ndimage.distance_transform_edt(empty, return_distances=False, return_indices=True)
+    distance = spacing * _distance(start, corners[order], first)
     return np.asarray(np.where(inside, -distance, distance), dtype=np.float64)
 
 
-def unsigned_distance(points: Array, surface: Surface) -> Array:
-    """Distance of points (n, 3) [m] to the nearest of the triangles with the nearest centres."""
-    count = min(CANDIDATES, len(surface.corners))
-    _, candidates = cKDTree(surface.centres).query(points, k=count)
-    candidates = candidates.reshape(len(points), count)
-    best = np.full(len(points), np.inf)
-    for column in candidates.T:
-        best = np.minimum(best, _squared_to_triangle(points, surface.corners[column]))
-    return np.sqrt(best)
+@numba.njit(cache=True)
+def _distance(start: NDArray[np.int32], corners: Array, first: NDArray[np.int64]) -> Array:
+    """Distance (nx, ny, nz) of the grid points to triangles, in grid spacings.
+
+    The search begins around the nearest cell that holds a triangle, `start` (3, nx, ny, nz), and
+    goes on around the point found for as long as that comes nearer. The triangles `corners`
+    (n, 3, 3) are sorted: those of cell c are ``first[c]`` to ``first[c + 1]``.
+    """
+    nx, ny, nz = start.shape[1:]
+    distance = np.empty((nx, ny, nz))
+    for i, j, k in np.ndindex(nx, ny, nz):
+        a, b, c = start[0, i, j, k], start[1, i, j, k], start[2, i, j, k]
+        x, y, z = 0.0, 0.0, 0.0
+        best = np.inf
+        around = 1 if (a - i) ** 2 + (b - j) ** 2 + (c - k) ** 2 < BAND**2 else 0
+        for _ in range(SEARCHES):
+            for u in range(max(a - around, 0), min(a + around + 1, nx)):
+                for v in range(max(b - around, 0), min(b + around + 1, ny)):
+                    row = (u * ny + v) * nz
+                    last = first[row + min(c + around + 1, nz)]
+                    for t in range(first[row + max(c - around, 0)], last):
+                        p, q, r = _nearest_point(corners[t], i, j, k)
+                        gap = (p - i) ** 2 + (q - j) ** 2 + (r - k) ** 2
+                        if gap < best:
+                            best, x, y, z = gap, p, q, r
+            if around == 0 or (a == round(x) and b == round(y) and c == round(z)):
+                break
+            a, b, c = round(x), round(y), round(z)
+        distance[i, j, k] = np.sqrt(best)
+    return distance
 
 
-def _squared_to_triangle(points: Array, corners: Array) -> Array:
-    """Squared distance of each point (n, 3) to its own triangle (n, 3, 3)."""
-    a, b, c = corners[:, 0], corners[:, 1], corners[:, 2]
-    normal = np.cross(b - a, c - a)
-    size = np.maximum(_dot(normal, normal), 1e-300)
-    height = _dot(points - a, normal)
-    over = np.ones(len(points), dtype=bool)
-    squared = np.full(len(points), np.inf)
-    for start, end in ((a, b), (b, c), (c, a)):
-        edge, offset = end - start, points - start
-        over &= _dot(np.cross(edge, offset), normal) >= 0.0
-        share = np.clip(_dot(offset, edge) / np.maximum(_dot(edge, edge), 1e-300), 0.0, 1.0)
-        gap = offset - share[:, None] * edge
-        squared = np.minimum(squared, _dot(gap, gap))
-    return np.where(over & (size > 1e-300), height**2 / size, squared)
+@numba.njit(cache=True)
+def _nearest_point(triangle: Array, x: float, y: float, z: float) -> tuple[float, float, float]:
+    """Point of a triangle (3, 3) nearest to (x, y, z)."""
+    a, b, c = triangle
+    ux, uy, uz = b[0] - a[0], b[1] - a[1], b[2] - a[2]
+    vx, vy, vz = c[0] - a[0], c[1] - a[1], c[2] - a[2]
+    px, py, pz = x - a[0], y - a[1], z - a[2]
+    uu, vv = ux * ux + uy * uy + uz * uz, vx * vx + vy * vy + vz * vz
+    uv = ux * vx + uy * vy + uz * vz
+    pu, pv = px * ux + py * uy + pz * uz, px * vx + py * vy + pz * vz
+    area = uu * vv - uv * uv  # squared, of the parallelogram
+    s, t = vv * pu - uv * pv, uu * pv - uv * pu
+    if area > 0.0 and s >= 0.0 and t >= 0.0 and s + t <= area:
+        s, t = s / area, t / area
+    else:  # beyond an edge: along u, along v, or from one to the other
+        least = np.inf
+        on_u, on_v = _within(pu, uu), _within(pv, vv)
+        across = _within(pv - pu + uu - uv, uu + vv - 2.0 * uv)
+        for m, n in ((on_u, 0.0), (0.0, on_v), (1.0 - across, across)):
+            gap = m * m * uu + n * n * vv + 2.0 * (m * n * uv - m * pu - n * pv)
+            if gap < least:
+                least, s, t = gap, m, n
+    return a[0] + s * ux + t * vx, a[1] + s * uy + t * vy, a[2] + s * uz + t * vz
 
 
-def _dot(a: Array, b: Array) -> Array:
-    return np.asarray(np.einsum("ij,ij->i", a, b))
+@numba.njit(cache=True)
+def _within(along: float, whole: float) -> float:
+    """Share of an edge at which a point lies beside it, kept between its ends."""
+    return min(max(along / max(whole, 1e-300), 0.0), 1.0)
 
 
 def fill_smoothly(distance: Array, unknown: Mask) -> Array:

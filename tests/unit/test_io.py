@@ -5,6 +5,7 @@ import sys
 import textwrap
 import time
 
+import nibabel
 import numpy as np
 import pandas as pd
 import pytest
@@ -153,6 +154,12 @@ def test_a_truncated_image_says_what_to_do(tmp_path):
 def test_an_image_of_two_dimensions_is_refused(tmp_path):
     write_image(tmp_path / "a.nii.gz", np.zeros((4, 5)), np.eye(4))
     with pytest.raises(InputError, match=r"shape \(4, 5\); give one three-dimensional volume"):
+        read_image(tmp_path / "a.nii.gz")
+
+
+def test_an_image_without_affine_is_refused(tmp_path):
+    nibabel.save(nibabel.Nifti1Image(np.zeros((9, 9, 9), np.int16), None), tmp_path / "a.nii.gz")
+    with pytest.raises(InputError, match=r"a\.nii\.gz: has no affine .* export the image with"):
         read_image(tmp_path / "a.nii.gz")
 
 

@@ -21,4 +21,9 @@ def read(path: PathLike) -> Volume:
         data = data[..., 0]
     if data.ndim != 3:
         raise InputError(f"{path}: image has shape {data.shape}; give one three-dimensional volume")
+    if image.header["sform_code"] == 0 and image.header["qform_code"] == 0:
+        raise InputError(
+            f"{path}: has no affine (sform and qform are unset), so that neither axes nor place are"
+            " known; export the image with its geometry"
+        )
     return data, np.asarray(image.affine, dtype=np.float64)

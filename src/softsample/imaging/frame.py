@@ -115,6 +115,17 @@ def fit_base(surface: Surface, up: Array, max_tilt: float) -> tuple[Array, Array
     return point, normal, spread
 
 
+def base_share(surface: Surface, point: Array, normal: Array, reach: float) -> float:
+    """Share of the underside that lies within `reach` [m] of a plane, both projected on it.
+
+    The underside is what looks down in the lower half of the surface. On a platen all of it is
+    base but for the rim; a sample without one has an underside as uneven as its top.
+    """
+    height, down = (surface.centres - point) @ normal, -surface.area_vectors @ normal
+    under = (down > 0.0) & (height < 0.5 * height.max())
+    return float(down[under & (np.abs(height) < reach)].sum() / down[under].sum())
+
+
 def _across(axis: Array) -> Array:
     """Two unit vectors normal to an axis and to each other, (3, 2)."""
     helper = np.eye(3)[int(np.argmin(np.abs(axis)))]

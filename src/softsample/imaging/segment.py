@@ -23,6 +23,12 @@ MM = 1e-3
 HALF = 0.5
 """Share of tissue at the boundary: the local half-maximum."""
 
+MIN_TEXTURE = 0.02
+"""Smallest standard deviation of the tissue about its level nearby, relative."""
+
+BASE_REACH = (0.15, 0.25)
+"""What lies this near to the base plane is base [mm, voxel edges; the larger of the two]."""
+
 
 @dataclass(frozen=True)
 class SegmentationSettings:
@@ -52,6 +58,8 @@ class SegmentationSettings:
         Largest tilt of the base that is taken out [degrees].
     grid_spacing_mm, padding_mm : float
         Spacing of the signed distance and rim around the sample [mm].
+    min_base_share : float
+        Share of the underside that must lie on one plane for there to be a platen.
     min_volume_mm3 : float
         Anything smaller is not a sample [mm3].
     min_contrast : float
@@ -70,6 +78,7 @@ class SegmentationSettings:
     max_tilt_deg: float = 10.0
     grid_spacing_mm: float = 0.25
     padding_mm: float = 2.5
+    min_base_share: float = 0.75
     min_volume_mm3: float = 100.0
     min_contrast: float = 4.0
 
@@ -235,6 +244,7 @@ def segmentation_from_mask(
         hole=np.zeros_like(solid),
         power=None,
         relative_noise=None,
+        texture=0.0,
         snr=np.nan,
         noise=np.nan,
         level=np.nan,
@@ -256,6 +266,8 @@ class TissueShare:
     power, relative_noise : (nx, ny, nz) float64, or None
         Square of the intensity over that of the tissue nearby, less the surroundings'; noise over
         that of the tissue nearby. None for a given mask.
+    texture : float
+        Standard deviation of the tissue about its level nearby, relative.
     snr, noise, level, threshold : float
         As in `Segmentation`.
     """
@@ -266,6 +278,7 @@ class TissueShare:
     hole: Mask
     power: Array | None
     relative_noise: Array | None
+    texture: float
     snr: float
     noise: float
     level: float
@@ -309,6 +322,9 @@ def tissue_share(image: Array, spacing: Array, settings: SegmentationSettings) -
     even = (image - floor) / bias
     local = intensity.tissue_level(even, interior, spacing, settings.level_reach_mm * MM)
     raw = even / local
+    grain = noise / (bias * local)
+    low, high = np.percentile(raw[interior], [15.87, 84.13])
+    texture = 0.25 * (high - low) ** 2 - np.median(grain[interior]) ** 2
     share = intensity.smooth(raw, blur, spacing)
     mask = intensity.largest_component(share > HALF)
     snr = level / max(noise, 1e-12 * level)
@@ -318,7 +334,8 @@ def tissue_share(image: Array, spacing: Array, settings: SegmentationSettings) -
         fluid=_free_fluid(raw, settings.fluid_ratio),
         hole=mask & (share <= HALF),
         power=square / (bias * local) ** 2,
-        relative_noise=noise / (bias * local),
+        texture=float(np.sqrt(max(texture, MIN_TEXTURE**2))),
+        relative_noise=grain,
         snr=snr,
         noise=noise,
         level=level,
@@ -360,6 +377,8 @@ def _from_share(
     kept = np.where(share.hole, 1.0, kept)
     surface = frame.iso_surface(kept, HALF, to_world)
     point, normal, spread = frame.fit_base(surface, up, np.radians(settings.max_tilt_deg))
+    if share.power is not None:  # a segmentation made elsewhere has its say
+        _check_platen(surface, point, normal, voxel_size(to_world), settings)
     x = frame.wall_direction(surface, normal, shear)
     sample_to_world = frame.rigid(x, normal, point)
     found = _boundary(kept, share, surface, to_world, sample_to_world, settings)
@@ -385,6 +404,25 @@ def _from_share(
         threshold=share.threshold,
         flags=_flags(share, spread, voxel_size(to_world)),
     )
+
+
+def _check_platen(
+    surface: frame.Surface,
+    point: Array,
+    normal: Array,
+    spacing: Array,
+    settings: SegmentationSettings,
+) -> None:
+    """Refuse a sample whose underside no platen has made flat."""
+    reach = max(BASE_REACH[0] * MM, BASE_REACH[1] * float(np.max(spacing)))
+    flat = frame.base_share(surface, point, normal, reach)
+    if flat < settings.min_base_share:
+        raise SegmentationError(
+            f"no platen found below the sample: {100.0 * flat:.0f} % of its underside lie within"
+            f" {reach / MM:.2g} mm of one plane, at least {100.0 * settings.min_base_share:.0f} %"
+            " are expected; give an image of the sample glued to its platen, and a loading_axis"
+            " that points from there upward (or lower segmentation.min_base_share)"
+        )
 
 
 @dataclass(frozen=True)
@@ -416,12 +454,11 @@ def _boundary(
     local[dips] = 1.0  # next to a bubble the spline may fall below what its voxels hold
     first = round(float(settings.base_clearance_mm * MM - origin[2]) / spacing)
     walls = frame.iso_surface(local[:, :, first - 1 :], HALF, _raised(grid, first - 1))
-    band = 1.5 * MM
     wet = frame.sampled(share.fluid.astype(np.float64), to_voxel, shape, order=1) > 0.01
     reach = settings.fluid_reach_mm * MM
     away = _away(wet, spacing)
     walls = walls.where(frame.values_at(away, grid, walls.centres) > 0.75 * reach)
-    rough = sdf.signed_distance(local > HALF, walls, origin, spacing, band)
+    rough = sdf.signed_distance(local > HALF, walls, origin, spacing)
     rough = sdf.fill_smoothly(rough, away < reach)
     hole = frame.sampled(share.hole.astype(np.float64), to_voxel, shape, order=1) > 0.01
     seen = np.minimum(away, _away(hole, spacing)) > reach
@@ -429,7 +466,7 @@ def _boundary(
     layers = round(settings.continuation_mm * MM / spacing)
     whole = sdf.continue_below(found.distance, first, layers, blur=2.0)
     boundary = frame.iso_surface(-whole, 0.0, grid)
-    distance = sdf.signed_distance(whole < 0.0, boundary, origin, spacing, band)
+    distance = sdf.signed_distance(whole < 0.0, boundary, origin, spacing)
     return replace(found, distance=distance)
 
 
@@ -449,15 +486,22 @@ def _fitted(
     height = origin[2] + spacing * np.arange(rough.shape[2])
     usable = seen & (height > settings.base_clearance_mm * MM)
     voxels = film.voxels_near(
-        share.power, share.relative_noise, usable, rough, origin, spacing, to_sample
+        share.power,
+        share.relative_noise,
+        share.texture,
+        usable,
+        rough,
+        origin,
+        spacing,
+        to_sample,
     )
     fit = film.fit(voxels, settings.fluid_brightness)
-    near = np.abs(rough) < 2.0 * MM
+    near = np.abs(rough) < 1.0 * MM
     points = origin + spacing * np.argwhere(near)
-    distance, sigma = rough.copy(), np.full(rough.shape, float(np.median(fit.sigma.values)))
-    distance[near] -= fit.shift(points)
-    sigma[near] = fit.sigma(points)
-    return Boundary(distance, origin, sigma, float(np.mean(fit.film.values)))
+    distance, sigma = rough.copy(), np.full(rough.shape, float(np.median(fit.sigma)))
+    shift, sigma[near] = fit.at(points)
+    distance[near] -= shift
+    return Boundary(distance, origin, sigma, fit.film)
 
 
 def _away(marked: Mask, spacing: float) -> Array:

@@ -26,16 +26,17 @@ from softsample.workflow import versions
 
 Array = NDArray[np.float64]
 Record = dict[str, Any]
+Bar = tuple[str, float]
 
 MM = 1e-3
 ELEMENT = 0.5 * MM
 PRELOAD = 1.0 * MM
-FIRST_SEED = 5000
-"""Seeds below are for development."""
+FIRST_SEED = 910_000
+"""Used for nothing but this judgement; others are for development."""
 
 MESH = ("min_scaled_jacobian", "p1_scaled_jacobian", "min_edge_over_h", "fb_length_over_h")
 
-BARS: dict[str, dict[str, tuple[str, float]]] = {
+BARS: dict[str, dict[str, Bar]] = {
     "without film": {
         "dice": (">", 0.99),
         "volume_error_percent": ("<", 1.0),
@@ -60,7 +61,10 @@ BARS: dict[str, dict[str, tuple[str, float]]] = {
         "mesh_cpu_s": ("<", 15.0),
     },
 }
-"""Each holds for 38 of 40 phantoms, and half of it for the median where less is better."""
+"""Each holds for 38 of 40 phantoms, and half of it for the median where less is better.
+
+Surfaces with and without film are counted together, each as a share of its own limit.
+"""
 
 COVERAGE = (0.60, 0.76)
 """Share of the true surface within the stated one-sigma band, pooled."""
@@ -146,40 +150,65 @@ def mesh_quality(found: Segmentation) -> Record:
     }
 
 
-def verdicts(records: list[Record], bars: dict[str, tuple[str, float]]) -> list[str]:
-    """One line a bar: how many of the phantoms keep it, and the median."""
+def verdicts(records: list[Record], bars: Callable[[Record], dict[str, Bar]]) -> list[str]:
+    """One line a bar: how many keep it, the median and the worst, as shares of the limit.
+
+    `bars` gives the bars that a record is held to. A value that is missing keeps none.
+    """
     lines = []
-    for name, (relation, limit) in bars.items():
-        values = np.array([abs(r.get(name, np.nan)) for r in records])
-        kept = values < limit if relation == "<" else values > limit
-        middle = float(np.nanmedian(values)) if np.isfinite(values).any() else np.nan
-        half = middle < 0.5 * limit if relation == "<" else middle > limit
-        enough = np.count_nonzero(kept) >= np.ceil(0.95 * len(records))
+    for name in dict.fromkeys(name for record in records for name in bars(record)):
+        held = [(abs(r.get(name, np.nan)), *bars(r)[name]) for r in records if name in bars(r)]
+        value, limit = np.array([(v, bar) for v, _, bar in held]).T
+        below = held[0][1] == "<"
+        share = value / limit
+        kept = share < 1.0 if below else share > 1.0
+        middle = float(np.nanmedian(share))
+        enough = np.count_nonzero(kept) >= np.ceil(38 / 40 * len(held))
+        holds = enough and (middle < 0.5 if below else middle > 1.0)
+        count, limits = np.count_nonzero(kept), " or ".join(f"{x:g}" for x in sorted(set(limit)))
+        worst = (np.nanmax if below else np.nanmin)(share)
         lines.append(
-            f"{'holds' if enough and half else 'FAILS'}  {name} {relation} {limit:g}:"
-            f" {np.count_nonzero(kept)} of {len(records)}, median {middle:.4g},"
-            f" worst {np.nanmax(values) if relation == '<' else np.nanmin(values):.4g}"
+            f"{'holds' if holds else 'FAILS'}  {name} {held[0][1]} {limits}: {count} of {len(held)},"
+            f" median {np.nanmedian(value):.4g} ({100.0 * middle:.0f} % of the limit), worst"
+            f" {100.0 * worst:.0f} %"
         )
     return lines
 
 
+def surface_bars(record: Record) -> dict[str, Bar]:
+    """Bars of a phantom's surface."""
+    return BARS["with film" if record["film_mm"] > 0.0 else "without film"]
+
+
+def mesh_bars(_: Record) -> dict[str, Bar]:
+    """Bars of a mesh."""
+    return BARS["meshes"]
+
+
+def coverage(records: list[Record]) -> float:
+    """Share of the true surface of all `records` within the stated band."""
+    area = np.array([r["surface_mm2"] for r in records])
+    return float(np.array([r["band_coverage"] for r in records]) @ area / area.sum())
+
+
 def summary(phantoms: list[Record], stress: list[Record]) -> list[str]:
-    """What is printed."""
-    dry = [r for r in phantoms if r["film_mm"] == 0.0]
-    wet = [r for r in phantoms if r["film_mm"] > 0.0]
-    lines = ["without film:", *verdicts(dry, BARS["without film"])]
-    lines += ["with film:", *verdicts(wet, BARS["with film"])]
+    """What is printed: the bars, and what is known besides."""
+    halves = {
+        "without film": [r for r in phantoms if r["film_mm"] == 0.0],
+        "with film": [r for r in phantoms if r["film_mm"] > 0.0],
+    }
     good = [r for r in phantoms if r["status"] == "ok"]
-    area = np.array([r["surface_mm2"] for r in good])
-    for name, chosen in (("all", np.ones(len(good), bool)),
-                         ("dry", np.array([r["film_mm"] == 0.0 for r in good]))):  # fmt: skip
-        covered = np.array([r["band_coverage"] for r in good])
-        share = float(covered[chosen] @ area[chosen] / area[chosen].sum())
-        holds = "holds" if COVERAGE[0] <= share <= COVERAGE[1] else "FAILS"
-        lines.append(f"{holds}  band_coverage, {name}: {share:.3f}")
+    lines = ["surfaces:", *verdicts(phantoms, surface_bars)]
+    share = coverage(good)
+    holds = "holds" if COVERAGE[0] <= share <= COVERAGE[1] else "FAILS"
+    lines.append(f"{holds}  band_coverage, pooled: {share:.3f}")
     if any("mesh_cpu_s" in r for r in phantoms):
-        lines += ["meshes:", *verdicts(phantoms, BARS["meshes"])]
-        lines += ["stress meshes:", *verdicts(stress, BARS["meshes"])] if stress else []
+        lines += ["meshes:", *verdicts(phantoms, mesh_bars)]
+        lines += ["stress meshes:", *verdicts(stress, mesh_bars)] if stress else []
+    for name, records in halves.items():
+        lines += [f"{name}, for information:"]
+        lines += [line.partition("  ")[2] for line in verdicts(records, surface_bars)]
+        lines += [f"band_coverage: {coverage([r for r in records if r['status'] == 'ok']):.3f}"]
     return lines + [f"{r['seed']}: {r['status']}" for r in phantoms + stress if r["status"] != "ok"]
 
 

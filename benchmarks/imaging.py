@@ -168,9 +168,9 @@ def verdicts(records: list[Record], bars: Callable[[Record], dict[str, Bar]]) ->
         count, limits = np.count_nonzero(kept), " or ".join(f"{x:g}" for x in sorted(set(limit)))
         worst = (np.nanmax if below else np.nanmin)(share)
         lines.append(
-            f"{'holds' if holds else 'FAILS'}  {name} {held[0][1]} {limits}: {count} of {len(held)},"
-            f" median {np.nanmedian(value):.4g} ({100.0 * middle:.0f} % of the limit), worst"
-            f" {100.0 * worst:.0f} %"
+            f"{'holds' if holds else 'FAILS'}  {name} {held[0][1]} {limits}: {count} of"
+            f" {len(held)}, median {np.nanmedian(value):.4g} ({100.0 * middle:.0f} % of the limit),"
+            f" worst {100.0 * worst:.0f} %"
         )
     return lines
 

@@ -1,6 +1,6 @@
 """Imperfect cuboids and cylinders as zero sets of smooth functions."""
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from typing import Protocol
 
 import numpy as np
@@ -49,13 +49,36 @@ class Waves:
             height = height + size * np.cos(k * s + m * t + shift)
         return np.asarray(height)
 
-    def doubled(self) -> "Waves":
-        """The same waves, twice as high."""
-        return replace(self, amplitude=tuple(2.0 * size for size in self.amplitude))
+
+class _Standing:
+    """What imperfect samples have in common: a tilted, bumpy top, and edges that are rounded."""
+
+    height: float
+    top: Waves
+    slope: tuple[float, float]
+    edge: float
+
+    def _half_widths(self) -> tuple[float, float]:
+        """Nominal, in x and y [mm]."""
+        raise NotImplementedError
+
+    def _beyond_walls(self, x: Array, y: Array, z: Array) -> list[Array]:
+        """Way outward from each wall [mm]."""
+        raise NotImplementedError
+
+    @property
+    def box(self) -> Array:
+        """Half-lengths in x and y, and height, of a box that holds the solid, (3,) [mm]."""
+        return np.array([*self._half_widths(), self.height]) + 2.5
+
+    def value(self, x: Array, y: Array, z: Array) -> Array:
+        """Function that is negative inside and close to the signed distance near the surface."""
+        top = self.height + self.slope[0] * x + self.slope[1] * y + self.top(x, y)
+        return _rounded([*self._beyond_walls(x, y, z), z - top], self.edge)
 
 
 @dataclass(frozen=True)
-class ImperfectCuboid:
+class ImperfectCuboid(_Standing):
     """Cuboid with taper, bowed and wavy walls, rounded edges and a tilted, bumpy top.
 
     Attributes
@@ -83,31 +106,21 @@ class ImperfectCuboid:
     slope: tuple[float, float]
     edge: float
 
-    @property
-    def box(self) -> Array:
-        """Half-lengths in x and y, and height, of a box that holds the solid, (3,) [mm]."""
-        return np.array([0.5 * self.length, 0.5 * self.width, self.height]) + 2.5
+    def _half_widths(self) -> tuple[float, float]:
+        return 0.5 * self.length, 0.5 * self.width
 
-    def value(self, x: Array, y: Array, z: Array) -> Array:
-        """Function that is negative inside and close to the signed distance near the surface."""
+    def _beyond_walls(self, x: Array, y: Array, z: Array) -> list[Array]:
         lean, middle = self.taper * z, z - 0.5 * self.height
-        sides = [
+        return [
             x - 0.5 * self.length + lean - self.walls[0](y, middle),
             -x - 0.5 * self.length + lean - self.walls[1](y, middle),
             y - 0.5 * self.width + lean - self.walls[2](x, middle),
             -y - 0.5 * self.width + lean - self.walls[3](x, middle),
-            z - self.height - self.slope[0] * x - self.slope[1] * y - self.top(x, y),
         ]
-        return _rounded(sides, self.edge)
-
-    def doubled(self) -> "ImperfectCuboid":
-        """The same cuboid with all bumps and waves twice as high."""
-        a, b, c, d = (wall.doubled() for wall in self.walls)
-        return replace(self, walls=(a, b, c, d), top=self.top.doubled())
 
 
 @dataclass(frozen=True)
-class ImperfectCylinder:
+class ImperfectCylinder(_Standing):
     """Round sample with taper, lobes, a wavy wall, a rounded rim and a tilted, bumpy top.
 
     Attributes
@@ -131,24 +144,15 @@ class ImperfectCylinder:
     slope: tuple[float, float]
     edge: float
 
-    @property
-    def box(self) -> Array:
-        """Half-lengths in x and y, and height, of a box that holds the solid, (3,) [mm]."""
-        return np.array([0.5 * self.diameter, 0.5 * self.diameter, self.height]) + 2.5
+    def _half_widths(self) -> tuple[float, float]:
+        return 0.5 * self.diameter, 0.5 * self.diameter
 
-    def value(self, x: Array, y: Array, z: Array) -> Array:
-        """Function that is negative inside and close to the signed distance near the surface."""
+    def _beyond_walls(self, x: Array, y: Array, z: Array) -> list[Array]:
         angle = np.arctan2(y, x)
         radius = 0.5 * self.diameter - self.taper * z + self.wall(x + y, z - 0.5 * self.height)
         for order, (size, phase) in enumerate(self.lobes, start=2):
             radius = radius + size * np.cos(order * angle + phase)
-        top = self.height + self.slope[0] * x + self.slope[1] * y + self.top(x, y)
-        return _rounded([np.hypot(x, y) - radius, z - top], self.edge)
-
-    def doubled(self) -> "ImperfectCylinder":
-        """The same cylinder with all bumps and waves twice as high."""
-        lobes = tuple((2.0 * size, phase) for size, phase in self.lobes)
-        return replace(self, lobes=lobes, wall=self.wall.doubled(), top=self.top.doubled())
+        return [np.hypot(x, y) - radius]
 
 
 @dataclass(frozen=True)

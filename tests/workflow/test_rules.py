@@ -148,6 +148,20 @@ def test_a_bad_sample_stops_itself_alone(project):
     assert re.search(rf"check_inputs/A: .*{message}", text.split("Some jobs failed")[1])
 
 
+def test_a_sample_without_platen_stops_itself_alone(project):
+    """A floats: its underside is the mirror image of its top."""
+    data, affine = toy.image(0)
+    above = data[:, :, 8:]  # of 36 layers of 0.4 mm, the platen ends in the eighth
+    floating = np.concatenate([above[:, :, ::-1], above], axis=2)
+    nibabel.save(nibabel.Nifti1Image(floating, affine), project.study / "A.nii.gz")
+    masks = [project.results / f"segmentation/{sample}.nii.gz" for sample in "AB"]
+    status, text = project.run(*map(str, masks))
+    assert status != 0
+    assert [mask.exists() for mask in masks] == [False, True]
+    message = "no platen found below the sample: .*; give an image of the sample glued"
+    assert re.search(rf"segment/A: .*{message}", text.split("Some jobs failed")[1])
+
+
 def test_other_axes_and_a_segmentation_made_elsewhere(project):
     """A is imaged lying on its side; B comes with a mask, and an image that shows nothing."""
     lying = np.array([[1, 0, 0, 0], [0, 0, -1, 0], [0, 1, 0, 0], [0, 0, 0, 1]], dtype=float)

@@ -6,14 +6,13 @@ import numpy as np
 import pytest
 
 from softsample.calibration.curves import CurveFamily, MeasuredCurve
+from softsample.calibration.likelihood import MODULI, moduli
 from softsample.calibration.profile import normal_quantile, profile, profile_interval
 from softsample.calibration.slsqp import CalibrationSettings, fit_ogden
 from softsample.calibration.uncertainty import (
-    MODULI,
     Uncertainty,
     UncertaintySettings,
     correlation,
-    moduli,
     resampled,
 )
 
@@ -134,10 +133,10 @@ def test_profile_agrees_with_the_bootstrap_in_laplace_noise():
     noise = np.random.default_rng(2).laplace(scale=0.002, size=240)
     found = uncertainty_of(MU * SLOPE * TRAVEL + noise, draws=200)
     spread = found.bootstrap().std(axis=0, ddof=1)
-    (low, high), *_ = found.profiles(spread)
+    curve = found.likelihood().profile("mu", spread[0] / found.fit.mu, 0.9)
     half = normal_quantile(0.9) * spread[0]
-    assert low < found.fit.mu < high
-    assert 0.5 * (high - low) == pytest.approx(half, rel=0.3)
+    assert curve.low < found.fit.mu < curve.high
+    assert 0.5 * (curve.high - curve.low) == pytest.approx(half, rel=0.3)
 
 
 def test_a_percent_more_force_is_a_percent_less_modulus():

@@ -7,7 +7,7 @@ D. M. Bates, D. G. Watts, Nonlinear Regression Analysis and Its Applications, Wi
 doi:10.1002/9780470316757 (the signed root, in which a quadratic profile is a straight line).
 """
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 
 import numpy as np
 from numpy.typing import NDArray
@@ -22,6 +22,40 @@ def normal_quantile(confidence: float) -> float:
     return float(ndtri(0.5 + 0.5 * confidence))
 
 
+def least(
+    deviance: Callable[[Array], float],
+    start: Array,
+    held: Mapping[int, float],
+    bounds: Sequence[tuple[float, float]],
+) -> tuple[float, Array]:
+    """Least deviance and where it is (p,), some parameters held, by SLSQP in the others.
+
+    Parameters
+    ----------
+    deviance : callable
+        -2 log likelihood of parameters (p,), up to a constant.
+    start : (p,) float64
+        Where the others start.
+    held : dict of float
+        Values of parameters by their index.
+    bounds : sequence of (low, high)
+        Of all parameters.
+    """
+    point = np.array(start, dtype=np.float64)
+    point[list(held)] = list(held.values())
+    free = [k for k in range(len(point)) if k not in held]
+
+    def others(x: Array) -> float:
+        point[free] = x
+        return deviance(point)
+
+    if not free:
+        return deviance(point), point
+    limits = [bounds[k] for k in free]
+    found = minimize(others, point[free], method="SLSQP", bounds=limits, options={"ftol": 1e-10})
+    return others(found.x), point
+
+
 def profile(
     deviance: Callable[[Array], float],
     best: Array,
@@ -29,62 +63,51 @@ def profile(
     values: Array,
     bounds: Sequence[tuple[float, float]],
 ) -> tuple[Array, Array]:
-    """Least deviance with one parameter held at each of `values`, by SLSQP in the others.
+    """Least deviance with one parameter held at each of `values`.
 
     Parameters
     ----------
-    deviance : callable
-        -2 log likelihood of parameters (p,), up to a constant.
+    deviance, bounds
+        As in `least`.
     best : (p,) float64
-        Where it is least.
+        Where the deviance is least.
     index : int
         The parameter that is held.
     values : (k,) float64
-        Its values; from `best` outwards each starts where its neighbour ended.
-    bounds : sequence of (low, high)
-        Of all parameters.
+        Its values; from `best` outwards each starts on the line through its two neighbours.
 
     Returns
     -------
-    least : (k,) float64
+    depths : (k,) float64
         Deviance at each value, less that at `best`.
     points : (k, p) float64
         Where it was found.
     """
-    best = np.asarray(best, dtype=np.float64)
-    others = [k for k in range(len(best)) if k != index]
-    limits = [bounds[k] for k in others]
-    points = np.tile(best, (len(values), 1))
-    points[:, index] = values
-    least = np.empty(len(values))
+    depths, points = np.empty(len(values)), np.empty((len(values), len(best)))
     above = values >= best[index]
     upwards = [k for k in np.argsort(values) if above[k]]
     downwards = [k for k in np.argsort(-values) if not above[k]]
+    low, high = np.transpose(bounds)
     for side in (upwards, downwards):
-        start = best[others]
+        last, start = best, best
         for k in side:
-
-            def held(x: Array, point: Array = points[k]) -> float:
-                point[others] = x
-                return deviance(point)
-
-            if others:
-                found = minimize(
-                    held, start, method="SLSQP", bounds=limits, options={"ftol": 1e-10}
-                )
-                start = found.x
-            least[k] = held(start)
-    return least - deviance(best), points
+            moved = start[index] - last[index]
+            ahead = (values[k] - start[index]) / moved if moved else 0.0
+            guess = np.clip(start + ahead * (start - last), low, high)
+            last = start
+            depths[k], start = least(deviance, guess, {index: values[k]}, bounds)
+            points[k] = start
+    return depths - deviance(best), points
 
 
 def profile_interval(
-    values: Array, least: Array, best: float, confidence: float
+    values: Array, depths: Array, best: float, confidence: float
 ) -> tuple[float, float]:
     """Where a profile crosses the level of `confidence`; infinite where it does not.
 
     The crossing is interpolated in the signed root of the deviance, against the parameter.
     """
-    root = np.sign(values - best) * np.sqrt(np.maximum(least, 0.0))
+    root = np.sign(values - best) * np.sqrt(np.maximum(depths, 0.0))
     values, root = np.append(values, best), np.append(root, 0.0)
     order = np.argsort(values, kind="stable")
     values, root = values[order], root[order]

@@ -20,7 +20,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from softsample.calibration.curves import Curves, MeasuredCurve, Scaled
-from softsample.calibration.profile import profile, profile_interval
+from softsample.calibration.likelihood import MODULI, AreaLikelihood, moduli
 from softsample.calibration.slsqp import AreaObjective, CalibrationSettings, Fit, Search
 
 Array = NDArray[np.float64]
@@ -90,15 +90,6 @@ def resampled(series: Array, block: float, rng: np.random.Generator) -> Array:
     return np.asarray(series[(start + np.arange(n) - begin) % n])
 
 
-def moduli(mu: float, mu1_fraction: float) -> Array:
-    """mu, mu1 and mu2 [Pa] (3,)."""
-    return np.array([mu, mu * mu1_fraction, mu * (1.0 - mu1_fraction)])
-
-
-MODULI = ("mu", "mu1", "mu2")
-"""What `moduli` returns, by name."""
-
-
 class Uncertainty:
     """Uncertainty of one calibration of the two moduli.
 
@@ -131,6 +122,11 @@ class Uncertainty:
         """Number of independent points of all records."""
         return sum(len(r) / self.correlation[s].time for s, r in self.residual.items())
 
+    def likelihood(self) -> AreaLikelihood:
+        """Likelihood of the fit."""
+        search = Search(self.objective, self.calibration)
+        return AreaLikelihood(search, self.fit, self.effective_points())
+
     def refit(
         self,
         families: Mapping[str, Curves] | None = None,
@@ -153,35 +149,6 @@ class Uncertainty:
                 measured[sample] = replace(curve, force=self.model[sample] + noise)
             draws.append(self.refit(measured=measured))
         return np.array(draws)
-
-    def profiles(self, spread: Array) -> list[tuple[float, float]]:
-        """Profile likelihood intervals of the moduli [Pa], sought in steps of `spread` (3,).
-
-        The area is the negative log likelihood of errors with Laplace's distribution, whose scale
-        the record tells: -2 log L = 2 n ln(area), n the number of independent points. An end that
-        neither the bounds of the calibration nor 64 steps hold is infinite.
-        """
-        search = Search(self.objective, self.calibration)
-        least, weight = search(search.pack(*self.fit.parameters)), 2.0 * self.effective_points()
-        bounds = list(search.bounds.values())
-        values, found = moduli(*self.fit.parameters), []
-        steps = np.concatenate([-(2.0 ** np.arange(-1, 7)), 2.0 ** np.arange(-1, 7)])
-        for k, (value, step) in enumerate(zip(values, spread, strict=True)):
-            if not value > 0.0:
-                found.append((value, value))
-                continue
-
-            def deviance(x: Array, k: int = k) -> float:
-                share = moduli(1.0, search.unpack(x)[1])[k]
-                inner = np.array([x[0] - np.log(share), *x[1:]])
-                return weight * np.log(search(inner) / least)
-
-            best = search.pack(value, *self.fit.parameters[1:])
-            grid = best[0] + max(step / value, 1e-4) * steps
-            depth, _ = profile(deviance, best, 0, grid, bounds)
-            ends = profile_interval(grid, depth, best[0], self.settings.confidence)
-            found.append((float(np.exp(ends[0])), float(np.exp(ends[1]))))
-        return found
 
     def per_force(self, percent: float = 1.0) -> dict[str, Array]:
         """By sample: change of the moduli (3,) [Pa] per percent more modelled force of it."""
@@ -215,7 +182,7 @@ class Uncertainty:
         spread = draws.std(axis=0, ddof=1)
         tail = 50.0 * (1.0 - self.settings.confidence)
         percentiles = np.percentile(draws, [tail, 100.0 - tail], axis=0).T
-        profiles = self.profiles(spread)
+        likelihood, values = self.likelihood(), moduli(*self.fit.parameters)
         rms_of_noise = {
             s: float(np.sqrt(0.5 * np.mean(np.diff(r) ** 2))) for s, r in self.residual.items()
         }
@@ -230,11 +197,11 @@ class Uncertainty:
                 for name, sd, (low, high) in zip(MODULI, spread, percentiles, strict=True)
             },
             "profile": {
-                f"{name}_pa": {
-                    end: value if np.isfinite(value) else None
-                    for end, value in zip(("low", "high"), ends, strict=True)
-                }
-                for name, ends in zip(MODULI, profiles, strict=True)
+                f"{name}_pa": likelihood.profile(
+                    name, max(sd / value, 1e-4), self.settings.confidence
+                ).ends()
+                for name, value, sd in zip(MODULI, values, spread, strict=True)
+                if value > 0.0
             },
             "per_percent_of_force": {s: _named(c) for s, c in self.per_force().items()},
             "contact_zero": {

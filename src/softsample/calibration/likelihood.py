@@ -1,0 +1,143 @@
+"""Likelihood behind the area between curves, and what it says about each parameter.
+
+The area is the negative log likelihood of errors with Laplace's distribution. With their scale
+taken from the record, -2 log L = 2 n ln(area), where n is the number of independent points.
+"""
+
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from softsample.calibration.profile import least, profile, profile_interval
+from softsample.calibration.slsqp import Fit, Search
+
+Array = NDArray[np.float64]
+
+MODULI = ("mu", "mu1", "mu2")
+"""What `moduli` returns, by name."""
+
+STEPS = 2.0 ** np.arange(-1, 7)
+"""Distances of a profile's points from the optimum, in steps."""
+
+
+def moduli(mu: float, mu1_fraction: float, *_: float) -> Array:
+    """mu, mu1 and mu2 [Pa] (3,) of a modulus [Pa] and a shape."""
+    return np.array([mu, mu * mu1_fraction, mu * (1.0 - mu1_fraction)])
+
+
+@dataclass(frozen=True)
+class Profile:
+    """Profile likelihood of one parameter.
+
+    Parameters
+    ----------
+    points : (k,) float64
+        Values of the parameter, ascending [Pa or dimensionless].
+    deviance : (k,) float64
+        Least deviance at each, zero at the optimum.
+    low, high : float
+        Interval; infinite where the profile stays below the level.
+    """
+
+    points: Array
+    deviance: Array
+    low: float
+    high: float
+
+    def ends(self) -> dict[str, float | None]:
+        """`low` and `high` for a file; None where the interval is open."""
+        return {
+            name: float(end) if np.isfinite(end) else None
+            for name, end in (("low", self.low), ("high", self.high))
+        }
+
+
+class AreaLikelihood:
+    """Deviance 2 n ln(A / A_min) of a fit, as a function of the variables of its `Search`.
+
+    Parameters
+    ----------
+    search : Search
+        Objective and bounds.
+    fit : Fit
+        Its optimum.
+    points : float
+        Number of independent points n.
+    """
+
+    def __init__(self, search: Search, fit: Fit, points: float) -> None:
+        self.search, self.fit, self.points = search, fit, points
+        self.best = search.pack(*fit.parameters)
+        self.bounds = list(search.bounds.values())
+        self._least = search(self.best)
+
+    def __call__(self, x: Array) -> float:
+        """Deviance of a point, ln(A / A_min), at variables `x`."""
+        return float(np.log(self.search(x) / self._least))
+
+    def at(self, shape: Mapping[str, float]) -> float:
+        """Least deviance with some shape parameters held."""
+        names = list(self.search.bounds)
+        held = {names.index(name): value for name, value in shape.items()}
+        return 2.0 * self.points * least(self, self.best, held, self.bounds)[0]
+
+    def profile(self, name: str, step: float, confidence: float) -> Profile:
+        """Profile of `mu`, `mu1`, `mu2` or a shape parameter.
+
+        Parameters
+        ----------
+        name : str
+            The parameter.
+        step : float
+            First distance from the optimum, doubled a few times; of a modulus a part of its value.
+        confidence : float
+            Of the interval.
+        """
+        if name not in MODULI:
+            return self._profile(self, self.best, self.bounds, name, step, confidence)
+        split = name != "mu" and "mu1_fraction" in self.search.bounds
+        deviance, best, bounds = self._of_term(name) if split else (self, self.best, self.bounds)
+        found = self._profile(deviance, best, bounds, "mu", step, confidence)
+        ends = (float(np.exp(end)) if np.isfinite(end) else end for end in (found.low, found.high))
+        return Profile(np.exp(found.points), found.deviance, *ends)
+
+    def _of_term(self, name: str) -> tuple[Callable[[Array], float], Array, list]:
+        """Deviance, optimum and bounds in ln(mu_i) and ln(mu_i / mu) in place of ln(mu), mu1 / mu.
+
+        Where a term's modulus is held, the sum is what the record knows and the share follows.
+        """
+        sign, offset = (1.0, 0.0) if name == "mu1" else (-1.0, 1.0)
+
+        def share(mixture: float) -> float:
+            return offset + sign * mixture
+
+        def deviance(x: Array) -> float:
+            mixture = sign * (np.exp(x[1]) - offset)
+            return self(np.array([x[0] - x[1], mixture, *x[2:]]))
+
+        logs = [float(np.log(share(end))) for end in self.bounds[1]]
+        best = self.best.copy()
+        best[1] = np.log(share(best[1]))
+        best[0] += best[1]
+        return deviance, best, [(-np.inf, np.inf), (min(logs), max(logs)), *self.bounds[2:]]
+
+    def profiles(self, confidence: float) -> dict[str, Profile]:
+        """Profiles of the moduli and of every shape parameter beside the mixture."""
+        shape = list(self.search.bounds)[2:]
+        return {
+            **{name: self.profile(name, 0.01, confidence) for name in MODULI},
+            **{name: self.profile(name, 0.2, confidence) for name in shape},
+        }
+
+    def _profile(
+        self, deviance: Callable[[Array], float], best: Array, bounds: list, name: str,
+        step: float, confidence: float,
+    ) -> Profile:  # fmt: skip
+        index = list(self.search.bounds).index(name)
+        values = best[index] + step * np.concatenate([-STEPS[::-1], STEPS])
+        values = np.unique(np.clip(values, *bounds[index]))
+        depths, _ = profile(deviance, best, index, values, bounds)
+        depths *= 2.0 * self.points
+        return Profile(values, depths, *profile_interval(values, depths, best[index], confidence))

@@ -21,13 +21,14 @@ export PYTHONPATH := src
 export NUMBA_CACHE_DIR ?= $(CURDIR)/.numba/$(shell cat src/softsample/fem/*.py | sha256sum | cut -c1-16)
 unexport VIRTUAL_ENV
 
-.PHONY: help env run quick docs test test-long check bench bench-solver bench-imaging verify blind blind-full format clean \
-	clean-env
+.PHONY: help env run quick extended docs test test-long check bench bench-solver bench-imaging verify blind blind-full \
+	format clean clean-env
 
 help:
 	@echo "make run        the study: every sample at 0.5 mm, tables, figures, results/report.html"
 	echo "make quick      the same at 1 mm, for a look in minutes, into results-quick/"
 	echo "make docs       docs/reproduction.md and docs/recovery.md, tables and figures as they came out"
+	echo "make extended   what takes longer: free exponents, a simulation per evaluation (after make run)"
 	echo "make test       unit, verification, regression and workflow tests"
 	echo "make test-long  also the tests that take minutes each"
 	echo "make check      ruff, snakefmt, mypy, snakemake --lint"
@@ -87,6 +88,9 @@ docs: $(stamp)
 	rm -rf docs/data/reproduction docs/figures/reproduction
 	cp -R results/docs/. docs/
 	find docs -name .snakemake_timestamp -delete
+
+extended: $(stamp)
+	$(bin)/snakemake --cores $(CORES) extended
 
 test: $(stamp)
 	$(bin)/python -m pytest -m "not long"

@@ -15,6 +15,7 @@ from softsample.figures.contact import contact_figure
 from softsample.figures.geometry import SegmentedImage, geometry_figure
 from softsample.figures.geometry_effects import effects_figure, prescribed_figure
 from softsample.figures.moduli import GroupCurves, moduli_figure
+from softsample.figures.profiles import profile_figure
 from softsample.figures.strain import Deformed, StrainRow, strain_figure
 from softsample.figures.stress import stress_strain_figure
 from softsample.figures.style import PALETTE, colours, save
@@ -385,3 +386,17 @@ def test_curves_that_part_are_marked():
         for ax in prescribed_figure(curves, table, "prescribed").axes
     ]
     assert marks == [[[[0.15, 0.5]]], []]
+def test_profiles_have_a_panel_a_parameter_and_a_line_a_group():
+    value = np.linspace(-1.0, 1.0, 9)
+    rows = [
+        pd.DataFrame(
+            {"group": group, "parameter": name, "value": 10.0 + value, "deviance": 20.0 * value**2}
+        )
+        for group in ("S1", "TC1")
+        for name in ("mu", "mu1", "mu2", "alpha1", "alpha2")
+    ]
+    figure = profile_figure(pd.concat(rows), 2.7, {"alpha1": -8.0}, "Profiles")
+    assert [x for x, _ in labels(figure)] == ["μ₁ [Pa]", "μ₂ [Pa]", "α₁ [–]", "α₂ [–]"]
+    for ax, lines in zip(figure.axes, (3, 3, 4, 3), strict=True):
+        assert len(ax.lines) == lines  # two groups, the level, the study's value where known
+        assert ax.lines[0].get_ydata().max() <= 8.0 * 2.7

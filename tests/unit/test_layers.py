@@ -25,7 +25,7 @@ ALLOWED = {
     "formats": {"errors"},
     "io": {"errors", "formats", "meshing"},
     "fem": {"errors", "meshing", "constitutive", "protocol"},
-    "calibration": {"errors", "protocol", "records", "fem"},
+    "calibration": {"errors", "protocol", "records", "constitutive", "fem"},
     "geometry_effects": {"errors", "meshing", "constitutive", "fem", "calibration"},
     "checks": {"errors", "fem", "meshing"},
     "scoring": {"errors", "calibration"},

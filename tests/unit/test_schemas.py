@@ -13,6 +13,7 @@ from softsample.calibration.uncertainty import UncertaintySettings
 from softsample.errors import InputError
 from softsample.fem.boundary import ContactSettings
 from softsample.fem.explicit import SolverSettings
+from softsample.fem.exponents import ExponentSettings
 from softsample.fem.family import FamilySettings
 from softsample.geometry_effects.variants import EffectSettings
 from softsample.imaging.measure import MeasurementSettings
@@ -83,6 +84,7 @@ def test_every_other_config_changes_the_study_and_is_accepted(path):
         ("solver", SolverSettings, set()),
         ("family", FamilySettings, set()),
         ("calibration", CalibrationSettings, set()),
+        ("exponents", ExponentSettings, set()),
         ("uncertainty", UncertaintySettings, set()),
         ("floor", FloorSettings, set()),
         ("geometry_effects", EffectSettings, {"element_size_mm", "prescribed_strain"}),

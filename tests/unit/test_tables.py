@@ -14,7 +14,13 @@ from softsample.errors import InputError
 from softsample.report.captions import caption_numbers, substitutions
 from softsample.report.contact import contact_share, contact_table
 from softsample.report.stress import mean_curve, nominal_curve, stress_strain_table
-from softsample.report.tables import geometry_table, loading, moduli_table, summary_table
+from softsample.report.tables import (
+    direct_table,
+    geometry_table,
+    loading,
+    moduli_table,
+    summary_table,
+)
 
 ROOT = Path(__file__).resolve().parents[2]
 PAPER = ROOT / "resources/paper"
@@ -188,6 +194,20 @@ def test_printed_means_of_the_paper_follow_from_its_tables(paper):
         assert len(difference) == 5
         assert summary.loc[key, "mean_percent"] == pytest.approx(difference.mean(), abs=0.1)
         assert summary.loc[key, "sd_percent"] == pytest.approx(difference.std(), abs=0.2)
+
+
+def test_both_ways_to_calibrate_by_hand():
+    start = {"starts": [{"evaluations": 10}, {"evaluations": 30}]}
+    family = {**axial("TC1", "real", 800.0, 200.0), **start, "simulations": 0}
+    direct = {**axial("TC1", "real", 803.0, 199.0), "starts": [{"evaluations": 45}]}
+    direct |= {"simulations": 92, "simulations_cpu_s": 150.0}
+    curves = [{"runs": [{}] * 6, "cpu_s": 20.0}, {"runs": [{}] * 6, "cpu_s": 30.5}]
+    table = direct_table([(direct, family)], curves).set_index("method")
+    assert table.loc["direct", "difference_percent"] == pytest.approx(0.2)
+    assert table.loc["family", "difference_percent"] == 0.0
+    assert list(table["evaluations"]) == [45, 40]
+    assert list(table["simulations"]) == [92, 12]
+    assert list(table["simulations_cpu_s"]) == [150.0, 50.5]
 
 
 def test_nominal_stress_by_hand():

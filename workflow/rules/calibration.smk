@@ -3,15 +3,10 @@
 
 rule calibrate:
     input:
-        curves=lambda wildcards: [
-            f"<results>/curves/{name}/{wildcards.geometry}/{wildcards.model}.csv"
-            for name in members(wildcards.group, wildcards.model)
-        ],
-        records=lambda wildcards: [
-            name
-            for sample in members(wildcards.group, wildcards.model)
-            for name in sample_file(sample, "record")
-        ],
+        curves=calibration_curves("csv"),
+        reports=calibration_curves("json"),
+        meshes=calibration_meshes if config["calibration"]["method"] == "direct" else [],
+        records=calibration_records,
         code=library("workflow/scripts/calibrate.py"),
     output:
         fit="<results>/calibration/{group}/{geometry}/{model}.json",
@@ -20,13 +15,13 @@ rule calibrate:
         "<logs>/calibrate/{group}_{geometry}_{model}.log",
     params:
         samples=lambda wildcards: members(wildcards.group, wildcards.model),
-        modes=lambda wildcards: [
-            SAMPLES[name]["mode"] for name in members(wildcards.group, wildcards.model)
-        ],
+        modes=calibration_modes,
         settings=config["calibration"],
         uncertainty=config["uncertainty"],
         contact_zero_mm=config["loop"]["noise"]["contact_zero_mm"],
         material=config["material"],
+        solver=config["solver"],
+        contact=config["contact"],
     message:
         "Calibrate: group {wildcards.group}, {wildcards.geometry} geometry, {wildcards.model}"
     script:

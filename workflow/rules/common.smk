@@ -190,6 +190,33 @@ def members(group, model):
     return [name for name in GROUPS[group] if SAMPLES[name]["mode"] in modes]
 
 
+def calibration_curves(ending):
+    """Input function: curves of the samples that a calibration is made of, or their reports."""
+    return lambda wildcards: [
+        f"<results>/curves/{name}/{wildcards.geometry}/{wildcards.model}.{ending}"
+        for name in members(wildcards.group, wildcards.model)
+    ]
+
+
+def calibration_meshes(wildcards):
+    """Input function: meshes of the samples that a calibration is made of."""
+    return [
+        f"<results>/mesh/{name}/{wildcards.geometry}.vtu"
+        for name in members(wildcards.group, wildcards.model)
+    ]
+
+
+def calibration_records(wildcards):
+    """Input function: records of the samples that a calibration is made of."""
+    names = members(wildcards.group, wildcards.model)
+    return [file for name in names for file in sample_file(name, "record")]
+
+
+def calibration_modes(wildcards):
+    """Params function: modes of the samples that a calibration is made of."""
+    return [SAMPLES[name]["mode"] for name in members(wildcards.group, wildcards.model)]
+
+
 def models(group):
     """Material models that a group's samples can be calibrated with."""
     return [model for model in ("ogden2", "ogden1") if members(group, model)]
@@ -322,6 +349,7 @@ def example(mode):
 
 
 EXAMPLES = {mode: example(mode) for mode in ("shear", "tension", "compression") if example(mode)}
+SHOWN_GROUPS = list(dict.fromkeys(SAMPLES[name]["group"] for name in EXAMPLES.values()))
 SHOWN = EXAMPLES.get("compression") or next(iter(EXAMPLES.values()))
 
 

@@ -3,9 +3,18 @@
 import pandas as pd
 
 from softsample.calibration.curves import CurveFamily, MeasuredCurve
+from softsample.calibration.direct import SimulatedCurves
 from softsample.calibration.slsqp import AreaObjective, CalibrationSettings, fit_ogden
 from softsample.calibration.uncertainty import Uncertainty, UncertaintySettings
-from softsample.io import read_record, read_table, write_json, write_table
+from softsample.fem.setup import set_up
+from softsample.io import (
+    read_json,
+    read_mesh_with_data,
+    read_record,
+    read_table,
+    write_json,
+    write_table,
+)
 from softsample.protocol import travel_sign
 from softsample.workflow import logged_to, provenance
 
@@ -19,7 +28,26 @@ with logged_to(snakemake.log[0]):
         families[sample] = CurveFamily.of_table(read_table(curves), mode)
         measured[sample] = MeasuredCurve.of_record(read_record(record), mode)
     settings = CalibrationSettings(**given.settings)
-    fit = fit_ogden(families, measured, settings)
+    simulated = {}
+    if settings.method == "direct":
+        for (sample, mode), mesh, report in zip(
+            modes.items(), snakemake.input.meshes, snakemake.input.reports, strict=True
+        ):
+            simulated[sample] = SimulatedCurves(
+                *set_up(
+                    *read_mesh_with_data(mesh),
+                    mode,
+                    solver=given.solver,
+                    contact=given.contact,
+                    material=given.material,
+                ),
+                measured[sample].travel,
+                read_json(report)["loading_time_s"],
+                given.material["alpha"],
+                given.material["poisson_ratio"],
+                families[sample].bounds["mu1_fraction"],
+            )
+    fit = fit_ogden(simulated or families, measured, settings)
     uncertainty = Uncertainty(
         families, measured, fit, settings, UncertaintySettings(**given.uncertainty)
     )
@@ -54,6 +82,8 @@ with logged_to(snakemake.log[0]):
             "alpha": given.material["alpha"][:terms],
             "poisson_ratio": given.material["poisson_ratio"],
             **fit.report(),
+            "simulations": sum(curves.simulations for curves in simulated.values()),
+            "simulations_cpu_s": sum(curves.cpu_s for curves in simulated.values()),
             "uncertainty": uncertainty.report(contact_zero),
             "provenance": provenance(snakemake),
         },

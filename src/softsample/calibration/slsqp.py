@@ -27,12 +27,18 @@ class CalibrationSettings:
         Starting values per parameter; SLSQP runs from every combination.
     relative_tolerance : float
         SLSQP's `ftol` on the relative area.
+    difference_step : float
+        Step in ln(mu) and mu1/mu of its forward differences.
+    method : str
+        `family`: forces come from curve families; `direct`: a simulation per evaluation.
     """
 
     mu_pa_min: float = 50.0
     mu_pa_max: float = 20000.0
     starts_per_parameter: int = 3
     relative_tolerance: float = 1e-10
+    difference_step: float = 1.5e-8
+    method: str = "family"
 
 
 @dataclass(frozen=True)
@@ -202,7 +208,11 @@ class Search:
             start,
             method="SLSQP",
             bounds=list(self.bounds.values()),
-            options={"ftol": self.settings.relative_tolerance, "maxiter": 200},
+            options={
+                "ftol": self.settings.relative_tolerance,
+                "eps": self.settings.difference_step,
+                "maxiter": 200,
+            },
         )
 
     def starts(self) -> list[Array]:

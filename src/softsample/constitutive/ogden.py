@@ -230,3 +230,37 @@ def ogden_stress(gradient: ArrayLike, material: OgdenMaterial) -> Array:
         mandel = mandel + 2.0 * mu / alpha * (power - np.mean(power, axis=-1, keepdims=True))
     M = (direction * mandel[..., None, :]) @ np.swapaxes(direction, -1, -2)
     return np.asarray(np.swapaxes(np.linalg.inv(F), -1, -2) @ M)
+
+
+def nominal_stress(
+    mode: str, strain: Array, mu1_fraction: float, alpha1: float, alpha2: float
+) -> Array:
+    """Nominal stress per shear modulus of an incompressible two-term solid in a homogeneous test.
+
+    Parameters
+    ----------
+    mode : str
+        `tension` and `compression` are uniaxial, `shear` is simple shear.
+    strain : (n,) float64
+        Travel over height, >= 0 in every mode, below 1 in compression.
+    mu1_fraction : float
+        Part of the first term in the shear modulus.
+    alpha1, alpha2 : float
+        Exponents.
+
+    Returns
+    -------
+    (n,) float64
+        Along the travel, >= 0 as the solid resists, dimensionless.
+    """
+    terms = ((mu1_fraction, alpha1), (1.0 - mu1_fraction, alpha2))
+    if mode == "shear":
+        stretch = 0.5 * strain + np.sqrt(1.0 + 0.25 * strain**2)
+        total = sum(2.0 * m / a * (stretch**a - stretch**-a) for m, a in terms)
+        return np.asarray(total / (stretch + 1.0 / stretch))
+    sign = 1.0 if mode == "tension" else -1.0
+    stretch = 1.0 + sign * strain
+    return np.asarray(
+        sign
+        * sum(2.0 * m / a * (stretch ** (a - 1.0) - stretch ** (-0.5 * a - 1.0)) for m, a in terms)
+    )

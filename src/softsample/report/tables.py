@@ -223,3 +223,47 @@ def _statistics(quantity: str, mode: str, values: pd.Series) -> dict[str, Any]:
         "low_percent": mean - half,
         "high_percent": mean + half,
     }
+
+
+def direct_table(
+    pairs: Iterable[tuple[Mapping[str, Any], Mapping[str, Any]]],
+    curves: Iterable[Mapping[str, Any]],
+) -> pd.DataFrame:
+    """Calibration with a simulation per evaluation against that with curve families.
+
+    Parameters
+    ----------
+    pairs
+        For each group its direct calibration and that with families.
+    curves
+        Report of the family of every sample (`curves/{sample}/{geometry}/{model}.json`), groups
+        in the same order.
+
+    Returns
+    -------
+    DataFrame
+        Two rows a group: moduli [Pa], `area_error_percent` (mean of the samples), evaluations of
+        the objective, simulations, their CPU time [s]; `difference_percent` from the family's mu.
+        Pilot runs that find the loading time count as time of the family.
+    """
+    rows, reports = [], iter(curves)
+    for direct, family in pairs:
+        members = [next(reports) for _ in family["samples"]]
+        cost = {
+            "direct": (direct["simulations"], direct["simulations_cpu_s"]),
+            "family": (sum(len(m["runs"]) for m in members), sum(m["cpu_s"] for m in members)),
+        }
+        for method, fit in (("direct", direct), ("family", family)):
+            rows.append(
+                {
+                    "group": fit["group"],
+                    "method": method,
+                    **{f"{name}_pa": fit[f"{name}_pa"] for name in TERMS[TWO_TERM]},
+                    "difference_percent": 100.0 * (fit["mu_pa"] / family["mu_pa"] - 1.0),
+                    "area_error_percent": np.mean(list(fit["area_error_percent"].values())),
+                    "evaluations": sum(start["evaluations"] for start in fit["starts"]),
+                    "simulations": cost[method][0],
+                    "simulations_cpu_s": cost[method][1],
+                }
+            )
+    return pd.DataFrame(rows)

@@ -1,0 +1,19 @@
+"""Profile likelihood of moduli and exponents (rule `figure_exponents`)."""
+
+from softsample.calibration.profile import normal_quantile
+from softsample.figures.profiles import profile_figure
+from softsample.figures.style import save
+from softsample.io import read_table, written_aside
+from softsample.workflow import logged_to
+
+with logged_to(snakemake.log[0]):
+    given = snakemake.params
+    figure = profile_figure(
+        read_table(snakemake.input.profiles),
+        level=normal_quantile(given.confidence) ** 2,
+        study={"alpha1": given.alpha[0], "alpha2": given.alpha[1]},
+        title=f"Profile likelihood with free exponents, {given.cohort}",
+    )
+    for path in snakemake.output:
+        with written_aside(path) as aside:
+            save(figure, aside)

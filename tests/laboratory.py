@@ -51,8 +51,10 @@ CHANGES = {  # of the force over the modulus: factor of strain e, for the modes 
         "compression": (-0.02, 0.01),
         "shear": (-1e-3, 0.0),
     },
-    "partial_bond": {"tension": (0.05, -0.02), "shear": (0.05, 0.02)},
+    "partial_bond_x": {"tension": (0.05, -0.02), "shear": (0.04, 0.03)},
+    "partial_bond_y": {"tension": (0.05, -0.02), "shear": (0.06, 0.01)},
     "platen_tilt": {"compression": (0.1, -0.4)},
+    "platen_tilt_corner": {"compression": (0.12, -0.45)},
     "platen_slip": {"compression": (0.25, 0.6)},
 }
 """Loss of force a + b e as a part of it; made up, of the sizes that LOOP's pre-study found."""

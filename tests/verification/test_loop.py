@@ -20,8 +20,8 @@ EXACT = LoopSettings(
 """For a model without error of its own, as the laboratory's curves are."""
 
 HIDDEN = {
-    # gap / 0.06 mm squared bounds the evidence: the prior of the contact zero takes up to 0.34 mm
-    "late_contact": PLANTED["late_contact"],
+    # gap / 0.06 mm squared bounds the evidence: the prior of the contact zero takes up to 0.26 mm
+    "late_contact": replace(PLANTED["late_contact"], gap=0.2),
     # modulus, mixture and the 2 % scale of each test take it
     "machine_compliance": replace(PLANTED["machine_compliance"], compliance=0.25),
 }
@@ -98,11 +98,6 @@ def test_softening_of_another_form_is_named():
     assert classes(found) == [["mullins_softening"]]
 
 
-@pytest.mark.long
-@pytest.mark.xfail(
-    reason="what the form of the softening leaves over is filled with further effects, and one "
-    "scale error of a whole test is cheap beside it: the raw error of compression grows"
-)
 def test_softening_of_another_form_draws_in_no_further_effects():
     found = diagnose(PLANTED["mullins_softening"].specimens(), SETTINGS)
     assert held_out(found.after) < held_out(found.before)

@@ -6,11 +6,22 @@ from typing import Protocol, Self
 import numpy as np
 import pandas as pd
 from numpy.typing import NDArray
+from scipy.interpolate import PchipInterpolator
 
 from softsample.errors import CalibrationError
 from softsample.protocol import loading_ramp, travel_sign
 
 Array = NDArray[np.float64]
+
+
+def refined(displacement: Array, curve: Array, times: int) -> Array:
+    """Curve (n,) on a grid `times` as fine, ((n - 1) times + 1,), by a shape-preserving spline."""
+    steps = np.arange(len(curve))
+    fine = np.linspace(0.0, steps[-1], times * steps[-1] + 1)
+    if curve is displacement:
+        return np.interp(fine, steps, displacement)
+    where = np.interp(fine, steps, displacement)
+    return np.asarray(PchipInterpolator(displacement, curve)(where))
 
 
 class CurveFamily:
@@ -58,6 +69,12 @@ class CurveFamily:
             np.asarray(1e-3 * abs(forces.columns.to_numpy()), dtype=np.float64),
             np.asarray(1e-6 * sign * forces.to_numpy(), dtype=np.float64),
         )
+
+    def refined(self, times: int) -> Self:
+        """The same family on a grid `times` as fine, by cubic splines along the travel."""
+        fine = np.stack([refined(self.displacement, curve, times) for curve in self._forces])
+        travel = refined(self.displacement, self.displacement, times)
+        return type(self)(1.0 - self._nodes**2, travel, fine)
 
     def force_per_mu(self, fraction: float, displacement: Array) -> Array:
         """Force per modulus [m2] at travels `displacement` [m] for the mixture `fraction`.

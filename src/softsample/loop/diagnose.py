@@ -19,6 +19,7 @@ from softsample.loop.noise import (
     block_size,
     covariance,
     measure_noise,
+    shared,
 )
 from softsample.loop.select import Selection, SelectionSettings, select
 from softsample.loop.specimen import Specimen, blocks
@@ -76,7 +77,7 @@ def pose(specimens: Sequence[Specimen], settings: NoiseSettings) -> tuple[Proble
 
     The problem works with `PER_BLOCK` means of samples in a block, which say as much.
     """
-    noises = [measure_noise(specimen, settings) for specimen in specimens]
+    noises = shared([measure_noise(specimen, settings) for specimen in specimens])
     specimens = [
         specimen.reduced(max(1, noise.size // PER_BLOCK))
         for specimen, noise in zip(specimens, noises, strict=True)
@@ -131,7 +132,7 @@ def diagnose(
         problem,
         noises,
         selection,
-        _verdict(selection, settings.selection, _pooled(after) <= _pooled(before)),
+        _verdict(selection, settings, _pooled(after) - _pooled(before)),
         before,
         after,
         held_out(problem, base, spread),
@@ -144,13 +145,18 @@ def _pooled(found: Errors) -> float:
     return float(np.mean([(parts["all"].rms / parts["all"].peak) ** 2 for parts in found.values()]))
 
 
-def _verdict(selection: Selection, settings: SelectionSettings, better: bool) -> str:
-    """What is missing; an explanation that leaves the records further off is none."""
+def _verdict(selection: Selection, settings: LoopSettings, growth: float) -> str:
+    """What is missing.
+
+    An explanation that leaves the records further off than the floor allows is none; `growth` is
+    what it adds to the mean square error, in parts of the peak.
+    """
+    rules, noise = settings.selection, settings.noise
     n = len(selection.final.white)
     left, before = selection.final.cost, selection.base.cost
-    if left / n > settings.unknown_ratio and left - n > settings.unknown_share * (before - n):
+    if left / n > rules.unknown_ratio and left - n > rules.unknown_share * (before - n):
         return "unknown"
-    if not better:
+    if growth > 1e-4 * (noise.floor_percent**2 + noise.scale_percent**2):
         return "unknown"
     return "explained" if selection.final.model.effects else "none"
 
@@ -161,9 +167,12 @@ def report(diagnosis: Diagnosis, settings: LoopSettings) -> dict[str, Any]:
     final = selection.final
     return {
         "verdict": diagnosis.verdict,
-        "effects": [_effect_report(effect, selection, final) for effect in final.model.effects],
-        "theta_before": _theta(selection.base),
-        "theta_after": _theta(final),
+        "effects": [
+            _effect_report(effect, selection, settings.selection.form_doubt)
+            for effect in final.model.effects
+        ],
+        "theta_before": _theta(selection.base, settings.noise),
+        "theta_after": _theta(final, settings.noise),
         "error_before": _report(diagnosis.before),
         "error_after": _report(diagnosis.after),
         "held_out_before": _report(diagnosis.held_out_before),
@@ -202,8 +211,10 @@ def _report(found: Errors) -> dict[str, Any]:
     }
 
 
-def _theta(fit: Fit) -> dict[str, dict[str, float | str]]:
+def _theta(fit: Fit, noise: NoiseSettings) -> dict[str, dict[str, float | str]]:
+    """Material with 90 % intervals; the scale of a test can be that of all of them."""
     deviation = np.sqrt(np.diag(fit.covariance))
+    deviation[0] = np.hypot(deviation[0], 0.01 * noise.scale_percent)
     mu, r = fit.state.material.mu, fit.state.material.mixture
     return {
         "mu": {
@@ -221,7 +232,9 @@ def _theta(fit: Fit) -> dict[str, dict[str, float | str]]:
     }
 
 
-def _effect_report(effect: Effect, selection: Selection, final: Fit) -> dict[str, Any]:
+def _effect_report(effect: Effect, selection: Selection, doubt: float) -> dict[str, Any]:
+    """Sizes with 90 % intervals: of the fit, and of an error of form that is a part of the size."""
+    final = selection.final
     deviation = np.sqrt(np.diag(final.covariance))[FIXED:]
     unit = {
         (e.name, p.name): float(d) * (p.high - p.low)
@@ -232,7 +245,8 @@ def _effect_report(effect: Effect, selection: Selection, final: Fit) -> dict[str
     ][-1]  # one that was dropped can come back
     parameters = {}
     for p in effect.parameters:
-        value, spread = final.state.values[effect.name][p.name], unit[effect.name, p.name]
+        value = final.state.values[effect.name][p.name]
+        spread = np.hypot(unit[effect.name, p.name], doubt * abs(value - p.neutral))
         parameters[p.name] = {
             "value": value,
             "unit": p.unit,

@@ -14,6 +14,10 @@ from softsample.loop.specimen import Specimen, blocks
 Array = NDArray[np.float64]
 
 
+CORNER, CORNER_TIME = 0.2, 0.05
+"""Part of an error of form that is brief, as where a ramp ends, and its time over the other's."""
+
+
 @dataclass(frozen=True)
 class Fit:
     """Result of a joint calibration.
@@ -93,6 +97,11 @@ class Problem:
         ]
         return np.concatenate([*tests, np.zeros((1, len(there)))])
 
+    def misfit(self, fit: Fit) -> float:
+        """Twice the negative logarithm of the likelihood of a fit, up to a constant."""
+        white = self.residual(fit.model, fit.state)
+        return float(white @ white) + sum(w.log_determinant for w in self.whiteners)
+
     def residual(self, model: Model, state: State) -> Array:
         """White residual of a state, its last entry that of the prior of the contact zero."""
         prior = state.contact_zero / self.contact_zero_mm
@@ -108,7 +117,8 @@ class Problem:
         doubt : float
             Standard deviation of the effect's contribution as a part of it.
         time : float
-            Correlation time of that error [s].
+            Correlation time of that error [s]; along the travel it is a quarter of the stroke.
+            A part `CORNER` of it is as short as `CORNER_TIME`.
         """
         without = fit.model.without(fit.model.names[-1])
         whiteners = []
@@ -116,8 +126,12 @@ class Problem:
             part = fit.model.predict(specimen, fit.state) - without.predict(specimen, fit.state)
             size = doubt * blocks(part, whitener.size)
             clock = blocks(specimen.time, whitener.size)
+            way = blocks(specimen.travel, whitener.size)
             apart = np.subtract.outer(clock, clock) / time
-            whiteners.append(whitener.with_more(np.outer(size, size) * np.exp(-0.5 * apart**2)))
+            further = np.subtract.outer(way, way) / (0.25 * specimen.reach)
+            likeness = np.exp(-0.5 * (apart**2 + further**2))
+            likeness += CORNER**2 * np.exp(-0.5 * (apart / CORNER_TIME) ** 2)
+            whiteners.append(whitener.with_more(np.outer(size, size) * likeness))
         return Problem(self.specimens, whiteners, self.contact_zero_mm)
 
     def fit(self, model: Model, start: State, starts: Sequence[State] = ()) -> Fit:

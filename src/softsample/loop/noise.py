@@ -1,5 +1,6 @@
 """How far a force record can be trusted: noise of the cell, and what the model cannot resolve."""
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -101,6 +102,14 @@ def measure_noise(specimen: Specimen, settings: NoiseSettings) -> Noise:
     return Noise(white, float(np.sqrt(max(excess, 0.0) / share)), size)
 
 
+def shared(noises: Sequence[Noise]) -> list[Noise]:
+    """Noise of records of one machine: the medians, as one record alone shows it but roughly."""
+    white, slow = (
+        float(np.median([getattr(n, part) for n in noises])) for part in ("white", "slow")
+    )
+    return [Noise(white, slow, noise.size) for noise in noises]
+
+
 def covariance(specimen: Specimen, noise: Noise, model: Array, settings: NoiseSettings) -> Array:
     """Covariance (n, n) [N2] of the block means of one test.
 
@@ -155,6 +164,11 @@ class Whitener:
         jitter = 1e-12 * np.trace(part) / max(len(part), 1)
         factor = cholesky(part + jitter * np.eye(len(part)), lower=True)
         self._white = solve_triangular(factor, np.eye(len(part)), lower=True)
+
+    @property
+    def log_determinant(self) -> float:
+        """Of the covariance of the blocks that count."""
+        return float(-2.0 * np.log(np.diag(self._white)).sum())
 
     def blocks(self, residual: Array) -> Array:
         """Block means of a residual per sample, of the blocks that count."""

@@ -54,15 +54,15 @@ class SelectionSettings:
     """
 
     most_effects: int = 3
-    least_gain: float = 25.0
+    least_gain: float = 12.0
     null_draws: int = 2000
     seed: int = 1
     refits: int = 8
-    class_gain: float = 10.0
+    class_gain: float = 12.0
     class_cosine: float = 0.95
     form_doubt: float = 0.05
     form_time_s: float = 20.0
-    unknown_ratio: float = 1.5
+    unknown_ratio: float = 1.25
     unknown_share: float = 0.3
 
 
@@ -79,7 +79,8 @@ class Candidate:
     gain : float
         Fall of the sum of squares.
     evidence : float
-        The same less the penalty for its parameters.
+        Fall of twice the negative logarithm of the likelihood, less the penalty for the
+        parameters; that of a form that may be wrong as the settings say, if it is more.
     cosine : float
         Between its explanation and that of the best candidate.
     """
@@ -164,6 +165,7 @@ def _round(
     threshold: float,
     settings: SelectionSettings,
 ) -> Step:
+    """One effect more, if the records ask for it."""
     n = len(current.white)
     ranked = sorted(
         best_of_each(found, current.white).values(),
@@ -176,12 +178,13 @@ def _round(
         if gain < PROMISING * max(best_gain, threshold):
             continue
         fit = _joint(problem, current, signature)
-        fallen = current.cost - fit.cost
-        candidates.append(
-            Candidate(signature.effect.name, fit, fallen, fallen - penalty(signature.effect, n))
-        )
+        doubting = problem.doubting(fit, settings.form_doubt, settings.form_time_s)
+        gain = current.cost - fit.cost
+        likelier = max(gain, problem.misfit(current) - doubting.misfit(fit))
+        evidence = likelier - penalty(signature.effect, n)
+        candidates.append(Candidate(signature.effect.name, fit, gain, evidence))
     candidates.sort(key=lambda c: c.evidence, reverse=True)
-    if not candidates or candidates[0].evidence < threshold:
+    if not candidates or not _acceptable(candidates[0], current, threshold, settings):
         return Step(threshold, candidates, None)
     best = candidates[0]
     candidates = [
@@ -198,6 +201,19 @@ def _round(
         )
     ]
     return Step(threshold, candidates, best, members)
+
+
+def _acceptable(
+    best: Candidate,
+    current: Fit,
+    threshold: float,
+    settings: SelectionSettings,
+) -> bool:
+    """Whether a candidate passes the threshold and, where it leaves a lot, takes half of it."""
+    n = len(current.white)
+    takes_half = best.gain > 0.5 * (current.cost - n)
+    enough = takes_half or best.fit.cost < settings.unknown_ratio * n
+    return enough and best.evidence >= threshold
 
 
 def _joint(problem: Problem, current: Fit, signature: Signature) -> Fit:

@@ -1,16 +1,25 @@
 """One test of one sample as the loop sees it: record, phases, elastic curves."""
 
 from dataclasses import dataclass, field, replace
+from functools import cached_property
 from typing import Self
 
 import numpy as np
 import pandas as pd
 from numpy.typing import NDArray
+from scipy.signal import savgol_filter
 
-from softsample.calibration.curves import CurveFamily
+from softsample.calibration.curves import CurveFamily, refined
 from softsample.protocol import denoised, phases, travel_sign
 
 Array = NDArray[np.float64]
+
+
+SMOOTHED_S = 2.0
+"""Length of the cubics that smooth a force [s]."""
+
+FINER = 8
+"""Points for each one of a simulated curve."""
 
 
 def blocks(values: Array, size: int) -> Array:
@@ -38,19 +47,27 @@ class Elastic:
     variants: dict[str, Array] = field(default_factory=dict)
     contact: bool = False
 
+    @cached_property
+    def _fine(self) -> tuple[CurveFamily, dict[str, Array]]:
+        """Family and variants on a grid so fine that chords of the stiffening curve do not show."""
+        return self.family.refined(FINER), {
+            name: refined(self.family.displacement, curve, FINER)
+            for name, curve in self.variants.items()
+        }
+
     def force_per_mu(self, mixture: float, travel: Array) -> Array:
         """Force along the travel per shear modulus [m2] at travels [m]."""
-        return self._beyond(self.family.curve(mixture), travel)
+        return self._beyond(self._fine[0].curve(mixture), travel)
 
     def change_per_mu(self, variant: str, travel: Array) -> Array:
         """Change of that force [m2] by one step of a variant; none where it was not simulated."""
         if variant not in self.variants:
             return np.zeros_like(travel)
-        return self._beyond(self.variants[variant], travel)
+        return self._beyond(self._fine[1][variant], travel)
 
     def _beyond(self, curve: Array, travel: Array) -> Array:
         """Interpolation; beyond the ends straight on, or nothing before contact."""
-        grid = self.family.displacement
+        grid = self._fine[0].displacement
         inside = np.interp(travel, grid, curve)
         last = (curve[-1] - curve[-2]) / (grid[-1] - grid[-2])
         inside = inside + last * np.maximum(travel - grid[-1], 0.0)
@@ -116,6 +133,19 @@ class Specimen:
             travel=blocks(self.travel, size),
             force=blocks(self.force, size),
             phase=self.phase[first],
+        )
+
+    @cached_property
+    def smooth_force(self) -> Array:
+        """Force (n,) [N] with most of its noise taken out, phase by phase so that corners stay."""
+        ends = np.flatnonzero(self.phase[1:] != self.phase[:-1]) + 1
+        step = float(self.time[-1] - self.time[0]) / (len(self.time) - 1)
+        window = max(5, round(SMOOTHED_S / step))
+        return np.concatenate(
+            [
+                savgol_filter(part, window, 3) if len(part) > window else part
+                for part in np.split(self.force, ends)
+            ]
         )
 
     @property

@@ -2,6 +2,7 @@
 
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, replace
+from functools import partial
 
 import numpy as np
 import pandas as pd
@@ -34,9 +35,9 @@ class VariantSettings:
     fibre_ratio : float
         k1 over mu.
     tilt_deg : float
-        Tilt of the platen [degrees], the mean of a tilt about x and one about y.
+        Tilt of the platen [degrees]: the mean about x and y, and that about both diagonals.
     missing_bond : float
-        Part of the glued area that is taken off, the mean of four sides.
+        Part of the glued area that is taken off: the mean of the sides that face x, and of y.
     shift_mm : float
         Shift of the surface [mm].
     """
@@ -178,19 +179,25 @@ def _boundaries(
 ) -> dict[str, list[Boundary]]:
     """Boundary conditions that differ in one thing; the force is the mean over a list."""
     if sample.mode != "compression":
-        sides = ((1.0, 0.0), (-1.0, 0.0), (0.0, 1.0), (0.0, -1.0))
-        kept = [
-            partial_bond(sample.mesh, sample.glued, 1.0 - settings.missing_bond, side)
-            for side in sides
-        ]
+        kept = partial(partial_bond, sample.mesh, sample.glued, 1.0 - settings.missing_bond)
+        sides = {"x": ((1.0, 0.0), (-1.0, 0.0)), "y": ((0.0, 1.0), (0.0, -1.0))}
         return {
-            "partial_bond": [
-                mode_boundary(sample.mesh, sample.mode, nodes, contact) for nodes in kept
+            f"partial_bond_{axis}": [
+                mode_boundary(sample.mesh, sample.mode, kept(side), contact) for side in pair
             ]
+            for axis, pair in sides.items()
         }
-    tilts = ((settings.tilt_deg, 0.0), (0.0, settings.tilt_deg))
+    tilt = settings.tilt_deg
+    corner = np.sqrt(0.5) * tilt
+    tilts = {
+        "platen_tilt": ((tilt, 0.0), (0.0, tilt)),
+        "platen_tilt_corner": ((corner, corner), (corner, -corner)),
+    }
     slip = replace(contact, friction=0.0)
     return {
-        "platen_tilt": [platen_boundary(sample.mesh, contact, tilt_deg=t) for t in tilts],
+        **{
+            name: [platen_boundary(sample.mesh, contact, tilt_deg=t) for t in pair]
+            for name, pair in tilts.items()
+        },
         "platen_slip": [platen_boundary(sample.mesh, slip)],
     }

@@ -5,7 +5,7 @@ from softsample.loop.specimen import Specimen
 
 
 def _travel(specimen: Specimen, travel: Array, values: Values) -> Array:
-    return travel - 1e-3 * values["mm_per_N"] * specimen.force
+    return travel - 1e-3 * values["mm_per_N"] * specimen.smooth_force
 
 
 EFFECT = Effect(

@@ -8,14 +8,17 @@ from softsample.loop.specimen import Specimen
 
 def _tissue(specimen: Specimen, force: Array, travel: Array, values: Values) -> Array:
     furthest = np.maximum.accumulate(np.maximum(travel, 0.0))
-    fallen = 1.0 - np.clip(travel, 0.0, None) / np.maximum(furthest, 1e-9)
-    return force * (1.0 - values["d"] * fallen)
+    reached = np.clip(travel, 0.0, None) / np.maximum(furthest, 1e-9)
+    return force * (1.0 - values["d"] * (1.0 - reached ** values["power"]))
 
 
 EFFECT = Effect(
     name="mullins_softening",
     title="Softening by the first loading (Mullins)",
-    parameters=(Parameter("d", "1", 0.0, 0.95, 0.2),),
+    parameters=(
+        Parameter("d", "1", 0.0, 0.95, 0.2),
+        Parameter("power", "1", 0.5, 10.0, 1.0, grid=(1.0, 3.0, 6.0)),
+    ),
     tier="P",
     source="Ogden, Roxburgh, Proc. R. Soc. A 455 (1999) 2861, doi:10.1098/rspa.1999.0431",
     signature="ramp and hold untouched, unloading low, back to nothing at the maximum",

@@ -9,15 +9,21 @@ from softsample.loop.specimen import Specimen
 def _elastic(specimen: Specimen, mixture: float, travel: Array, values: Values) -> Array:
     if specimen.mode != "compression":
         return np.zeros_like(travel)
-    return values["tilt_deg"] * specimen.elastic.change_per_mu("platen_tilt", travel)
+    change = specimen.elastic.change_per_mu
+    edge, corner = change("platen_tilt", travel), change("platen_tilt_corner", travel)
+    return values["tilt_deg"] * (edge + values["corner"] * (corner - edge))
 
 
 EFFECT = Effect(
     name="platen_tilt",
     title="Tilted platen",
-    parameters=(Parameter("tilt_deg", "deg", 0.0, 4.0, 1.0),),
+    parameters=(
+        Parameter("tilt_deg", "deg", 0.0, 4.0, 1.0),
+        Parameter("corner", "1", 0.0, 1.0, 0.0, grid=(0.0, 1.0)),
+    ),
     tier="M",
-    source="own finite element runs of the sample with a platen tilted by one degree",
+    source="own finite element runs of the sample with a platen tilted by one degree, towards an "
+    "edge and towards a corner",
     signature="compression only: a toe as long as the width times the tilt",
     confused_with=("late_contact", "real_geometry"),
     experiment="turn the sample by 180 degrees; pressure film",

@@ -28,7 +28,7 @@ help:
 	@echo "make run        the study: every sample at 0.5 mm, tables, figures, results/report.html"
 	echo "make quick      the same at 1 mm, for a look in minutes, into results-quick/"
 	echo "make docs       docs/reproduction.md and docs/recovery.md, tables and figures as they came out"
-	echo "make extended   what takes longer: free exponents, a simulation per evaluation (after make run)"
+	echo "make extended   what takes longer: free exponents, a simulation per evaluation, effects of shape"
 	echo "make test       unit, verification, regression and workflow tests"
 	echo "make test-long  also the tests that take minutes each"
 	echo "make check      ruff, snakefmt, mypy, snakemake --lint"

@@ -386,6 +386,8 @@ def test_curves_that_part_are_marked():
         for ax in prescribed_figure(curves, table, "prescribed").axes
     ]
     assert marks == [[[[0.15, 0.5]]], []]
+
+
 def test_profiles_have_a_panel_a_parameter_and_a_line_a_group():
     value = np.linspace(-1.0, 1.0, 9)
     rows = [

@@ -7,8 +7,9 @@ rule extended:
         "<results>/extended/exponents.csv",
         "<results>/extended/common_exponents.csv",
         expand("<results>/extended/exponents.{kind}", kind=FORMATS),
+        geometry_results(),
     message:
-        "Extended study complete: {config[results]}/extended"
+        "Extended study complete: {input}"
 
 
 use rule calibrate as calibrate_direct with:

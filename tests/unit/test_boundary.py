@@ -33,7 +33,9 @@ def test_glued_top_and_base_are_held(cuboid, mode, direction):
     np.testing.assert_array_equal(boundary.held == PLATEN, height == height.max())
     np.testing.assert_array_equal(boundary.direction, direction)
     assert len(boundary.candidates) == 0
-    np.testing.assert_array_equal(boundary.glued, np.flatnonzero(boundary.held))
+    base, platen = boundary.platens().glued
+    np.testing.assert_array_equal(base, np.flatnonzero(height == 0.0))
+    np.testing.assert_array_equal(platen, np.flatnonzero(height == height.max()))
 
 
 def test_glue_reaches_down_the_sides_by_its_depth(cuboid):

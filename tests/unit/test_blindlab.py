@@ -201,8 +201,12 @@ def case(names, verdict, classes=(), kind="effect", **more):
         "effects": [{"name": c[0], "class": c, "parameters": size} for c in classes],
         "theta_before": {"mu": {**mu, "value": 1100.0}},
         "theta_after": {"mu": mu},
-        "held_out_percent": {"before": 2.0, "after": 0.5},
+        "held_out_percent": {
+            "after_ramp": {"before": 2.0, "after": 0.5},
+            "leave_out_shear": {"before": 0.01, "after": 0.05},
+        },
         "white_mean_square": {"after": 1.21},
+        "confidence": 0.8,
         "cpu_s": 1.0,
         **more,
     }
@@ -235,6 +239,10 @@ def test_the_score_counts_what_it_says():
     assert value["8 pairs: at least one"] == 1.0
     assert value["8 pairs: wrong extra"] == 1.0
     assert value["9 held-out error removed"] == pytest.approx(0.75)
+    assert value["9 of after_ramp"] == pytest.approx(0.75)
+    assert rows["9 of leave_out"]["n"] == 0
+    assert rows["8 pairs of effects with power: both classes"]["n"] == 0
+    assert value["16 stated confidence less hits"] == pytest.approx(0.05)  # three of four hit
     assert value["11 white RMS after"] == pytest.approx(1.1)
     assert value["12 bias of mu removed"] == pytest.approx(0.9)
     assert value["13 cover of mu"] == value["13 cover of effects"] == 1.0

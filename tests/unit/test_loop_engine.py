@@ -6,14 +6,16 @@ import numpy as np
 import pytest
 
 import laboratory
+from laboratory import elastic
 from softsample.loop.diagnose import LoopSettings, diagnose, pose, report
 from softsample.loop.effects import library
 from softsample.loop.errors import errors, folds, held_out
 from softsample.loop.model import Material, Model, Packing, State
 from softsample.loop.noise import NoiseSettings, Whitener, covariance, measure_noise
 from softsample.loop.page import page
+from softsample.loop.resample import resampled, stretches
 from softsample.loop.screen import null_threshold, penalty, signatures
-from softsample.loop.specimen import blocks
+from softsample.loop.specimen import Specimen, blocks
 
 SETTINGS = NoiseSettings()
 
@@ -252,3 +254,41 @@ def test_detection_limits_stand_by_what_was_seen(found):
     assert limits["force_offset"]["unit"] == "mN"
     assert 0.3 < limits["force_offset"]["value"] < 4.0
     assert "gain" not in limits
+
+
+def test_stretches_are_runs_of_the_wanted_mean_length():
+    places = stretches(20000, 10.0, np.random.default_rng(2))
+    breaks = np.sum((np.diff(places) - 1) % 20000 != 0)
+    assert 20000 / (breaks + 1) == pytest.approx(10.0, rel=0.1)
+    assert np.ptp(np.histogram(places, 10)[0]) < 800
+
+
+def test_resampled_records_keep_what_the_model_says_and_the_noise(problem):
+    fit = problem.fit_material()
+    again = resampled(problem, fit, np.random.default_rng(5))
+    white = again.residual(fit.model, fit.state)
+    assert len(white) == len(fit.white)
+    assert np.std(white) == pytest.approx(np.std(fit.white), rel=0.1)
+    assert abs(np.corrcoef(white, fit.white)[0, 1]) < 0.2
+
+
+def test_a_plain_effect_is_found_again_in_resampled_records(found):
+    assert found.confidence(LoopSettings(), 0) is None
+    assert found.confidence(LoopSettings(), 2) == 1.0
+
+
+def test_a_parameter_that_no_record_shows_keeps_its_whole_range():
+    specimens = laboratory.PLANTED["force_offset"].specimens(["tension", "shear"])
+    effects = [library()["force_offset"]]
+    (effect,) = report(diagnose(specimens, LoopSettings(), effects), LoopSettings())["effects"]
+    shown, hidden = (effect["parameters"][f"{mode}_mN"] for mode in ("shear", "compression"))
+    assert shown["high"] - shown["low"] < 5.0
+    assert (hidden["low"], hidden["high"]) == (-50.0, 50.0)
+
+
+def test_the_bend_of_a_ramp_is_not_taken_for_noise():
+    for mode in laboratory.MODES:
+        record = laboratory.Lab(seed=6).record(mode)
+        ramp = record[(record["time_s"] > 2.0) & (record["time_s"] < 2.0 + 3.0 / 0.3)]
+        specimen = Specimen.of_record("x", mode, ramp.reset_index(drop=True), elastic(mode))
+        assert measure_noise(specimen, SETTINGS).slow < 2.5 * laboratory.SLOW

@@ -82,6 +82,8 @@ rule blind_answers:
         noise=BLIND["noise"],
         bodies=BLIND["bodies"],
         extent=lambda wildcards: BLIND["extents"][wildcards.lab],
+        bootstraps=BLIND["bootstraps"],
+        bootstrap_every=BLIND["bootstrap_every"],
     message:
         "Blind laboratory: answers, part {wildcards.part}"
     script:

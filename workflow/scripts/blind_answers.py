@@ -29,5 +29,6 @@ with logged_to(snakemake.log[0]):
             experiment.records(body, curves[body.name]),
             models[body.name],
             resolution.settings(loop, experiment.floor_percent),
+            given.bootstraps if number % given.bootstrap_every == 0 else 0,
         )
     write_json(snakemake.output.answers, answers)

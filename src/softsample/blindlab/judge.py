@@ -26,6 +26,7 @@ from softsample.loop.variants import VariantSettings, coarse_sample, simulate_va
 from softsample.meshing.sample import SampleMesh
 
 MODULUS = 1000.0  # Pa, of the runs
+WHEN = ("before", "after")
 
 
 def model_curves(
@@ -127,23 +128,26 @@ class Resolution:
 
 
 def answer(
-    records: Sequence[Record], models: Mapping[str, Elastic], settings: LoopSettings
+    records: Sequence[Record],
+    models: Mapping[str, Elastic],
+    settings: LoopSettings,
+    bootstraps: int = 0,
 ) -> dict[str, Any]:
-    """The loop's verdict on the records of one experiment, with what the score needs of it."""
+    """The loop's verdict on the records of one experiment, with what the score needs of it.
+
+    `bootstraps` selections on resampled records give the confidence in the first effect's class.
+    """
     before = process_time()
     specimens = [
         Specimen.of_record(f"test_{k}", record.mode, record.table, models[record.mode])
         for k, record in enumerate(records)
     ]
-    verdict = report(diagnose(specimens, settings), settings)
+    found = diagnose(specimens, settings)
+    verdict = report(found, settings)
     held_out = {
-        when: float(np.sqrt(np.mean([
-            error["rms_percent_structured"] ** 2
-            for fold in verdict[f"held_out_{when}"].values()
-            for error in fold.values()
-        ])))
-        for when in ("before", "after")
-    }  # fmt: skip
+        fold: {when: _root_mean_square(verdict[f"held_out_{when}"][fold]) for when in WHEN}
+        for fold in verdict["held_out_before"]
+    }
     return {
         "verdict": verdict["verdict"],
         "effects": [
@@ -156,5 +160,12 @@ def answer(
         "white_mean_square": verdict["white_mean_square"],
         "path": verdict["path"],
         "not_identifiable": verdict["not_identifiable"],
+        "confidence": found.confidence(settings, bootstraps),
         "cpu_s": process_time() - before,
     }
+
+
+def _root_mean_square(errors: Mapping[str, Mapping[str, float]]) -> float:
+    """Structured error of a fold over its tests [% of peak]."""
+    squares = [error["rms_percent_structured"] ** 2 for error in errors.values()]
+    return float(np.sqrt(np.mean(squares)))

@@ -21,6 +21,7 @@ from softsample.loop.noise import (
     measure_noise,
     shared,
 )
+from softsample.loop.resample import confidence
 from softsample.loop.select import Selection, SelectionSettings, select
 from softsample.loop.specimen import Specimen, blocks
 
@@ -70,6 +71,14 @@ class Diagnosis:
     after: Errors
     held_out_before: Errors
     held_out_after: Errors
+
+    def confidence(self, settings: LoopSettings, draws: int) -> float | None:
+        """How often the first effect's class is found again; none without effect or draws."""
+        if draws == 0 or self.verdict != "explained":
+            return None
+        return confidence(
+            self.problem, self.selection, self.selection.library, settings.selection, draws
+        )
 
 
 def pose(specimens: Sequence[Specimen], settings: NoiseSettings) -> tuple[Problem, list[Noise]]:
@@ -236,6 +245,7 @@ def _effect_report(effect: Effect, selection: Selection, doubt: float) -> dict[s
     """Sizes with 90 % intervals: of the fit, and of an error of form that is a part of the size."""
     final = selection.final
     deviation = np.sqrt(np.diag(final.covariance))[FIXED:]
+    deviation[~final.jacobian[:, FIXED:].any(axis=0)] = np.inf  # nothing in the records shows it
     unit = {
         (e.name, p.name): float(d) * (p.high - p.low)
         for (e, p), d in zip(final.model.parameters, deviation, strict=True)

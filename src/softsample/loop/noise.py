@@ -79,21 +79,22 @@ def measure_noise(specimen: Specimen, settings: NoiseSettings) -> Noise:
     """White noise from second differences, slow noise from what block means vary more than that.
 
     Block means are taken over the stretches in which the platen rests, or over the whole record
-    where there are none, less a parabola every 5 s; what a parabola takes from noise of the given
-    correlation time is made good.
+    where there are none, less a polynomial every 5 s, a parabola at rest and one of fifth degree
+    along a ramp; what that takes from noise of the given correlation time is made good.
     """
     second = np.diff(specimen.force, 2)
     white = 1.4826 * float(np.median(np.abs(second - np.median(second)))) / np.sqrt(6.0)
     size = block_size(specimen.time, settings)
     window = max(8, round(5.0 / settings.block_s))
     resting = np.isin(specimen.phase, ("baseline", "hold"))
-    force = specimen.force[resting] if resting.sum() > 2 * size * window else specimen.force
+    rests = resting.sum() > 2 * size * window
+    force = specimen.force[resting] if rests else specimen.force
     means = blocks(force, size)
     chunks = [means[k : k + window] for k in range(0, len(means) - window + 1, window)]
     if not chunks:
         return Noise(white, 0.0, size)
     axis = np.linspace(-1.0, 1.0, window)
-    basis, _ = np.linalg.qr(np.stack([axis**k for k in range(3)], axis=1))
+    basis, _ = np.linalg.qr(np.stack([axis**k for k in range(3 if rests else 6)], axis=1))
     left = np.eye(window) - basis @ basis.T
     variance = float(np.median([np.sum((left @ chunk) ** 2) for chunk in chunks]))
     lag = np.abs(np.subtract.outer(range(window), range(window))) * settings.block_s
@@ -177,6 +178,10 @@ class Whitener:
     def __call__(self, residual: Array) -> Array:
         """White residual of the blocks that count, from one per sample (n_samples,) [N]."""
         return np.asarray(self._white @ self.blocks(residual))
+
+    def coloured(self, white: Array) -> Array:
+        """Block means with this covariance from independent unit noise (n_blocks,) [N]."""
+        return np.asarray(solve_triangular(self._white, white, lower=True))
 
     def with_more(self, covariance: Array) -> "Whitener":
         """The same with more noise [N2]."""

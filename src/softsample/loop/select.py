@@ -108,6 +108,8 @@ class Selection:
 
     Parameters
     ----------
+    library : list of Effect
+        What was chosen from.
     base, final : Fit
         Plain model and model with all chosen effects.
     steps : list of Step
@@ -120,6 +122,7 @@ class Selection:
         Strength of each effect's signature at nominal size in the plain model.
     """
 
+    library: list[Effect]
     base: Fit
     final: Fit
     steps: list[Step]
@@ -155,7 +158,7 @@ def select(problem: Problem, effects: Sequence[Effect], settings: SelectionSetti
         chosen = problem.fit(step.chosen.fit.model, step.chosen.fit.state)
         current = _pruned(problem, chosen, settings)
         classes = {name: classes[name] for name in current.model.names}
-    return Selection(base, current, steps, classes, weak, strengths)
+    return Selection(library, base, current, steps, classes, weak, strengths)
 
 
 def _round(
@@ -173,7 +176,7 @@ def _round(
         reverse=True,
     )
     candidates = []
-    best_gain = max(gain for gain, _ in ranked)
+    best_gain = max((gain for gain, _ in ranked), default=0.0)
     for gain, signature in ranked[: settings.refits]:
         if gain < PROMISING * max(best_gain, threshold):
             continue
@@ -209,10 +212,10 @@ def _acceptable(
     threshold: float,
     settings: SelectionSettings,
 ) -> bool:
-    """Whether a candidate passes the threshold and, where it leaves a lot, takes half of it."""
+    """Whether a candidate passes the threshold and, where it leaves a lot, takes a third of it."""
     n = len(current.white)
-    takes_half = best.gain > 0.5 * (current.cost - n)
-    enough = takes_half or best.fit.cost < settings.unknown_ratio * n
+    takes_part = best.gain > (current.cost - n) / 3.0
+    enough = takes_part or best.fit.cost < settings.unknown_ratio * n
     return enough and best.evidence >= threshold
 
 

@@ -1,0 +1,72 @@
+"""How often a selection comes out again when the records are made anew from what it left over."""
+
+from collections.abc import Sequence
+from dataclasses import replace
+
+import numpy as np
+from numpy.typing import NDArray
+
+from softsample.loop.effects.base import Effect
+from softsample.loop.fit import Fit, Problem
+from softsample.loop.select import Selection, SelectionSettings, select
+
+Array = NDArray[np.float64]
+
+BLOCKS = 10.0
+"""Mean length of the stretches that are drawn, in blocks of the record."""
+
+
+def confidence(
+    problem: Problem,
+    selection: Selection,
+    effects: Sequence[Effect],
+    settings: SelectionSettings,
+    draws: int,
+) -> float:
+    """Share of resampled groups whose first class holds the first effect of the selection.
+
+    Parameters
+    ----------
+    problem : Problem
+        Records with their noise, without doubt of form.
+    selection : Selection
+        What was found in them, with one effect at least.
+    effects, settings
+        As of `select`.
+    draws : int
+        Resampled groups; each is a selection of its own.
+
+    References
+    ----------
+    D. N. Politis, J. P. Romano, J. Am. Stat. Assoc. 89 (1994) 1303,
+    doi:10.1080/01621459.1994.10476870.
+    """
+    random = np.random.default_rng([settings.seed, draws])
+    first = selection.final.model.names[0]
+    again = [
+        select(resampled(problem, selection.final, random), effects, settings) for _ in range(draws)
+    ]
+    return float(np.mean([first in next(iter(s.classes.values()), []) for s in again]))
+
+
+def resampled(problem: Problem, fit: Fit, random: np.random.Generator) -> Problem:
+    """The group with every record replaced by the fit plus stretches of its white residual."""
+    specimens = []
+    for specimen, whitener in zip(problem.specimens, problem.whiteners, strict=True):
+        predicted = fit.model.predict(specimen, fit.state)
+        white = whitener(specimen.force - predicted)
+        noise = whitener.coloured(white[stretches(len(white), BLOCKS, random)])
+        left = np.zeros_like(predicted)
+        left[: len(noise) * whitener.size] = np.repeat(noise, whitener.size)
+        specimens.append(replace(specimen, force=predicted + left))
+    return Problem(specimens, problem.whiteners, problem.contact_zero_mm)
+
+
+def stretches(n: int, mean: float, random: np.random.Generator) -> NDArray[np.int64]:
+    """Places (n,) of the stationary bootstrap: stretches of random start and geometric length."""
+    starts = random.integers(0, n, n)
+    places = np.empty(n, np.int64)
+    new = random.uniform(size=n) < 1.0 / mean
+    for k in range(n):
+        places[k] = starts[k] if new[k] or k == 0 else (places[k - 1] + 1) % n
+    return places

@@ -204,7 +204,7 @@ def test_scores_are_signed_percent_of_the_truth():
     ours = {"group": "G", "geometry": "real", "model": "ogden2", "modulus": "mu"}
     ours |= {"low_pa": 980.0, "high_pa": 1120.0}
     ours |= {"low_without_floor_pa": 1010.0, "high_without_floor_pa": 1090.0}
-    others = [{**ours, key: "other", "low_pa": 0.0} for key in ("geometry", "model", "modulus")]
+    others = [{**ours, key: "other", "high_pa": 0.0} for key in ("geometry", "model", "modulus")]
     intervals = pd.DataFrame([others[0], ours, *others[1:]])
     table = score_table({"A": truth}, {"A": cuboid}, {"G": ["A"]}, fits, intervals)
     assert table["volume_error_percent"][0] == pytest.approx(2.0)

@@ -226,3 +226,61 @@ def recovery_table(
     ).merge(pd.DataFrame(meshes).T, left_on="sample", right_index=True)
     factor = (1.0 + table["error_percent"] / 100.0) / (1.0 + table["contact_zero_percent"] / 100.0)
     return table.assign(rest_percent=100.0 * (factor - 1.0))
+
+
+def verdict_score(
+    verdicts: Mapping[str, Mapping[str, Any]], truths: Mapping[str, Truth]
+) -> pd.DataFrame:
+    """Verdicts on records with undeclared effects against the sealed truth, one row a group.
+
+    Parameters
+    ----------
+    verdicts : mapping
+        `loop/{group}/verdict.json` by group.
+    truths : mapping
+        `truth/{group}.json` by group: under `effects`, each with `right`, the names that count.
+
+    Returns
+    -------
+    DataFrame
+        `group`, `truth`, `verdict`, `named` (classes); `right`: a class names each true effect, or
+        `none` where there is none; `one_right`: a class names one at least; `wrong`: classes that
+        name no true effect; `held_out_removed_percent`: of the structured held-out error;
+        `mu_error_before_percent`, `mu_error_after_percent` against the true modulus.
+    """
+    rows = []
+    for group, verdict in verdicts.items():
+        rights = [set(effect["right"]) for effect in truths[group]["effects"]]
+        classes = [set(effect["class"]) for effect in verdict["effects"]]
+        hits = [any(right & named for named in classes) for right in rights]
+        mu = truths[group]["material"]["mu1_Pa"] + truths[group]["material"]["mu2_Pa"]
+        rows.append(
+            {
+                "group": group,
+                "truth": "; ".join(effect["name"] for effect in truths[group]["effects"]),
+                "verdict": verdict["verdict"],
+                "named": "; ".join("|".join(effect["class"]) for effect in verdict["effects"]),
+                "right": all(hits) if rights else verdict["verdict"] == "none",
+                "one_right": any(hits) if rights else verdict["verdict"] == "none",
+                "wrong": sum(not any(right & named for right in rights) for named in classes),
+                "held_out_removed_percent": _held_out_removed(verdict),
+                **{
+                    f"mu_error_{when}_percent": percent(verdict[f"theta_{when}"]["mu"]["value"], mu)
+                    for when in ("before", "after")
+                },
+            }
+        )
+    return pd.DataFrame(rows)
+
+
+def _held_out_removed(verdict: Mapping[str, Any]) -> float:
+    """Part of the structured held-out error that the found effects take away, median [%]."""
+    parts = [
+        100.0 * (1.0 - after["rms_N_structured"] / before["rms_N_structured"])
+        for fold, tests in verdict["held_out_before"].items()
+        for before, after in zip(
+            tests.values(), verdict["held_out_after"][fold].values(), strict=True
+        )
+        if before["rms_N_structured"] > 0.0
+    ]
+    return float(np.median(parts)) if parts else float("nan")

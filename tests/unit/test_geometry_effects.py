@@ -207,7 +207,9 @@ def test_the_cohort_needed_lies_between_the_reliefs_tried():
     assert needed["relief_factor"] == pytest.approx(1.5)
     assert needed["summit_needed_mm"] == pytest.approx(0.75)
     assert np.isnan(needed["bond_depth_needed_mm"])  # no other depth was tried
-    assert needed_table(effects_table(biases()), 1.0, {}, paper.iloc[:0]).empty
+    nothing = needed_table(effects_table(biases()), 1.0, {}, paper.iloc[:0])
+    assert nothing.empty
+    assert list(nothing) == list(needed.index)  # so that its file can be read again
 
 
 def test_a_target_out_of_reach_has_no_crossing():

@@ -9,6 +9,19 @@ from scipy.interpolate import PchipInterpolator
 QUANTITIES = {2: "modulus_two_term", 1: "modulus_one_term"}
 """Name in the table of means by the number of terms of the model."""
 
+NEEDED = (
+    "terms",
+    "mode",
+    "bias_percent",
+    "paper_percent",
+    "relief_factor",
+    "summit_mm",
+    "summit_needed_mm",
+    "bond_depth_needed_mm",
+    "gap_needed_mm",
+)
+"""Columns of the table of the cohort needed, which is empty without the paper's means."""
+
 PLAIN = ("real", "cuboid")
 RELIEF, BOND, GAP = "relief_times_", "bond_depth_", "gap_times_"
 KEY = ["terms", "mode"]
@@ -126,7 +139,7 @@ def needed_table(
                 "gap_needed_mm": crossing(gap, target) * summit,
             }
         )
-    return pd.DataFrame(rows)
+    return pd.DataFrame(rows, columns=list(NEEDED))
 
 
 def by_loading(effects: pd.DataFrame) -> list[tuple[int, str, pd.DataFrame]]:

@@ -14,6 +14,7 @@ from softsample.blindlab.faults import EFFECTS, KINDS, Fault, Trial
 from softsample.blindlab.plan import GROUPS, Benches, Experiment, Extent, plan
 from softsample.blindlab.score import Case, confusion, median, opened, score, share
 from softsample.errors import InputError
+from softsample.io import read_json, write_json
 
 ROOT = Path(__file__).resolve().parents[2]
 BODY = Body(1, False, 23.0, 20.0, 13.0, 0.7, 0.3)
@@ -251,6 +252,16 @@ def test_the_score_counts_what_it_says():
     table = confusion(cases).set_index("planted")
     assert table.loc[drift, drift] == 0.5
     assert table.loc["nothing", "none"] == 0.5
+
+
+def test_a_goal_that_no_experiment_speaks_of_is_null_in_the_file(tmp_path):
+    write_json(tmp_path / "score.json", {"score": score([case([], "none", kind="null")])})
+    rows = {row["goal"]: row for row in read_json(tmp_path / "score.json")["score"]}
+    assert rows["1 false alarms"]["value"] == 0.0
+    assert rows["8 pairs: both classes"] == {
+        "goal": "8 pairs: both classes", "value": None, "bound": None, "n": 0,
+        "design": "B", "floor_percent": 0.0, "size": None,
+    }  # fmt: skip
 
 
 def test_bounds_are_those_of_the_binomial_distribution():

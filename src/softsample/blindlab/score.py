@@ -115,21 +115,26 @@ def opened(
     return list(planted["experiments"])
 
 
+def nothing(goal: str) -> Row:
+    """A goal that no experiment speaks of."""
+    return {"goal": goal, "value": None, "bound": None, "n": 0}
+
+
 def share(goal: str, hits: Sequence[bool], side: str) -> Row:
     """A share with its one-sided 95 % bound (Clopper and Pearson), upper or lower."""
     n, k = len(hits), int(np.sum(hits))
-    bound = np.nan
-    if n:
-        upper, lower = beta.ppf(0.95, k + 1, n - k), beta.ppf(0.05, k, n - k + 1)
-        bound = (1.0 if k == n else upper) if side == "upper" else (0.0 if k == 0 else lower)
-    return {"goal": goal, "value": k / n if n else np.nan, "bound": float(bound), "n": n}
+    if not n:
+        return nothing(goal)
+    upper, lower = beta.ppf(0.95, k + 1, n - k), beta.ppf(0.05, k, n - k + 1)
+    bound = (1.0 if k == n else upper) if side == "upper" else (0.0 if k == 0 else lower)
+    return {"goal": goal, "value": k / n, "bound": float(bound), "n": n}
 
 
 def median(goal: str, values: Sequence[float], side: str) -> Row:
     """A median with its one-sided 95 % bound from order statistics."""
     ordered, n = np.sort(np.asarray(values, dtype=float)), len(values)
     if not n:
-        return {"goal": goal, "value": np.nan, "bound": np.nan, "n": 0}
+        return nothing(goal)
     rank = int(binom.ppf(0.05, n, 0.5))
     bound = ordered[max(rank - 1, 0)] if side == "lower" else ordered[min(n - rank, n - 1)]
     return {"goal": goal, "value": float(np.median(ordered)), "bound": float(bound), "n": n}
@@ -187,8 +192,10 @@ def _calibration(cases: Sequence[Case]) -> Row:
     """Stated confidence in the first class less how often that is right, in the mean."""
     asked = [c for c in cases if c.named and c.answer.get("confidence") is not None]
     off = [c.answer["confidence"] - bool(set(c.classes[0]) & set(c.names)) for c in asked]
-    value = abs(float(np.mean(off))) if off else np.nan
-    return {"goal": "16 stated confidence less hits", "value": value, "bound": None, "n": len(off)}
+    goal = "16 stated confidence less hits"
+    if not off:
+        return nothing(goal)
+    return {"goal": goal, "value": abs(float(np.mean(off))), "bound": None, "n": len(off)}
 
 
 def _by_names(cases: Sequence[Case]) -> dict[tuple[str], list[Case]]:

@@ -292,8 +292,7 @@ def confusion(cases: Sequence[Case], size: float = 1.0) -> pd.DataFrame:
         table["answered"],
         normalize="index",
     )
-    columns = [c for c in (*EFFECTS, "unknown", "none") if c in shares]
-    return shares.reindex(columns=columns).reset_index()
+    return shares.reindex(columns=[*EFFECTS, "unknown", "none"], fill_value=0.0).reset_index()
 
 
 def _counted(case: Case) -> str:

@@ -21,7 +21,7 @@ export PYTHONPATH := src
 export NUMBA_CACHE_DIR ?= $(CURDIR)/.numba/$(shell cat src/softsample/fem/*.py | sha256sum | cut -c1-16)
 unexport VIRTUAL_ENV
 
-.PHONY: help env run quick extended docs test test-long check bench bench-solver bench-imaging verify blind blind-full \
+.PHONY: help env run quick extended docs test test-long check bench bench-solver bench-imaging verify undeclared blind blind-full \
 	format clean clean-env
 
 help:
@@ -35,6 +35,7 @@ help:
 	echo "make bench      speed of the solver on this machine, into results/bench/"
 	echo "make verify     the solver against exact solutions and other solvers: docs/verification.md"
 	echo "make bench-imaging  accuracy of segmentation and mesh on made-up images, into results/bench/"
+	echo "make undeclared records with undeclared effects, from image to scored verdict: results/undeclared/"
 	echo "make blind      the loop on records with undeclared effects, scored: results/blind/"
 	echo "make blind-full the same at four sizes and three designs (hours): results/blind-full/"
 	echo "make format     let ruff and snakefmt rewrite the sources"
@@ -113,6 +114,11 @@ bench-solver: $(stamp)
 
 verify: $(stamp)
 	$(bin)/python benchmarks/verification.py
+
+undeclared: $(stamp)
+	$(bin)/snakemake --cores $(CORES) verdicts results/undeclared/scoring/verdicts.csv \
+	  --configfile config/undeclared.yaml
+	$(bin)/python -c "import pandas as pd; print(pd.read_csv('results/undeclared/scoring/verdicts.csv').to_string())"
 
 blind: $(stamp)
 	$(bin)/snakemake --cores $(CORES) blind

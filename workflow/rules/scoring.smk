@@ -88,3 +88,20 @@ rule element_type:
         "One-point against three-field elements on the same meshes"
     script:
         "../scripts/element_type.py"
+
+
+rule score_verdicts:
+    input:
+        truth=expand(os.path.join(TRUTH, "{group}.json"), group=GROUPS),
+        verdicts=expand("<results>/loop/{group}/verdict.json", group=GROUPS),
+        code=library("workflow/scripts/score_verdicts.py"),
+    output:
+        table="<results>/scoring/verdicts.csv",
+    log:
+        "<logs>/score_verdicts.log",
+    params:
+        groups=list(GROUPS),
+    message:
+        "Compare the verdicts with the sealed truth"
+    script:
+        "../scripts/score_verdicts.py"

@@ -26,6 +26,12 @@ HALF = 0.5
 MIN_TEXTURE = 0.02
 """Smallest standard deviation of the tissue about its level nearby, relative."""
 
+DROP_EDGE = 0.4
+"""Edge of the voxels in which free fluid is told from a film [mm]."""
+
+DROP_MM3 = 0.09
+"""Smallest drop [mm3]; in large voxels, three of them."""
+
 BASE_REACH = (0.15, 0.25)
 """What lies this near to the base plane is base [mm, voxel edges; the larger of the two]."""
 
@@ -331,7 +337,7 @@ def tissue_share(image: Array, spacing: Array, settings: SegmentationSettings) -
     return TissueShare(
         share=share,
         mask=mask,
-        fluid=_free_fluid(raw, settings.fluid_ratio),
+        fluid=_free_fluid(raw, settings.fluid_ratio, spacing),
         hole=mask & (share <= HALF),
         power=square / (bias * local) ** 2,
         texture=float(np.sqrt(max(texture, MIN_TEXTURE**2))),
@@ -354,11 +360,16 @@ def _refuse_two(bright: Mask, spacing: Array) -> None:
         )
 
 
-def _free_fluid(raw: Array, ratio: float) -> Mask:
-    """Groups of at least three voxels much brighter than the tissue nearby."""
-    labels, _ = ndimage.label(raw > ratio, np.ones((3, 3, 3)))
+def _free_fluid(raw: Array, ratio: float, spacing: Array) -> Mask:
+    """Groups of voxels much brighter than the tissue nearby.
+
+    Smaller voxels are smoothed to the size of `DROP_EDGE`, or a film would fill them.
+    """
+    blur = np.sqrt(np.maximum((DROP_EDGE * MM) ** 2 - spacing**2, 0.0) / 12.0)
+    labels, _ = ndimage.label(intensity.smooth(raw, blur, spacing) > ratio, np.ones((3, 3, 3)))
     sizes = np.bincount(labels.ravel())
-    return np.asarray((sizes[labels] >= 3) & (labels > 0), dtype=bool)
+    fewest = max(3.0, DROP_MM3 * MM**3 / float(np.prod(spacing)))
+    return np.asarray((sizes[labels] >= fewest) & (labels > 0), dtype=bool)
 
 
 def _blur(spacing: Array, settings: SegmentationSettings) -> Array:

@@ -18,7 +18,7 @@ Array = NDArray[np.float64]
 MODULI = ("mu", "mu1", "mu2")
 """What `moduli` returns, by name."""
 
-STEPS = 2.0 ** np.arange(-1, 7)
+STEPS = 2.0 ** np.arange(-1, 8)
 """Distances of a profile's points from the optimum, in steps."""
 
 
@@ -128,7 +128,7 @@ class AreaLikelihood:
         shape = list(self.search.bounds)[2:]
         return {
             **{name: self.profile(name, 0.01, confidence) for name in MODULI},
-            **{name: self.profile(name, 0.2, confidence) for name in shape},
+            **{name: self.profile(name, 0.1, confidence) for name in shape},
         }
 
     def _profile(
@@ -136,7 +136,7 @@ class AreaLikelihood:
         step: float, confidence: float,
     ) -> Profile:  # fmt: skip
         index = list(self.search.bounds).index(name)
-        values = best[index] + step * np.concatenate([-STEPS[::-1], STEPS])
+        values = best[index] + step * np.concatenate([-STEPS[::-1], [0.0], STEPS])
         values = np.unique(np.clip(values, *bounds[index]))
         depths, _ = profile(deviance, best, index, values, bounds)
         depths *= 2.0 * self.points

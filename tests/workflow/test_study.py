@@ -1,7 +1,8 @@
-"""A whole study of two small samples, from images and records to the report."""
+"""Whole studies of small samples, from images and records to the report."""
 
 import json
 import os
+import shutil
 import subprocess
 import sys
 import xml.etree.ElementTree as ET
@@ -15,11 +16,9 @@ import toy
 ROOT = Path(__file__).resolve().parents[2]
 
 
-@pytest.fixture(scope="module")
-def study(tmp_path_factory):
+def workflow_on(table, results):
     """Runs the workflow in this checkout, so that compiled kernels are shared."""
-    folder = tmp_path_factory.mktemp("toy study")  # with a space in its name
-    settings = [f"samples={toy.write_study(folder)}", f"results={folder / 'results'}"]
+    settings = [f"samples={table}", f"results={results}"]
     command = [sys.executable, "-m", "snakemake", "--cores", "2"]
     options = ["--configfile", "config/test.yaml", "--config", *settings]
 
@@ -35,6 +34,14 @@ def study(tmp_path_factory):
         assert done.returncode == 0, done.stdout[-5000:]
         return done.stdout
 
+    return run
+
+
+@pytest.fixture(scope="module")
+def study(tmp_path_factory):
+    """Three animals: tension and compression of one, shear of two."""
+    folder = tmp_path_factory.mktemp("toy study")  # with a space in its name
+    run = workflow_on(toy.write_study(folder, toy.THREE_ANIMALS), folder / "results")
     run()
     return folder / "results", run
 
@@ -47,13 +54,13 @@ def test_all_checks_passed(study):
     results, _ = study
     passed = load(results, "checks/passed.json")
     assert passed["passed"] is True
-    assert passed["checks"] == 4 * 9 + 2 * 4
+    assert passed["checks"] == 8 * 9 + 2 * (4 + 2 + 2)
     assert (results / "failures.rst").read_text() == ""
 
 
 def test_the_cuboid_has_the_size_that_was_drawn(study):
     results, _ = study
-    for sample in "AB":
+    for sample in "ABDE":
         cuboid = load(results, f"cuboid/{sample}.json")
         # edges are rounded, so the mean widths are below the extent and above it less the radius
         assert toy.LENGTH - 1.0 < cuboid["length_mm"] < toy.LENGTH + 0.1
@@ -93,10 +100,80 @@ def test_the_tables_hold_the_calibrated_moduli_and_no_value_of_the_paper(study):
     assert pd.read_csv(results / "tables/table2.csv")["group"].tolist() == ["B"]
 
 
+def test_every_animal_has_its_row_and_its_share_in_the_means(study):
+    results, _ = study
+    moduli = pd.read_csv(results / "tables/table1.csv")
+    assert moduli["group"].tolist() == ["AB", "D", "E"]
+    assert moduli["mode"].tolist() == ["tension+compression", "shear", "shear"]
+    means = pd.read_csv(results / "tables/summary.csv").set_index(["quantity", "mode"])
+    assert means.loc[("bottom_area_absolute", "all"), "count"] == 4
+    shear, single = (
+        means.loc[key]
+        for key in (("modulus_two_term", "shear"), ("modulus_one_term", "compression"))
+    )
+    assert (shear["count"], single["count"]) == (2, 1)
+    assert shear["low_percent"] < shear["mean_percent"] < shear["high_percent"]
+    assert single[["sd_percent", "low_percent", "high_percent"]].isna().all()
+    contact = pd.read_csv(results / "tables/contact.csv")
+    assert (contact["real_percent"] < contact["ideal_percent"]).all()
+    assert (contact["ideal_percent"] > 99.0).all()
+
+
+def test_effects_of_the_geometry_are_found_on_demand(study):
+    results, run = study
+    run("geometry_effects")
+    shares = pd.read_csv(results / "tables/bias_shares.csv")
+    assert set(zip(shares["group"], shares["terms"], strict=True)) == {
+        ("AB", 2), ("AB", 1), ("D", 2), ("E", 2),
+    }  # fmt: skip
+    parts = shares[["late_contact", "outline", "areas"]].sum(axis=1)
+    np.testing.assert_allclose(parts, shares["bias_percent"], atol=1e-6)
+    assert (shares.loc[shares["group"] == "AB", "late_contact"] < 0.0).all()
+    assert pd.read_csv(results / "tables/cohort_needed.csv").empty  # the paper is not asked
+    prescribed = pd.read_csv(results / "tables/prescribed.csv").set_index(["sample", "geometry"])
+    assert prescribed["agrees_2_percent_strain"].loc[:, "ideal"].min() > 0.1
+    assert prescribed["agrees_2_percent_strain"].loc[:, "real"].max() == 0.0
+
+
+def test_a_study_of_one_shear_sample_has_its_tables_and_no_others(study, tmp_path):
+    """The sample's own results are taken over from the larger study, as if it had shrunk."""
+    results, run_larger = study
+    run_larger("geometry_effects")
+    table = toy.write_study(tmp_path, toy.SHEAR_ALONE)
+    of_sample = ("inputs", "segmentation", "cuboid", "mesh", "curves", "fields", "sensitivity")
+    for folder in (*of_sample, "band", "calibration", "loop", "geometry_effects"):
+        for path in [*(results / folder).rglob("D*"), *(results / folder).rglob("D/**/*")]:
+            if path.is_file():
+                target = tmp_path / "results" / path.relative_to(results)
+                target.parent.mkdir(parents=True, exist_ok=True)
+                shutil.copy2(path, target)
+    for path in [table, *tmp_path.glob("D.*")]:
+        os.utime(path, (0, 0))  # older than the results
+    run = workflow_on(table, tmp_path / "results")
+    printed = run("all", "geometry_effects")
+    assert "Segment the image" not in printed
+    made = tmp_path / "results"
+    moduli = pd.read_csv(made / "tables/table1.csv")
+    assert moduli["group"].tolist() == ["D"]
+    expected = pd.read_csv(results / "tables/table1.csv").set_index("group").loc["D"]
+    assert moduli["mu_real_pa"][0] == expected["mu_real_pa"]
+    lacking = {"table2", "contact", "prescribed", "figure6"}  # of compression alone
+    for pattern in ("tables/*.csv", "figures/*.png"):
+        larger, own = ({path.stem for path in at.glob(pattern)} for at in (results, made))
+        assert larger & lacking
+        assert own == larger - lacking
+    assert set(pd.read_csv(made / "tables/summary.csv")["mode"]) == {"all", "shear"}
+    assert load(made, "checks/passed.json")["passed"] is True
+    run("all", "--report", str(made / "report.html"))
+    page = (made / "report.html").read_text(encoding="utf-8")
+    assert "no such sample in this study" in page
+    assert "System Message" not in page
+
+
 def test_every_json_result_says_where_it_comes_from(study):
     results, _ = study
     files = sorted(results.rglob("*.json"))
-    assert len(files) > 25
+    assert len(files) > 50
     for path in files:
         record = load(results, path)["provenance"]
         assert record["versions"]["softsample"]
@@ -112,9 +189,9 @@ def test_every_log_is_written_and_no_file_is_half_written(study):
 
 def test_figures_are_drawn_in_both_formats(study):
     results, _ = study
-    for number in (2, 4, 5, 6, 7):
-        assert (results / f"figures/figure{number}.png").read_bytes()[:4] == b"\x89PNG"
-        assert (results / f"figures/figure{number}.pdf").read_bytes()[:4] == b"%PDF"
+    for name in (*(f"figure{number}" for number in range(2, 8)), "contact"):
+        assert (results / f"figures/{name}.png").read_bytes()[:4] == b"\x89PNG"
+        assert (results / f"figures/{name}.pdf").read_bytes()[:4] == b"%PDF"
 
 
 def test_a_second_run_does_nothing_and_the_report_can_be_made(study):

@@ -1,4 +1,4 @@
-"""A made-up study of two small samples, as cheap as a real one can be (no code under test)."""
+"""Made-up studies of a few small samples, as cheap as real ones can be (no code under test)."""
 
 from pathlib import Path
 
@@ -8,6 +8,14 @@ import numpy as np
 LENGTH, WIDTH, HEIGHT = 13.0, 11.0, 8.0  # mm
 VOXEL = 0.4  # mm
 MU, ALPHA = (800.0, 200.0), (-8.0, 16.0)  # Pa, 1
+
+ONE_ANIMAL = (("A", "AB", "tension"), ("B", "AB", "compression"))
+THREE_ANIMALS = (*ONE_ANIMAL, ("D", "D", "shear"), ("E", "E", "shear"))
+SHEAR_ALONE = (("D", "D", "shear"),)
+"""Sample, group and mode of each row of a study."""
+
+SEEDS = {"A": 0, "B": 1, "D": 2, "E": 3}
+TRAVEL = {"tension": 1.6, "compression": -2.0, "shear": 1.6}  # mm
 
 
 def image(seed):
@@ -38,25 +46,38 @@ def force(stretch, share):
     return share * 1e-6 * LENGTH * WIDTH * stress
 
 
+def shear_force(shear, share):
+    """Force [N] of simple shear of an incompressible cuboid of which `share` carries load."""
+    stretch = 0.5 * shear + np.sqrt(0.25 * shear**2 + 1.0)
+    stress = sum(
+        2.0 * mu / alpha * (stretch**alpha - stretch**-alpha) / (stretch + 1.0 / stretch)
+        for mu, alpha in zip(MU, ALPHA, strict=True)
+    )
+    return share * 1e-6 * LENGTH * WIDTH * stress
+
+
 def record(mode, seed):
     """Time [s], travel [mm], force [N] of 0.5 s of rest and a ramp at 0.3 mm/s."""
-    sign, travel = (1.0, 1.6) if mode == "tension" else (-1.0, 2.0)
-    time = np.round(np.arange(0.0, 0.5 + travel / 0.3, 0.02), 2)
-    moved = 0.3 * np.clip(time - 0.5, 0.0, None)
-    share = 1.0 if mode == "tension" else 0.54 * np.clip(moved / 1.0, 0.0, 1.0) ** 0.5
+    time = np.round(np.arange(0.0, 0.5 + abs(TRAVEL[mode]) / 0.3, 0.02), 2)
+    moved = 0.3 * np.clip(time - 0.5, 0.0, None) * np.sign(TRAVEL[mode])
     noise = np.random.default_rng(100 + seed).normal(size=(2, len(time)))
-    pull = force(1.0 + sign * moved / HEIGHT, share)
-    return time, sign * moved + 1e-3 * noise[0], pull + 5e-4 * noise[1]
+    if mode == "shear":
+        push = shear_force(moved / HEIGHT, 0.75)
+    else:
+        late = 0.54 * np.clip(-moved, 0.0, 1.0) ** 0.5
+        push = force(1.0 + moved / HEIGHT, 1.0 if mode == "tension" else late)
+    return time, moved + 1e-3 * noise[0], push + 5e-4 * noise[1]
 
 
-def write_study(folder: Path) -> Path:
+def write_study(folder: Path, samples=ONE_ANIMAL, table: str = "samples.tsv") -> Path:
     """Write images, records and the table; returns the table's path."""
     rows = ["sample\tgroup\tmode\timage\trecord"]
-    for seed, (name, mode) in enumerate((("A", "tension"), ("B", "compression"))):
+    for name, group, mode in samples:
+        seed = SEEDS[name]
         nibabel.save(nibabel.Nifti1Image(*image(seed)), folder / f"{name}.nii.gz")
         columns = np.stack(record(mode, seed), axis=1)
         header = "time_s,displacement_mm,force_N"
         np.savetxt(folder / f"{name}.csv", columns, "%.4f", ",", header=header, comments="# toy\n")
-        rows.append(f"{name}\tAB\t{mode}\t{name}.nii.gz\t{name}.csv")
-    (folder / "samples.tsv").write_text("\n".join(rows) + "\n")
-    return folder / "samples.tsv"
+        rows.append(f"{name}\t{group}\t{mode}\t{name}.nii.gz\t{name}.csv")
+    (folder / table).write_text("\n".join(rows) + "\n")
+    return folder / table

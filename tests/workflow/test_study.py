@@ -12,6 +12,7 @@ import numpy as np
 import pandas as pd
 import pytest
 import toy
+from browser import CHROMIUM, Browser
 
 ROOT = Path(__file__).resolve().parents[2]
 
@@ -44,6 +45,23 @@ def study(tmp_path_factory):
     run = workflow_on(toy.write_study(folder, toy.THREE_ANIMALS), folder / "results")
     run()
     return folder / "results", run
+
+
+def pictures_of(browser, category):
+    """File names of the pictures that are drawn when each entry of a category is opened."""
+    browser.click(category)
+    eyes = "document.querySelectorAll('a[iconname=eye]')"
+    assert browser.wait_for(f"{eyes}.length")
+    drawn = "[...document.images].filter(i => i.naturalWidth && i.src.startsWith('data:image/png'))"
+    names = set()
+    for entry in range(browser.run(f"{eyes}.length")):
+        browser.run(f"{eyes}[{entry}].click()")
+        known = json.dumps(sorted(names))
+        assert browser.wait_for(f"{drawn}.some(i => !{known}.some(name => i.src.includes(name)))")
+        sources = browser.run(f"{drawn}.map(i => i.src.split(';base64')[0])")
+        names |= {source.split("filename=")[1] for source in sources}
+    browser.click("Results")
+    return names
 
 
 def load(results, name):
@@ -201,6 +219,34 @@ def test_a_second_run_does_nothing_and_the_report_can_be_made(study):
     page = (results / "report.html").read_text(encoding="utf-8")
     assert "two-term model" in page
     assert "System Message" not in page  # docutils would complain of a missing number
+
+
+@pytest.mark.skipif(CHROMIUM is None, reason="Chromium is not installed")
+def test_the_report_opens_in_a_browser_with_all_its_pictures_and_no_network(study, tmp_path):
+    results, run = study
+    page = results / "report.html"
+    if not page.exists():
+        run("--report", str(page))
+    numbered = {*(f"figure{number}.png" for number in range(2, 8)), "contact.png"}
+    with Browser(tmp_path) as browser:
+        browser.open(page)
+        assert browser.wait_for("document.body.innerText.includes('Bias of the shear modulus')")
+        assert pictures_of(browser, "Figures") == numbered
+        assert pictures_of(browser, "Samples") == {f"{sample}.png" for sample in "ABDE"}
+        assert browser.outward == []
+        assert browser.complaints == []
+
+
+@pytest.mark.skipif(CHROMIUM is None, reason="Chromium is not installed")
+def test_the_browser_tells_of_errors_requests_and_missing_pictures(tmp_path):
+    page = tmp_path / "page.html"
+    page.write_text("<img src='https://example.invalid/x.png'><script>console.error('no')</script>")
+    with Browser(tmp_path / "profile") as browser:
+        browser.open(page)
+        assert browser.wait_for("document.images[0].complete")
+        assert not browser.run("document.images[0].naturalWidth > 0")
+        assert browser.outward == ["https://example.invalid/x.png"]
+        assert browser.complaints[0] == "['no']"
 
 
 def test_a_test_at_the_optimum_is_exported_on_demand(study):

@@ -76,7 +76,13 @@ def test_scripts_only_adapt():
 def test_only_scoring_knows_of_the_truth():
     files = [*SOURCES, *SCRIPTS, ROOT / "Snakefile", *sorted((ROOT / "workflow/rules").glob("*"))]
     naming = {p.name for p in files if re.search(r"truth", p.read_text(encoding="utf-8"), re.I)}
-    assert naming == {"scoring.py", "score.py", "recovery.py", "scoring.smk"}
+    assert naming == {
+        "scoring.py",
+        "score.py",
+        "score_verdicts.py",
+        "recovery.py",
+        "scoring.smk",
+    }
 
 
 def test_the_blind_laboratory_shares_nothing_with_the_effects():

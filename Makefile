@@ -34,7 +34,7 @@ help:
 	echo "make check      ruff, snakefmt, mypy, snakemake --lint"
 	echo "make bench      speed of the solver on this machine, into results/bench/"
 	echo "make verify     the solver against exact solutions and other solvers: docs/verification.md"
-	echo "make bench-imaging  accuracy of segmentation and mesh on made-up images, into results/bench/"
+	echo "make bench-imaging  accuracy of segmentation and mesh on made-up images: docs/accuracy.md"
 	echo "make undeclared records with undeclared effects, from image to scored verdict: results/undeclared/"
 	echo "make blind      the loop on records with undeclared effects, scored: results/blind/"
 	echo "make blind-full the same at four sizes and three designs (hours): results/blind-full/"
@@ -128,6 +128,7 @@ blind-full: $(stamp)
 
 bench-imaging: $(stamp)
 	$(bin)/python benchmarks/imaging.py results/bench/imaging.json
+	$(bin)/python benchmarks/imaging_page.py results/bench/imaging.json
 
 format: $(stamp)
 	$(bin)/ruff check --fix .

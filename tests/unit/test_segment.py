@@ -30,6 +30,7 @@ SCANS = {
     "thin film": replace(PLAIN, voxel=(0.25, 0.25, 0.5), film=0.03, snr=14.0),
     "hidden film": replace(PLAIN, voxel=(0.6, 0.6, 0.6), film=0.03, snr=14.0),
     "thick film": replace(PLAIN, voxel=(0.6, 0.6, 0.6), film=0.1, fluid=2.4),
+    "film in small voxels": replace(PLAIN, voxel=(0.15, 0.15, 0.3), film=0.08),
     "drop": replace(PLAIN, voxel=(0.25, 0.25, 0.25), drops=((7.1, 0.5, 4.0, 0.5),)),
     "bubble": replace(PLAIN, bubbles=((5.6, 0.5, 4.0, 0.7),)),
     "neighbour": replace(
@@ -66,6 +67,12 @@ def test_film_is_found_where_there_is_one_and_none_elsewhere():
     assert all(found(name).film == 0.0 for name in DRY)
     assert 1e3 * found("film").film == pytest.approx(0.06, abs=0.015)
     assert 1e3 * found("thick film").film == pytest.approx(0.1, abs=0.03)
+
+
+def test_a_film_that_fills_voxels_is_measured_and_not_left_out_as_a_drop():
+    result = found("film in small voxels")
+    assert 1e3 * result.film == pytest.approx(0.08, abs=0.03)
+    assert result.flags == ()
 
 
 @pytest.mark.parametrize("name", SCANS)

@@ -1,6 +1,7 @@
 # The pages of docs/ that show the study's results; `make docs` copies them there.
 
 PAGES = ["reproduction", "recovery"]
+EXTENDED = ["direct.csv", "exponents.csv", "common_exponents.csv", "exponents.png"]
 
 
 rule reproduction:
@@ -8,12 +9,17 @@ rule reproduction:
         tables=[
             *(name for name in tables() if name.endswith(".csv")),
             *(name for name in geometry_results() if name.endswith(".csv")),
+            *(f"<results>/extended/{name}" for name in EXTENDED if name.endswith(".csv")),
             "<results>/scoring/recovery.csv",
             "<results>/scoring/element_type.csv",
         ],
         figures=[
             name
-            for name in figures() + geometry_results()
+            for name in [
+                *figures(),
+                *geometry_results(),
+                *(f"<results>/extended/{name}" for name in EXTENDED),
+            ]
             if name.endswith(".png") and "/samples/" not in name
         ],
         templates=[str(ROOT / f"workflow/report/{page}.md.j2") for page in PAGES],

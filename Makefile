@@ -54,19 +54,25 @@ $(stamp):
 	touch $@
 
 # A lock that a killed run left behind is removed, if no other run is alive: the operating system
-# releases this file's lock with its process. If samples failed, the report holds the others.
+# releases the locks of both files with their processes; every Snakemake process and every job on a
+# cluster holds the second one. If samples failed, the report holds the others.
+busy := echo "Another run is working in this folder; wait for it, or stop it." >&2; exit 1
 define study
 	mkdir -p .snakemake
 	exec 9> .snakemake/run.lock
 	if command -v flock > /dev/null; then
-	  flock -n 9 || { echo "Another run is working in this folder; wait for it, or stop it." >&2; exit 1; }
+	  flock -n 9 || { $(busy); }
 	  if [ -n "$$(ls -A .snakemake/locks 2> /dev/null)" ]; then
+	    flock -n .snakemake/alive.lock true 9>&- || { $(busy); }
 	    $(bin)/snakemake --unlock --quiet all $(1) > /dev/null 2>&1 9>&- || true
 	  fi
 	fi
 	status=0
 	$(bin)/snakemake --cores $(CORES) $(1) 9>&- || status=$$?
-	if [ $$status != 0 ]; then
+	if [ $$status -ge 128 ]; then
+	  echo "The run was stopped; what is finished is kept, the same command goes on from there." >&2
+	  exit $$status
+	elif [ $$status != 0 ]; then
 	  export SOFTSAMPLE_PARTIAL=1
 	  $(bin)/snakemake --cores $(CORES) reported $(1) 9>&- || exit $$status
 	fi
@@ -88,7 +94,7 @@ docs: $(stamp)
 	$(bin)/snakemake --cores $(CORES) reproduction
 	rm -rf docs/data/reproduction docs/figures/reproduction
 	cp -R results/docs/. docs/
-	find docs -name .snakemake_timestamp -delete
+	find docs '(' -name .snakemake_timestamp -o -name '.*.sha256' ')' -delete
 
 extended: $(stamp)
 	$(bin)/snakemake --cores $(CORES) extended

@@ -7,8 +7,7 @@ import gzip
 import json
 import math
 import os
-from collections.abc import Iterator, Mapping
-from contextlib import contextmanager
+from collections.abc import Mapping
 from io import StringIO
 from pathlib import Path
 from typing import Any
@@ -19,6 +18,7 @@ import yaml
 from numpy.typing import ArrayLike, NDArray
 
 from softsample.errors import InputError, MeshError
+from softsample.files import written_aside
 from softsample.formats import LPS_TO_RAS, PathLike, read_image
 from softsample.meshing.mesh import HexMesh
 from softsample.meshing.surface import TriangleSurface
@@ -27,23 +27,6 @@ MM = 1e-3
 """One millimetre [m]."""
 
 VTK_HEXAHEDRON = 12
-
-
-@contextmanager
-def written_aside(path: PathLike) -> Iterator[Path]:
-    """Give a temporary name beside `path` and rename it to `path` when the block succeeds.
-
-    A process killed inside the block leaves the old file, or none, never half of a new one.
-    The temporary name starts with a dot and keeps the suffix, which some writers look at.
-    """
-    target = Path(path)
-    target.parent.mkdir(parents=True, exist_ok=True)
-    aside = target.with_name(f".partial-{os.getpid()}-{target.name}")
-    try:
-        yield aside
-        os.replace(aside, target)
-    finally:
-        aside.unlink(missing_ok=True)
 
 
 def write_text(path: PathLike, text: str) -> None:

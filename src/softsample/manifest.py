@@ -8,7 +8,7 @@ from typing import Any
 import pandas as pd
 
 from softsample.errors import InputError
-from softsample.workflow import sha256
+from softsample.files import sha256
 
 
 def check_files(

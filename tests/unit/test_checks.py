@@ -12,11 +12,11 @@ from softsample.checks import (
     simulation_checks,
 )
 from softsample.errors import InputError, SimulationError
+from softsample.files import sha256
 from softsample.images import check_image, world_axis
 from softsample.manifest import check_files
 from softsample.meshing.mesh import HexMesh
 from softsample.scoring import score_summary, score_table
-from softsample.workflow import sha256
 
 LIMITS = {
     "energy_imbalance_max": 0.01,

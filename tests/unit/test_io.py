@@ -71,6 +71,8 @@ def test_a_process_killed_while_writing_leaves_the_old_file(tmp_path):
     process.kill()
     process.wait()
     assert target.read_text() == "whole\n"
+    write_text(target, "new\n")
+    assert os.listdir(tmp_path) == ["result.csv"]  # what the other left is gone
 
 
 @pytest.mark.parametrize("bad", [np.nan, np.inf, np.float32("nan"), np.array([1.0, np.nan])])

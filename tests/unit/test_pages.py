@@ -7,9 +7,9 @@ import pandas as pd
 import pytest
 from jinja2 import UndefinedError
 
+from softsample.files import sha256
 from softsample.io import read_table
 from softsample.report.page import fixed, mean, render_page, signed
-from softsample.workflow import sha256
 
 ROOT = Path(__file__).resolve().parents[2]
 DOCS = ROOT / "docs"

@@ -3,6 +3,7 @@
 import ast
 import os
 import sys
+from contextlib import suppress
 from functools import cache
 from itertools import accumulate, chain
 from pathlib import Path
@@ -15,11 +16,16 @@ search_path = [SOURCES, *filter(None, os.environ.get("PYTHONPATH", "").split(os.
 os.environ.update(PYTHONPATH=os.pathsep.join(dict.fromkeys(search_path)))
 
 from softsample.errors import SoftsampleError
+from softsample.files import show_presence
 from softsample.formats import files_of
 from softsample.io import read_samples, read_yaml, write_text
 from softsample.report.tables import LEVEL
 from softsample.validation import DEFAULT_AXES, check_config, check_samples
 from softsample.workflow import failed_jobs, sha256_of_files
+
+
+# `make` removes the lock of a killed run only if no run and no job of one is alive.
+show_presence(".snakemake/alive.lock")
 
 
 def schema(name):
@@ -367,7 +373,8 @@ def closing_words(complete):
     text = "".join(f"- ``{job}``: {' '.join(reason.split())}\n" for job, reason in failed)
     listed = Path(config["results"], "failures.rst")
     if not listed.is_file() or listed.read_text(encoding="utf-8") != text:
-        write_text(listed, text)
+        with suppress(OSError):  # of a full disk the jobs have told already
+            write_text(listed, text)
     if complete:
         return f"Done. Results are below {config['results']}/ (tables, figures, checks)."
     if not failed:

@@ -18,7 +18,7 @@ from softsample.meshing.morph import shifted
 from softsample.meshing.surface import boundary_surface
 from softsample.workflow import logged_to, progress_bar, provenance
 
-with logged_to(snakemake.log[0]):
+with logged_to(snakemake):
     given, fit = snakemake.params, read_json(snakemake.input.fit)
     measured = MeasuredCurve.of_record(read_record(snakemake.input.record), given.mode)
     pace = read_json(snakemake.input.family)["loading_time_s"]

@@ -8,7 +8,7 @@ from softsample.loop.noise import NoiseSettings
 from softsample.loop.select import SelectionSettings
 from softsample.workflow import logged_to, progress_bar
 
-with logged_to(snakemake.log[0]):
+with logged_to(snakemake):
     given, files = snakemake.params, snakemake.input
     curves = dict(zip(given.names, map(read_table, files.curves), strict=True))
     models = {

@@ -7,7 +7,7 @@ from softsample.io import write_table
 from softsample.loop.variants import VariantSettings
 from softsample.workflow import logged_to
 
-with logged_to(snakemake.log[0]):
+with logged_to(snakemake):
     given = snakemake.params
     write_table(
         snakemake.output.curves,

@@ -3,17 +3,19 @@
 from softsample.blindlab.score import Case, confusion, opened, score
 from softsample.figures.confusion import confusion_figure
 from softsample.figures.style import save
-from softsample.io import read_json, write_json, write_table
-from softsample.workflow import logged_to, provenance, sha256
+from softsample.files import sha256
+from softsample.io import read_json, write_json, write_table, written_aside
+from softsample.workflow import logged_to, provenance
 
-with logged_to(snakemake.log[0]):
+with logged_to(snakemake):
     files = snakemake.input
     planted = opened(read_json(files.planted), read_json(files.seal), sha256(files.planted))
     answers = {int(k): a for file in files.answers for k, a in read_json(file).items()}
     cases = [Case(what, answers[k]) for k, what in enumerate(planted)]
     table = confusion(cases)
     write_table(snakemake.output.confusion, table)
-    save(confusion_figure(table), snakemake.output.figure)
+    with written_aside(snakemake.output.figure) as aside:
+        save(confusion_figure(table), aside)
     write_json(
         snakemake.output.score,
         {"score": score(cases), "seal": read_json(files.seal), "provenance": provenance(snakemake)},

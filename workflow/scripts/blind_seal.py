@@ -1,10 +1,11 @@
 """Seal what is planted in the experiments before any is judged (rule `blind_seal`)."""
 
 from softsample.blindlab.plan import Benches, Extent, plan
+from softsample.files import sha256
 from softsample.io import write_json
-from softsample.workflow import logged_to, provenance, sha256
+from softsample.workflow import logged_to, provenance
 
-with logged_to(snakemake.log[0]):
+with logged_to(snakemake):
     benches = Benches(**snakemake.params.bodies)
     planted = [e.planted(e.body(benches)) for e in plan(Extent(**snakemake.params.extent))]
     write_json(snakemake.output.planted, {"experiments": planted})

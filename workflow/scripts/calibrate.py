@@ -18,7 +18,7 @@ from softsample.io import (
 from softsample.protocol import travel_sign
 from softsample.workflow import logged_to, provenance
 
-with logged_to(snakemake.log[0]):
+with logged_to(snakemake):
     given = snakemake.params
     modes = dict(zip(given.samples, given.modes, strict=True))
     families, measured = {}, {}

@@ -15,7 +15,7 @@ from softsample.io import MM, read_json, read_record, read_table, write_json, wr
 from softsample.report.tables import loading
 from softsample.workflow import logged_to, progress_bar, provenance
 
-with logged_to(snakemake.log[0]):
+with logged_to(snakemake):
     given, files = snakemake.params, snakemake.input
     settings = CalibrationSettings(**given.settings)
     scatter = UncertaintySettings(**given.uncertainty)

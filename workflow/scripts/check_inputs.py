@@ -5,7 +5,7 @@ from softsample.io import read_image, read_record, read_yaml, write_json
 from softsample.records import check_record
 from softsample.workflow import logged_to, provenance
 
-with logged_to(snakemake.log[0]):
+with logged_to(snakemake):
     image, record = snakemake.input.image[0], snakemake.input.record
     report = {
         "sample": snakemake.wildcards.sample,

@@ -4,7 +4,7 @@ from softsample.io import read_samples, write_json
 from softsample.manifest import check_files
 from softsample.workflow import logged_to, provenance
 
-with logged_to(snakemake.log[0]):
+with logged_to(snakemake):
     manifest = snakemake.input.manifest
     report = check_files(read_samples(manifest), manifest, snakemake.input.files)
     write_json(snakemake.output.report, {**report, "provenance": provenance(snakemake)})

@@ -4,7 +4,7 @@ from softsample.checks import simulation_checks
 from softsample.io import read_json, read_mesh, write_json
 from softsample.workflow import logged_to, provenance
 
-with logged_to(snakemake.log[0]):
+with logged_to(snakemake):
     checks = simulation_checks(
         read_mesh(snakemake.input.mesh),
         read_json(snakemake.input.quality),

@@ -6,6 +6,6 @@ from softsample.checks import gather
 from softsample.io import read_json, write_json
 from softsample.workflow import logged_to, provenance
 
-with logged_to(snakemake.log[0]):
+with logged_to(snakemake):
     report = gather({Path(path).stem: read_json(path) for path in snakemake.input.reports})
     write_json(snakemake.output.report, {**report, "provenance": provenance(snakemake)})

@@ -20,7 +20,7 @@ from softsample.io import (
 from softsample.protocol import travel_sign
 from softsample.workflow import logged_to, progress_bar, provenance
 
-with logged_to(snakemake.log[0]):
+with logged_to(snakemake):
     given, sample = snakemake.params, snakemake.wildcards.sample
     fit, curve = read_json(snakemake.input.fit), read_table(snakemake.input.fit_curve)
     mesh, point_data, cell_data = read_mesh_with_data(snakemake.input.mesh)

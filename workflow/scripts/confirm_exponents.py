@@ -9,7 +9,7 @@ from softsample.fem.setup import set_up
 from softsample.io import MM, read_json, read_mesh_with_data, read_record, read_table, write_json
 from softsample.workflow import logged_to, progress_bar, provenance
 
-with logged_to(snakemake.log[0]):
+with logged_to(snakemake):
     given, files = snakemake.params, snakemake.input
     fit = read_json(files.fits)["groups"][given.group]
     shape = [fit[name] for name in ("mu1_fraction", "alpha1", "alpha2")]

@@ -6,7 +6,7 @@ from softsample.io import read_json, read_table, write_table, written_aside
 from softsample.report.contact import contact_share, contact_table
 from softsample.workflow import logged_to
 
-with logged_to(snakemake.log[0]):
+with logged_to(snakemake):
     given, files = snakemake.params, snakemake.input
     keys = zip(given.samples, given.geometries, strict=True)
     pairs = zip(map(read_table, files.contacts), map(read_json, files.cuboids), strict=True)

@@ -3,7 +3,7 @@
 from softsample.calibration.curves import CurveFamily
 from softsample.figures.loop import loop_figure
 from softsample.figures.style import save
-from softsample.io import read_json, read_record, read_table, write_json, write_text
+from softsample.io import read_json, read_record, read_table, write_json, write_text, written_aside
 from softsample.loop.diagnose import LoopSettings, diagnose, report
 from softsample.loop.noise import NoiseSettings
 from softsample.loop.page import page
@@ -12,7 +12,7 @@ from softsample.loop.specimen import Elastic, Specimen
 from softsample.loop.variants import read_changes
 from softsample.workflow import logged_to, provenance
 
-with logged_to(snakemake.log[0]):
+with logged_to(snakemake):
     given, files = snakemake.params, snakemake.input
     settings = LoopSettings(
         NoiseSettings(**given.loop["noise"]), SelectionSettings(**given.loop["selection"])
@@ -32,4 +32,5 @@ with logged_to(snakemake.log[0]):
     verdict = report(found, settings)
     write_json(snakemake.output.verdict, {**verdict, "provenance": provenance(snakemake)})
     write_text(snakemake.output.page, page(snakemake.wildcards.group, verdict))
-    save(loop_figure(found), snakemake.output.figure)
+    with written_aside(snakemake.output.figure) as aside:
+        save(loop_figure(found), aside)

@@ -13,7 +13,7 @@ from softsample.io import write_table
 from softsample.meshing.mesh import HexMesh
 from softsample.workflow import logged_to
 
-with logged_to(snakemake.log[0]):
+with logged_to(snakemake):
     given, files, rows = snakemake.params, snakemake.input, []
     reference = ContactSettings(release=False, side_walls=False, base_platen=False)
     for mode, mesh_path, curve_path in zip(given.modes, files.meshes, files.curves, strict=True):

@@ -11,7 +11,7 @@ from softsample.fem.boundary import ContactSettings, mode_boundary
 from softsample.io import read_json, read_mesh_with_data, read_record
 from softsample.workflow import logged_to
 
-with logged_to(snakemake.log[0]):
+with logged_to(snakemake):
     given, written = snakemake.params, snakemake.output
     fit = read_json(snakemake.input.fit)
     mesh, point_data, cell_data = read_mesh_with_data(snakemake.input.mesh)

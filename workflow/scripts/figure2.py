@@ -9,7 +9,7 @@ from softsample.figures.surface import mesh_surface
 from softsample.io import read_distance, read_image, read_json, read_mesh, written_aside
 from softsample.workflow import logged_to
 
-with logged_to(snakemake.log[0]):
+with logged_to(snakemake):
     given, shown = snakemake.input, snakemake.params
     meshes = [read_mesh(name) for name in (given.real, given.ideal)]
     image = SegmentedImage(

@@ -8,7 +8,7 @@ from softsample.figures.style import save
 from softsample.io import read_mesh_with_data, written_aside
 from softsample.workflow import logged_to
 
-with logged_to(snakemake.log[0]):
+with logged_to(snakemake):
     shown, rows = snakemake.params, []
     for geometry in ("real", "ideal"):
         meshes = map(read_mesh_with_data, snakemake.input[geometry])

@@ -5,7 +5,7 @@ from softsample.figures.style import save
 from softsample.io import read_table, written_aside
 from softsample.workflow import logged_to
 
-with logged_to(snakemake.log[0]):
+with logged_to(snakemake):
     figure = stress_strain_figure(read_table(snakemake.input.table), snakemake.params.cohort)
     for path in snakemake.output:
         with written_aside(path) as aside:

@@ -7,7 +7,7 @@ from softsample.figures.surface import level_surface
 from softsample.io import read_distance, read_json, read_mesh_with_data, written_aside
 from softsample.workflow import logged_to
 
-with logged_to(snakemake.log[0]):
+with logged_to(snakemake):
     given, shown, rows = snakemake.input, snakemake.params, []
     for at, (sample, mode) in enumerate(zip(shown.samples, shown.modes, strict=True)):
         travel = read_json(given.runs[at])["travel_mm"]

@@ -6,7 +6,7 @@ from softsample.figures.style import save
 from softsample.io import read_table, written_aside
 from softsample.workflow import logged_to
 
-with logged_to(snakemake.log[0]):
+with logged_to(snakemake):
     given = snakemake.params
     figure = profile_figure(
         read_table(snakemake.input.profiles),

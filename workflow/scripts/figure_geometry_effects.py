@@ -5,7 +5,7 @@ from softsample.figures.style import save
 from softsample.io import read_table, written_aside
 from softsample.workflow import logged_to
 
-with logged_to(snakemake.log[0]):
+with logged_to(snakemake):
     tables = (read_table(path) for path in (snakemake.input.effects, snakemake.input.needed))
     title = f"Bias of the modulus with sample or cuboid changed, {snakemake.params.cohort}"
     figure = effects_figure(*tables, title)

@@ -5,7 +5,7 @@ from softsample.figures.style import save
 from softsample.io import read_json, read_table, written_aside
 from softsample.workflow import logged_to
 
-with logged_to(snakemake.log[0]):
+with logged_to(snakemake):
     given = snakemake.input
     moduli = read_table(given.table, text_columns=("group",))
     groups = [

@@ -5,7 +5,7 @@ from softsample.figures.style import save
 from softsample.io import read_table, written_aside
 from softsample.workflow import logged_to
 
-with logged_to(snakemake.log[0]):
+with logged_to(snakemake):
     given, shown = snakemake.input, snakemake.params
     keys = zip(shown.samples, shown.geometries, strict=True)
     curves = dict(zip(keys, map(read_table, given.curves), strict=True))

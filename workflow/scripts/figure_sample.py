@@ -15,7 +15,7 @@ from softsample.io import (
 )
 from softsample.workflow import logged_to
 
-with logged_to(snakemake.log[0]):
+with logged_to(snakemake):
     given = snakemake.input
     report = read_json(given.segmentation)
     mesh, _, cell_data = read_mesh_with_data(given.mesh)

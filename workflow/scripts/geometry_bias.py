@@ -5,7 +5,7 @@ from softsample.geometry_effects.bias import families, group_bias
 from softsample.io import read_json, read_table, write_table
 from softsample.workflow import logged_to
 
-with logged_to(snakemake.log[0]):
+with logged_to(snakemake):
     given, two_term, one_term = snakemake.params, {}, {}
     for sample, path in zip(given.samples, snakemake.input.curves, strict=True):
         two_term[sample], single = families(read_table(path))

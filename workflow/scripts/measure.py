@@ -4,7 +4,7 @@ from softsample.imaging.measure import MeasurementSettings, measure
 from softsample.io import read_distance, write_json
 from softsample.workflow import logged_to, provenance
 
-with logged_to(snakemake.log[0]):
+with logged_to(snakemake):
     grid = read_distance(snakemake.input.distance, snakemake.input.report)
     settings = MeasurementSettings(
         **snakemake.params.settings, preload_mm=snakemake.params.preload_mm

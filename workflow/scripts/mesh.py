@@ -16,7 +16,7 @@ from softsample.workflow import logged_to, provenance
 
 MM = 1e-3
 
-with logged_to(snakemake.log[0]):
+with logged_to(snakemake):
     keys = dict(snakemake.params.mesh)
     size = keys.pop("element_size_mm") * MM
     shift = keys.pop("boundary_shift_mm") * MM

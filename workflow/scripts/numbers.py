@@ -4,7 +4,7 @@ from softsample.io import read_json, read_table, write_text
 from softsample.report.captions import caption_numbers, substitutions
 from softsample.workflow import logged_to
 
-with logged_to(snakemake.log[0]):
+with logged_to(snakemake):
     given = snakemake.input
     numbers = caption_numbers(
         summary=read_table(given.summary),

@@ -7,7 +7,7 @@ from softsample.geometry_effects.prescribed import simulate_both
 from softsample.io import read_json, read_mesh, write_table
 from softsample.workflow import logged_to, progress_bar
 
-with logged_to(snakemake.log[0]):
+with logged_to(snakemake):
     given, bar = snakemake.params, progress_bar()
     height = 1e-3 * read_json(snakemake.input.cuboid)["height_mm"]
     table = simulate_both(

@@ -12,7 +12,7 @@ from softsample.scoring import (
 )
 from softsample.workflow import logged_to
 
-with logged_to(snakemake.log[0]):
+with logged_to(snakemake):
     given, files = snakemake.params, snakemake.input
     families, measured, starts, meshes = {}, {}, {}, {}
     for at, (sample, mode) in enumerate(zip(given.samples, given.modes, strict=True)):

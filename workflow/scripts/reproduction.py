@@ -5,11 +5,12 @@ from pathlib import Path
 import pandas as pd
 
 from softsample.figures.small import shrink
+from softsample.files import sha256
 from softsample.io import read_table, write_table, write_text, written_aside
 from softsample.report.page import render_page
-from softsample.workflow import logged_to, sha256
+from softsample.workflow import logged_to
 
-with logged_to(snakemake.log[0]):
+with logged_to(snakemake):
     given, out = snakemake.input, snakemake.output
     data, figures = Path(out.data), Path(out.figures)
     write_table(data / "settings.csv", pd.DataFrame([dict(snakemake.params.settings)]))

@@ -4,7 +4,7 @@ from softsample.io import read_json, read_table, write_json, write_table
 from softsample.scoring import score_summary, score_table
 from softsample.workflow import logged_to, provenance
 
-with logged_to(snakemake.log[0]):
+with logged_to(snakemake):
     given = snakemake.params
     pairs = [(group, geometry) for group in given.groups for geometry in given.geometries]
     table = score_table(

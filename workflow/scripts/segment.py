@@ -14,7 +14,7 @@ from softsample.workflow import logged_to, provenance
 
 M_TO_MM = 1e3
 
-with logged_to(snakemake.log[0]):
+with logged_to(snakemake):
     given, written = snakemake.params, snakemake.output
     sample = snakemake.wildcards.sample
     data, affine = read_image(snakemake.input.image[0])

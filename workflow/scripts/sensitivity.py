@@ -9,7 +9,7 @@ from softsample.fem.setup import set_up
 from softsample.io import read_json, read_mesh_with_data, read_record, write_json
 from softsample.workflow import logged_to, progress_bar, provenance
 
-with logged_to(snakemake.log[0]):
+with logged_to(snakemake):
     given, fit = snakemake.params, read_json(snakemake.input.fit)
     meshes = {name: read_mesh_with_data(snakemake.input[name]) for name in ("mesh", "coarse")}
     measured = MeasuredCurve.of_record(read_record(snakemake.input.record), given.mode)

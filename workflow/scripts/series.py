@@ -9,7 +9,7 @@ from softsample.fem.setup import set_up
 from softsample.io import read_json, read_mesh_with_data, read_record
 from softsample.workflow import logged_to, progress_bar
 
-with logged_to(snakemake.log[0]):
+with logged_to(snakemake):
     given = snakemake.params
     model, boundary = set_up(
         *read_mesh_with_data(snakemake.input.mesh),

@@ -7,7 +7,7 @@ from softsample.io import read_mesh_with_data, read_record, write_json, write_ta
 from softsample.protocol import travel_sign
 from softsample.workflow import logged_to, progress_bar, provenance
 
-with logged_to(snakemake.log[0]):
+with logged_to(snakemake):
     given = snakemake.params
     tests = {
         mesh: set_up(

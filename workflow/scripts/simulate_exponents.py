@@ -8,7 +8,7 @@ from softsample.io import read_json, read_mesh_with_data, read_record, write_tab
 from softsample.protocol import travel_sign
 from softsample.workflow import logged_to, progress_bar
 
-with logged_to(snakemake.log[0]):
+with logged_to(snakemake):
     given = snakemake.params
     curves = simulate_exponents(
         *set_up(

@@ -5,7 +5,7 @@ import pandas as pd
 from softsample.io import read_json, write_table
 from softsample.workflow import logged_to
 
-with logged_to(snakemake.log[0]):
+with logged_to(snakemake):
     reports = map(read_json, snakemake.input.reports)
     rows = [
         {"sample": sample, **{k: v for k, v in report.items() if k != "provenance"}}

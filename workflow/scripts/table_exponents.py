@@ -4,7 +4,7 @@ from softsample.io import read_json, write_table
 from softsample.report.exponents import common_table, exponent_table
 from softsample.workflow import logged_to
 
-with logged_to(snakemake.log[0]):
+with logged_to(snakemake):
     fits = read_json(snakemake.input.fits)
     runs = dict(zip(snakemake.params.samples, map(read_json, snakemake.input.runs), strict=True))
     write_table(snakemake.output.table, exponent_table(fits["groups"], runs))

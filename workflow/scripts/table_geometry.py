@@ -4,7 +4,7 @@ from softsample.io import read_json, write_table
 from softsample.report.tables import geometry_table
 from softsample.workflow import logged_to
 
-with logged_to(snakemake.log[0]):
+with logged_to(snakemake):
     modes = snakemake.params.modes
     cuboids = {
         sample: read_json(name) for sample, name in zip(modes, snakemake.input.cuboids, strict=True)

@@ -7,7 +7,7 @@ from softsample.report.geometry_effects import effects_table, needed_table, shar
 from softsample.report.tables import loading
 from softsample.workflow import logged_to
 
-with logged_to(snakemake.log[0]):
+with logged_to(snakemake):
     given, files = snakemake.params, snakemake.input
     biases = pd.concat(
         [

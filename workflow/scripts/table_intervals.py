@@ -4,7 +4,7 @@ from softsample.io import read_json, write_table
 from softsample.report.intervals import FloorSettings, force_terms, interval_table
 from softsample.workflow import logged_to
 
-with logged_to(snakemake.log[0]):
+with logged_to(snakemake):
     given, files = snakemake.params, snakemake.input
     bands = dict(zip(given.modes, map(read_json, files.bands), strict=True))
     changes = dict(zip(given.modes, map(read_json, files.sensitivities), strict=True))

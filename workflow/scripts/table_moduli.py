@@ -7,7 +7,7 @@ from softsample.io import read_json, read_table, write_table
 from softsample.report.tables import moduli_table
 from softsample.workflow import logged_to
 
-with logged_to(snakemake.log[0]):
+with logged_to(snakemake):
     given, paper = snakemake.input, snakemake.input.paper
     names = chain.from_iterable(zip(given.real, given.ideal, strict=True))
     table, notes = moduli_table(

@@ -4,7 +4,7 @@ from softsample.io import read_table, write_table
 from softsample.report.prescribed import prescribed_table
 from softsample.workflow import logged_to
 
-with logged_to(snakemake.log[0]):
+with logged_to(snakemake):
     given = snakemake.params
     keys = zip(given.samples, given.geometries, strict=True)
     curves = dict(zip(keys, map(read_table, snakemake.input.curves), strict=True))

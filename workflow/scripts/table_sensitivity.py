@@ -5,7 +5,7 @@ import pandas as pd
 from softsample.io import read_json, write_table
 from softsample.workflow import logged_to
 
-with logged_to(snakemake.log[0]):
+with logged_to(snakemake):
     rows = [
         {"sample": sample, "change": name, **figures}
         for sample, path in zip(snakemake.params.samples, snakemake.input.reports, strict=True)

@@ -5,7 +5,7 @@ from softsample.io import MM, read_json, read_record, write_table
 from softsample.report.stress import nominal_curve, stress_strain_table
 from softsample.workflow import logged_to
 
-with logged_to(snakemake.log[0]):
+with logged_to(snakemake):
     given, curves = snakemake.input, []
     for mode, record, name in zip(
         snakemake.params.modes, given.records, given.cuboids, strict=True

@@ -4,7 +4,7 @@ from softsample.io import read_table, write_table
 from softsample.report.tables import summary_table
 from softsample.workflow import logged_to
 
-with logged_to(snakemake.log[0]):
+with logged_to(snakemake):
     given, paper = snakemake.input, snakemake.input.paper
     moduli = {
         model: read_table(name)

@@ -13,7 +13,7 @@ from softsample.workflow import logged_to, progress_bar
 
 MM = 1e-3
 
-with logged_to(snakemake.log[0]):
+with logged_to(snakemake):
     given, files = snakemake.params, snakemake.input
     keys, size = dict(given.mesh), given.element_size_mm * MM
     keys.pop("element_size_mm")

@@ -1,6 +1,6 @@
 """Test records: is one fit to be used, and what does it hold."""
 
-from collections.abc import Mapping
+from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass
 from typing import Any
 
@@ -9,7 +9,7 @@ import pandas as pd
 from numpy.typing import NDArray
 
 from softsample.errors import InputError
-from softsample.protocol import loading_ramp, phases, travel_sign
+from softsample.protocol import Phase, loading_ramp, phases, travel_sign
 from softsample.validation import refusals
 
 Array = NDArray[np.float64]
@@ -17,6 +17,7 @@ Array = NDArray[np.float64]
 MM = 1e-3
 SMALLEST_TRAVEL = 0.1 * MM
 FEWEST_IN_RAMP = 20
+FEWEST_AT_REST = 10
 LARGEST_GAP = 0.1
 """A ramp may lack samples over this part of its duration."""
 
@@ -53,6 +54,107 @@ def record_from_table(table: pd.DataFrame) -> Record:
     return Record(time, displacement * MM, force)
 
 
+@dataclass(frozen=True)
+class RecordSettings:
+    """How records of a study are to be read, where the files do not say it.
+
+    Parameters
+    ----------
+    columns, units
+        Title and unit by quantity (`time`, `displacement`, `force`).
+    positive
+        What counts as positive, by quantity: `tension` (along +z, or +x in shear), `compression`,
+        or `loading` (whatever the sample's mode is). A title such as "Compressive load" wins.
+    zero
+        Where zero is, by quantity: that of the `file`, or the mean at `rest` before the ramp.
+    """
+
+    columns: Mapping[str, str]
+    units: Mapping[str, str]
+    positive: Mapping[str, str]
+    zero: Mapping[str, str]
+
+
+def aligned_record(
+    table: pd.DataFrame,
+    reading: Mapping[str, Any],
+    mode: str,
+    settings: RecordSettings,
+    schema: Mapping[str, Any],
+    source: str,
+) -> tuple[pd.DataFrame, dict[str, Any]]:
+    """Bring a record to our signs and zero, check it, and report what it holds.
+
+    Parameters
+    ----------
+    table, reading
+        As read from the file, in mm, N and s (`softsample.formats.machine`).
+    mode
+        `tension`, `compression` or `shear`.
+    settings
+        Signs and zero of the study.
+    schema
+        Schema of the columns.
+    source
+        The file's path, for the message.
+
+    Returns
+    -------
+    table : pandas.DataFrame
+        The record with our signs and zero.
+    facts : dict
+        As of `check_record`, and `reading`, `positive` and `subtracted` by column.
+
+    Raises
+    ------
+    InputError
+        Naming the file, the line, the value and the cure.
+    """
+    _refuse(_no_numbers(table, source))
+    _refuse(_wrong_time(table, source))
+    aligned = table.astype(np.float64)
+    positive, subtracted = {}, {}
+    for quantity, column in (("displacement", "displacement_mm"), ("force", "force_N")):
+        positive[column] = (
+            "compression" if quantity in reading["compressive"] else settings.positive[quantity]
+        )
+        aligned[column] *= _sign(positive[column], mode)
+    for quantity, column in (("displacement", "displacement_mm"), ("force", "force_N")):
+        subtracted[column] = 0.0
+        if settings.zero[quantity] == "rest":
+            subtracted[column] = float(aligned[column].iloc[_rest(aligned, source)].mean())
+    aligned = aligned - pd.Series(subtracted).reindex(aligned.columns, fill_value=0.0)
+    facts = check_record(aligned, mode, schema, source)
+    return aligned, {
+        **facts,
+        "reading": dict(reading),
+        "positive": positive,
+        "subtracted": subtracted,
+    }
+
+
+def _sign(positive: str, mode: str) -> float:
+    """Factor from what a file counts as positive to tension."""
+    return {"tension": 1.0, "compression": -1.0, "loading": travel_sign(mode)}[positive]
+
+
+def _rest(table: pd.DataFrame, source: str) -> slice:
+    """Samples at rest before the first movement."""
+    record = record_from_table(table)
+    rest = _resting(phases(record.time, record.displacement))
+    if rest.stop - rest.start < FEWEST_AT_REST:
+        raise InputError(
+            f"{source}: no rest before the ramp to take the zero from; set `records: zero` of the "
+            "study to `file`, or record a second of rest first"
+        )
+    return rest
+
+
+def _resting(found: list[Phase]) -> slice:
+    """Samples before the first movement; none if the record starts with it."""
+    return found[0].samples if found[0].kind == "baseline" else slice(0, 0)
+
+
 def check_record(
     table: pd.DataFrame, mode: str, schema: Mapping[str, Any], source: str
 ) -> dict[str, Any]:
@@ -81,93 +183,119 @@ def check_record(
     InputError
         Naming the file, the line, the value and the cure.
     """
-    _check_cells(table, schema, source)
-    _check_time(table, source)
+    _refuse(_no_numbers(table, source))
+    _refuse(_out_of_bounds(table, schema, source))
+    _refuse(_wrong_time(table, source))
     record = record_from_table(table)
     try:
         ramp = record.ramp
     except InputError as error:
         raise InputError(f"{source}, column 'displacement_mm': {error}") from error
-    _check_ramp(table, record, ramp, source)
-    _check_signs(table, record, ramp, mode, source)
+    faults = _wrong_ramp(table, record, ramp, source)
+    _refuse([*faults, *_wrong_signs(table, record, ramp, mode, source)])
     return _facts(record, ramp)
 
 
-def _check_cells(table: pd.DataFrame, schema: Mapping[str, Any], source: str) -> None:
+def _refuse(faults: Iterable[str]) -> None:
+    """Raise an `InputError` that names all faults, if there are any."""
+    found = list(faults)
+    if found:
+        raise InputError("\n".join(found))
+
+
+def _no_numbers(table: pd.DataFrame, source: str) -> Iterator[str]:
     for column in table.columns:
-        numbers = pd.to_numeric(table[column], errors="coerce")
-        bad = np.flatnonzero(~np.isfinite(numbers.to_numpy(dtype=np.float64)))
-        if len(bad):
-            value = table[column].iloc[bad[0]]
-            shown = "empty" if pd.isna(value) else repr(value)
-            raise InputError(
+        cells = table[column].tolist()
+        bad = [n for n, cell in enumerate(cells) if not _is_finite(cell)]
+        if bad:
+            value = cells[bad[0]]
+            shown = "empty" if value is None or value != value else repr(value)
+            yield (
                 f"{source}, line {table.index[bad[0]]}, column {column!r}: {shown} is not a number "
                 f"({len(bad)} such cells); delete the line or give the value, with a decimal point"
             )
+
+
+def _is_finite(cell: Any) -> bool:
+    return isinstance(cell, int | float | np.number) and bool(np.isfinite(cell))
+
+
+def _out_of_bounds(table: pd.DataFrame, schema: Mapping[str, Any], source: str) -> Iterator[str]:
+    """The first refusal of each column, with the number of all."""
     columns = {str(name): table[name].tolist() for name in table.columns}
+    found: dict[str, list[tuple[str, str]]] = {}
     for place, reason in refusals(columns, schema):
         column, _, number = place.partition(".")
+        found.setdefault(column, []).append((number, reason))
+    for column, reasons in found.items():
+        number, reason = reasons[0]
         line = f", line {table.index[int(number)]}" if number else ""
-        raise InputError(f"{source}{line}, column {column!r}: {reason}")
+        more = f" ({len(reasons)} such cells)" if len(reasons) > 1 else ""
+        yield f"{source}{line}, column {column!r}: {reason}{more}"
 
 
-def _check_time(table: pd.DataFrame, source: str) -> None:
+def _wrong_time(table: pd.DataFrame, source: str) -> Iterator[str]:
     time = table["time_s"].to_numpy(dtype=np.float64)
     back = np.flatnonzero(np.diff(time) <= 0.0)
     if len(back):
         at = int(back[0])
-        raise InputError(
+        yield (
             f"{source}, line {table.index[at + 1]}, column 'time_s': {time[at + 1]:g} s follows "
             f"{time[at]:g} s; time must rise from line to line, so sort or delete repeated lines"
         )
 
 
-def _check_ramp(table: pd.DataFrame, record: Record, ramp: slice, source: str) -> None:
+def _wrong_ramp(table: pd.DataFrame, record: Record, ramp: slice, source: str) -> Iterator[str]:
     travel = abs(record.displacement[ramp.stop - 1] - record.displacement[ramp.start])
     time = record.time[ramp]
     if travel < SMALLEST_TRAVEL:
-        raise InputError(
+        yield (
             f"{source}, column 'displacement_mm': the platen travels {travel / MM:.3g} mm only; "
             "is the column in m instead of mm?"
         )
     if len(time) < FEWEST_IN_RAMP:
-        raise InputError(
+        yield (
             f"{source}: the loading ramp (lines {table.index[ramp.start]} to "
             f"{table.index[ramp.stop - 1]}) has {len(time)} samples; record at least "
             f"{FEWEST_IN_RAMP}, at a higher sampling rate"
         )
     gaps = np.diff(time)
-    if gaps.max() > LARGEST_GAP * (time[-1] - time[0]):
+    if len(gaps) and gaps.max() > LARGEST_GAP * (time[-1] - time[0]):
         at = ramp.start + int(gaps.argmax())
-        raise InputError(
+        yield (
             f"{source}, line {table.index[at + 1]}: {gaps.max():g} s are missing in the loading "
             "ramp; export the whole test, without decimation"
         )
 
 
-def _check_signs(table: pd.DataFrame, record: Record, ramp: slice, mode: str, source: str) -> None:
+def _wrong_signs(
+    table: pd.DataFrame, record: Record, ramp: slice, mode: str, source: str
+) -> Iterator[str]:
     last = ramp.stop - 1
     tail = slice(max(ramp.start, last - max(5, (ramp.stop - ramp.start) // 20)), ramp.stop)
     values = {
-        "displacement_mm": (record.displacement[last] - record.displacement[ramp.start]) / MM,
-        "force_N": float(record.force[tail].mean()),
+        "displacement": (record.displacement[last] - record.displacement[ramp.start]) / MM,
+        "force": float(record.force[tail].mean()),
     }
     sign = travel_sign(mode)
-    for column, value in values.items():
+    for quantity, value in values.items():
+        column = {"displacement": "displacement_mm", "force": "force_N"}[quantity]
         if sign * value <= 0.0:
-            raise InputError(
+            yield (
                 f"{source}, line {table.index[last]}, column {column!r}: {value:g} at the end of "
                 f"loading, but {'negative' if sign < 0 else 'positive'} is right in {mode} (force "
                 "and travel along +z or +x, so tension positive and compression negative); "
-                "change the column's sign, or the sample's mode"
+                "change the sample's mode if it is wrong, or tell the machine's sign in the "
+                f"settings of the study: records: {{positive: {{{quantity}: "
+                f"{'compression' if sign < 0 else 'loading'}}}}}"
             )
 
 
 def _facts(record: Record, ramp: slice) -> dict[str, Any]:
     """What is worth knowing about a record, in the units of files."""
     found = phases(record.time, record.displacement)
-    rest = found[0].samples if found[0].kind == "baseline" else slice(0, 0)
-    known = rest.stop - rest.start >= 10
+    rest = _resting(found)
+    known = rest.stop - rest.start >= FEWEST_AT_REST
     force = record.force
     duration = record.time[ramp.stop - 1] - record.time[ramp.start]
     travel = record.displacement[ramp.stop - 1] - record.displacement[ramp.start]

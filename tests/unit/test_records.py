@@ -90,7 +90,7 @@ REFUSED = {
     "force of the wrong sign": (
         lambda t: t.assign(force_N=-t["force_N"]),
         "line 1353, column 'force_N': [0-9.]+ at the end of loading, but negative is right in "
-        "compression .*change the column's sign",
+        "compression .*tell the machine's sign",
     ),
     "displacement of the wrong sign": (
         lambda t: t.assign(displacement_mm=-t["displacement_mm"]),

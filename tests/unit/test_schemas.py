@@ -20,6 +20,7 @@ from softsample.imaging.measure import MeasurementSettings
 from softsample.imaging.segment import SegmentationSettings
 from softsample.io import read_samples, read_yaml
 from softsample.meshing.hexahedral import MeshSettings
+from softsample.records import RecordSettings
 from softsample.report.intervals import FloorSettings
 from softsample.validation import check_config, check_samples
 
@@ -77,6 +78,7 @@ def test_every_other_config_changes_the_study_and_is_accepted(path):
 @pytest.mark.parametrize(
     ("section", "settings", "beside"),
     [
+        ("records", RecordSettings, set()),
         ("segmentation", SegmentationSettings, set()),
         ("measurement", MeasurementSettings, {"-preload_mm"}),
         ("mesh", MeshSettings, {"element_size_mm", "boundary_shift_mm"}),

@@ -66,7 +66,7 @@ rule table_direct:
 rule simulate_exponents:
     input:
         mesh="<results>/mesh/{sample}/real_coarse.vtu",
-        record=study_file("record"),
+        record="<results>/records/{sample}.csv",
         family="<results>/curves/{sample}/real/ogden2.json",
         code=library("workflow/scripts/simulate_exponents.py"),
     output:
@@ -93,7 +93,7 @@ rule calibrate_exponents:
         curves=expand("<results>/extended/exponents/{sample}.csv", sample=SAMPLES),
         fine=expand("<results>/curves/{sample}/real/ogden2.csv", sample=SAMPLES),
         cuboids=expand("<results>/cuboid/{sample}.json", sample=SAMPLES),
-        records=[name for sample in SAMPLES for name in sample_file(sample, "record")],
+        records=expand("<results>/records/{sample}.csv", sample=SAMPLES),
         code=library("workflow/scripts/calibrate_exponents.py"),
     output:
         fits="<results>/extended/exponents.json",
@@ -117,7 +117,7 @@ rule calibrate_exponents:
 rule confirm_exponents:
     input:
         mesh="<results>/mesh/{sample}/real.vtu",
-        record=study_file("record"),
+        record="<results>/records/{sample}.csv",
         family="<results>/curves/{sample}/real/ogden2.json",
         curves="<results>/extended/exponents/{sample}.csv",
         fine="<results>/curves/{sample}/real/ogden2.csv",

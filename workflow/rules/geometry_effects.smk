@@ -9,7 +9,7 @@ rule geometry_curves:
         distance="<results>/segmentation/{sample}_distance.nii.gz",
         segmentation="<results>/segmentation/{sample}.json",
         cuboid="<results>/cuboid/{sample}.json",
-        record=study_file("record"),
+        record="<results>/records/{sample}.csv",
         family="<results>/curves/{sample}/real/ogden2.json",
         code=library("workflow/scripts/geometry_curves.py"),
     output:

@@ -26,11 +26,12 @@ rule check_inputs:
         code=library("workflow/scripts/check_inputs.py"),
     output:
         report="<results>/inputs/{sample}.json",
+        record="<results>/records/{sample}.csv",
     log:
         "<logs>/check_inputs/{sample}.log",
     params:
         mode=row_value("mode"),
-        protocol=config["protocol"],
+        records=config["records"],
     message:
         "Check image and record: {wildcards.sample}"
     script:

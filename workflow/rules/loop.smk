@@ -6,7 +6,7 @@ rule variants:
         distance="<results>/segmentation/{sample}_distance.nii.gz",
         segmentation="<results>/segmentation/{sample}.json",
         cuboid="<results>/cuboid/{sample}.json",
-        record=study_file("record"),
+        record="<results>/records/{sample}.csv",
         fit=optimum("json"),
         code=library("workflow/scripts/variants.py"),
     output:
@@ -33,9 +33,7 @@ rule diagnose:
     input:
         curves=of_members("<results>/curves/{sample}/real/ogden2.csv"),
         variants=of_members("<results>/loop/variants/{sample}_real.csv"),
-        records=lambda wildcards: [
-            name for sample in GROUPS[wildcards.group] for name in sample_file(sample, "record")
-        ],
+        records=of_members("<results>/records/{sample}.csv"),
         code=library("workflow/scripts/diagnose.py"),
     output:
         verdict="<results>/loop/{group}/verdict.json",
@@ -61,9 +59,7 @@ use rule diagnose as diagnose_ideal with:
         real=of_members("<results>/curves/{sample}/real/ogden2.csv"),
         variants=of_members("<results>/loop/variants/{sample}_ideal.csv"),
         fit="<results>/calibration/{group}/ideal/ogden2.json",
-        records=lambda wildcards: [
-            name for sample in GROUPS[wildcards.group] for name in sample_file(sample, "record")
-        ],
+        records=of_members("<results>/records/{sample}.csv"),
         code=library("workflow/scripts/diagnose.py"),
     output:
         verdict="<results>/loop/{group}/ideal/verdict.json",

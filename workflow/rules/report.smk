@@ -158,7 +158,7 @@ rule table_intervals:
 
 rule table_stress:
     input:
-        records=[name for sample in SAMPLES for name in sample_file(sample, "record")],
+        records=expand("<results>/records/{sample}.csv", sample=SAMPLES),
         cuboids=expand("<results>/cuboid/{sample}.json", sample=SAMPLES),
         code=library("workflow/scripts/table_stress.py"),
     output:

@@ -45,7 +45,7 @@ rule recovery:
         truth=expand(os.path.join(TRUTH, "{sample}.json"), sample=SAMPLES),
         cuboids=expand("<results>/cuboid/{sample}.json", sample=SAMPLES),
         curves=expand("<results>/curves/{sample}/real/ogden2.csv", sample=SAMPLES),
-        records=[name for sample in SAMPLES for name in sample_file(sample, "record")],
+        records=expand("<results>/records/{sample}.csv", sample=SAMPLES),
         fits=expand("<results>/calibration/{group}/real/ogden2.json", group=GROUPS),
         score="<results>/scoring/score.csv",
         sensitivity="<results>/tables/sensitivity.csv",

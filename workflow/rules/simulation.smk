@@ -5,7 +5,7 @@ rule simulate:
     input:
         mesh="<results>/mesh/{sample}/{geometry}.vtu",
         pilot="<results>/mesh/{sample}/{geometry}_coarse.vtu",
-        record=study_file("record"),
+        record="<results>/records/{sample}.csv",
         code=library("workflow/scripts/simulate.py"),
     output:
         curves="<results>/curves/{sample}/{geometry}/{model}.csv",
@@ -30,7 +30,7 @@ rule simulate:
 rule confirm:
     input:
         mesh="<results>/mesh/{sample}/{geometry}.vtu",
-        record=study_file("record"),
+        record="<results>/records/{sample}.csv",
         family="<results>/curves/{sample}/{geometry}/ogden2.json",
         fit=optimum("json"),
         fit_curve=optimum("csv"),
@@ -62,7 +62,7 @@ rule sensitivity:
     input:
         mesh="<results>/mesh/{sample}/{geometry}.vtu",
         coarse="<results>/mesh/{sample}/{geometry}_coarse.vtu",
-        record=study_file("record"),
+        record="<results>/records/{sample}.csv",
         family="<results>/curves/{sample}/{geometry}/ogden2.json",
         fit=optimum("json"),
         code=library("workflow/scripts/sensitivity.py"),
@@ -90,7 +90,7 @@ rule band:
         distance="<results>/segmentation/{sample}_distance.nii.gz",
         sigma="<results>/segmentation/{sample}_sigma.nii.gz",
         segmentation="<results>/segmentation/{sample}.json",
-        record=study_file("record"),
+        record="<results>/records/{sample}.csv",
         family="<results>/curves/{sample}/real/ogden2.json",
         fit=lambda wildcards: calibration_of(wildcards.sample, "real", "json"),
         code=library("workflow/scripts/band.py"),
@@ -117,7 +117,7 @@ rule band:
 rule series:
     input:
         mesh="<results>/mesh/{sample}/{geometry}.vtu",
-        record=study_file("record"),
+        record="<results>/records/{sample}.csv",
         family="<results>/curves/{sample}/{geometry}/ogden2.json",
         fit=optimum("json"),
         code=library("workflow/scripts/series.py"),
@@ -141,7 +141,7 @@ rule series:
 rule export:
     input:
         mesh="<results>/mesh/{sample}/{geometry}.vtu",
-        record=study_file("record"),
+        record="<results>/records/{sample}.csv",
         fit=optimum("json"),
         code=library("workflow/scripts/export.py"),
     output:

@@ -1,18 +1,22 @@
 """Check the image and the record of one sample (rule `check_inputs`)."""
 
+from softsample.formats.machine import read
 from softsample.images import check_image
-from softsample.io import read_image, read_record, read_yaml, write_json
-from softsample.records import check_record
+from softsample.io import read_image, read_yaml, write_json, write_table
+from softsample.records import RecordSettings, aligned_record
 from softsample.workflow import logged_to, provenance
 
 with logged_to(snakemake):
-    image, record = snakemake.input.image[0], snakemake.input.record
+    image, source = snakemake.input.image[0], snakemake.input.record
+    given = RecordSettings(**snakemake.params.records)
+    raw = read(source, given.columns, given.units)
+    schema, mode = read_yaml(snakemake.input.schema), snakemake.params.mode
+    record, facts = aligned_record(raw.table, raw.reading, mode, given, schema, source)
     report = {
         "sample": snakemake.wildcards.sample,
         "mode": snakemake.params.mode,
         "image": check_image(*read_image(image), image),
-        "record": check_record(
-            read_record(record), snakemake.params.mode, read_yaml(snakemake.input.schema), record
-        ),
+        "record": facts,
     }
+    write_table(snakemake.output.record, record)
     write_json(snakemake.output.report, {**report, "provenance": provenance(snakemake)})

@@ -1,0 +1,432 @@
+"""Test records as machines write them: delimited text with metadata, titles and units.
+
+One reader takes what CellScale UniVert, Instron Bluehill (raw data), TA/Bose WinTest and plain
+tables have in common: lines of metadata, a line of titles, units in the titles or in a line of
+their own, numbers with decimal points or commas. It guesses no unit and no column: what the file
+leaves open has to be named in the study's settings.
+"""
+
+import codecs
+import csv
+import re
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import Any, Self
+
+import numpy as np
+import pandas as pd
+
+from softsample.errors import InputError
+from softsample.formats import PathLike
+
+COLUMNS = {"time": "time_s", "displacement": "displacement_mm", "force": "force_N"}
+"""The quantities of a record, and the columns that they are read into."""
+
+UNITS = {
+    "time": {
+        **dict.fromkeys(("s", "S", "sec", "Sec", "secs", "second", "seconds"), 1.0),
+        **dict.fromkeys(("ms", "msec"), 1e-3),
+        **dict.fromkeys(("min", "minutes"), 60.0),
+    },
+    "displacement": {
+        **dict.fromkeys(("mm", "millimeter", "millimetre"), 1.0),
+        **dict.fromkeys(("um", "µm", "μm", "micron", "microns"), 1e-3),
+        **dict.fromkeys(("cm",), 10.0),
+        **dict.fromkeys(("m",), 1e3),
+        **dict.fromkeys(("in", "inch"), 25.4),
+    },
+    "force": {
+        **dict.fromkeys(("N", "Newton", "newton"), 1.0),
+        **dict.fromkeys(("mN",), 1e-3),
+        **dict.fromkeys(("uN", "µN", "μN"), 1e-6),
+        **dict.fromkeys(("kN",), 1e3),
+        **dict.fromkeys(("lbf", "lb"), 4.4482216152605),
+        **dict.fromkeys(("ozf",), 0.27801385095378125),
+        **dict.fromkeys(("gf", "g"), 9.80665e-3),
+        **dict.fromkeys(("kgf", "kg"), 9.80665),
+    },
+}
+"""Units by quantity, upper and lower case as they are written, and their size in ours."""
+
+NAMES = {
+    "time": {"time", "zeit", "prüfzeit", "temps"},
+    "displacement": {
+        *("displacement", "disp", "extension", "compression", "travel", "stroke", "position"),
+        *("crosshead", "weg", "traverse", "traversenweg", "verlängerung", "déplacement"),
+    },
+    "force": {"force", "load", "kraft", "standardkraft", "last"},
+}
+"""What a title may call a quantity."""
+
+BESIDE = {
+    *("axial", "tensile", "compressive", "crosshead", "elapsed", "total", "test", "corrected"),
+    *("1", "cell", "channel"),
+}
+"""Words of a title that do not change what it names."""
+
+KINDS = (
+    ("CellScale UniVert", r"\bSetName\b.*\bSize_mm\b"),
+    ("TA/Bose WinTest", r"WinTest|ElectroForce"),
+    ("Instron Bluehill", r"^\W*Dimension ?:|Bluehill|\bExtension\b.*\bLoad\b"),
+)
+"""Machines by what their files say."""
+
+NUMBER = re.compile(r"[+-]?(\d+[.,]?\d*|[.,]\d+)([eE][+-]?\d+)?", re.ASCII)
+
+LARGEST_BYTES = 2**28
+
+
+@dataclass(frozen=True)
+class Column:
+    """A column of a file that holds one of the quantities.
+
+    Parameters
+    ----------
+    quantity : str
+        Key of `COLUMNS`.
+    place : int
+        Position in a line.
+    title, unit : str
+        As written; the unit is empty if only the line below tells it.
+    """
+
+    quantity: str
+    place: int
+    title: str
+    unit: str
+
+    @property
+    def compressive(self) -> bool:
+        """Whether the title says that compression is positive."""
+        return "compress" in self.title.lower()
+
+    @property
+    def factor(self) -> float:
+        """Size of the unit in ours."""
+        return UNITS[self.quantity][self.unit]
+
+
+@dataclass(frozen=True)
+class MachineRecord:
+    """A record as read.
+
+    Parameters
+    ----------
+    table : pandas.DataFrame
+        Columns as in `COLUMNS`, in mm, N and s, signs and zero of the file; cells that are no
+        number are left as text. The index is the line in the file.
+    reading : dict
+        What was understood: `kind`, `columns` (title, unit and factor of each), `decimal_comma`,
+        `compressive` (quantities whose titles count compression as positive), `ignored`
+        (titles), `notes`.
+    """
+
+    table: pd.DataFrame
+    reading: dict[str, Any]
+
+
+@dataclass
+class _Text:
+    """The lines of a file, taken apart as its line of titles asks for."""
+
+    path: PathLike
+    lines: list[str]
+    notes: list[str] = field(default_factory=list)
+
+    @classmethod
+    def of_file(cls, path: PathLike) -> Self:
+        """Decode a file; what is not text is refused."""
+        try:
+            if Path(path).stat().st_size > LARGEST_BYTES:
+                raise InputError(f"{path}: larger than {LARGEST_BYTES >> 20} MiB; export one test")
+            raw = Path(path).read_bytes()
+        except FileNotFoundError as error:
+            raise InputError(f"{path}: no such record; correct its path in the table") from error
+        except OSError as error:
+            raise InputError(f"{path}: cannot be read ({error}); give a text file") from error
+        text, notes = _decoded(raw)
+        if raw.startswith(b"PK") or re.search(r"[\x00-\x08\x0b\x0e-\x1f\x7f\ufffd]", text):
+            raise InputError(
+                f"{path}: not a text file; export the test as CSV (or text), not as a workbook"
+            )
+        lines = text.replace("\r\n", "\n").replace("\r", "\n").split("\n")
+        return cls(path, lines, notes)
+
+    def cells(self, line: str, delimiter: str) -> list[str]:
+        """Cells of a line without blanks around them and without empty ones at its end."""
+        try:
+            cells = next(csv.reader([line], delimiter=delimiter, skipinitialspace=True), [])
+        except csv.Error:
+            return [line]
+        cells = [cell.strip() for cell in cells]
+        while cells and not cells[-1]:
+            cells.pop()
+        return cells
+
+
+def read(
+    path: PathLike,
+    columns: Mapping[str, str] | None = None,
+    units: Mapping[str, str] | None = None,
+) -> MachineRecord:
+    """Read a record of any of the known kinds, or a table whose columns are named.
+
+    Parameters
+    ----------
+    path
+        Text file: UTF-8, UTF-16 or Windows-1252.
+    columns
+        Titles by quantity (`time`, `displacement`, `force`), where they are not self-evident.
+    units
+        Units by quantity, where the file names none.
+
+    Raises
+    ------
+    InputError
+        If a column or a unit is missing, ambiguous or contradictory, or the file is no such
+        text; names file, line and cure. Wrong cells are left for `softsample.records`.
+    """
+    text = _Text.of_file(path)
+    head, delimiter, titles, found = _heading(text, columns or {})
+    rows, kept, names = _rows(text, head, delimiter, titles, found)
+    found = [_with_unit(column, names, units or {}, text) for column in found]
+    comma = _decimal_comma(rows, found, path)
+    own = set(COLUMNS.values()) <= set(titles)
+    cells = {
+        COLUMNS[column.quantity]: _numbers(rows, column.place, column.factor) for column in found
+    }
+    ignored = [title for title in titles if title not in {column.title for column in found}]
+    if own:  # the schema of records knows what else such a table may hold
+        cells |= {title: _numbers(rows, titles.index(title), 1.0) for title in ignored}
+        ignored = []
+    table = pd.DataFrame(cells, index=pd.Index(kept, name="line", dtype=np.int64))
+    repeated = table.duplicated()
+    if repeated.any():
+        text.notes.append(f"lines left out since they repeat another one: {int(repeated.sum())}")
+    reading = {
+        "kind": _kind(text.lines[: head + 1], own),
+        "columns": {
+            COLUMNS[column.quantity]: {
+                "title": column.title,
+                "unit": column.unit,
+                "factor": column.factor,
+            }
+            for column in found
+        },
+        "decimal_comma": comma,
+        "compressive": [column.quantity for column in found if column.compressive],
+        "ignored": ignored,
+        "notes": text.notes,
+    }
+    return MachineRecord(table[~repeated], reading)
+
+
+def _decoded(raw: bytes) -> tuple[str, list[str]]:
+    """Text of a file and what had to be done to get it."""
+    if raw.startswith((codecs.BOM_UTF16_LE, codecs.BOM_UTF16_BE)):
+        return raw.decode("utf-16", errors="replace"), []
+    zeros = raw.count(b"\0")
+    notes = [f"NUL characters left out: {zeros}"] if zeros else []
+    raw = raw.replace(b"\0", b"")
+    try:
+        return raw.decode("utf-8-sig"), notes
+    except UnicodeDecodeError:
+        return raw.decode("cp1252", errors="replace"), notes
+
+
+def _heading(text: _Text, wanted: Mapping[str, str]) -> tuple[int, str, list[str], list[Column]]:
+    """Number of the line of titles, delimiter, titles and the columns of the quantities."""
+    best: tuple[int, list[str], list[str]] = (0, [], [*COLUMNS, ""])
+    for number, line in enumerate(text.lines):
+        if line.lstrip().startswith("#"):
+            continue
+        for delimiter in ("\t", ";", ","):
+            titles = text.cells(line, delimiter)
+            if len(titles) < len(COLUMNS):
+                continue
+            candidates = {name: _candidates(name, titles, wanted) for name in COLUMNS}
+            missing = [name for name, columns in candidates.items() if not columns]
+            if not missing:
+                where = f"{text.path}, line {number + 1}"
+                columns = [_only(found, where) for found in candidates.values()]
+                return number, delimiter, titles, columns
+            if len(missing) < len(best[2]):
+                best = (number, titles, missing)
+    number, titles, missing = best
+    if not titles:
+        raise InputError(
+            f"{text.path}: no line of titles such as time_s,displacement_mm,force_N; export the "
+            "test with its titles, separated by commas, semicolons or tabs"
+        )
+    raise InputError(
+        f"{text.path}, line {number + 1}: no column is known to hold {' and '.join(missing)} "
+        f"(there are {', '.join(map(repr, titles))}); name it in the settings of the study, "
+        f"such as records: {{columns: {{{missing[0]}: {titles[-1]}}}}}"
+    )
+
+
+def _candidates(quantity: str, titles: Sequence[str], wanted: Mapping[str, str]) -> list[Column]:
+    """Columns that may hold a quantity; those with one of its units, if there are any."""
+    if quantity in wanted or COLUMNS[quantity] in titles:
+        name = wanted.get(quantity, COLUMNS[quantity])
+        places = [place for place, title in enumerate(titles) if title == name]
+        return [Column(quantity, place, name, _split(name, quantity)[1]) for place in places]
+    found = []
+    for place, title in enumerate(titles):
+        name, unit = _split(title, quantity)
+        words = set(re.split(r"[\s_]+", name.strip().lower()))
+        core = words - BESIDE or words
+        if len(core) == 1 and core <= NAMES[quantity]:
+            found.append(Column(quantity, place, title, unit))
+    fitting = [column for column in found if column.unit in UNITS[quantity]]
+    silent = [column for column in found if not column.unit]
+    return fitting or silent or found
+
+
+def _split(title: str, quantity: str) -> tuple[str, str]:
+    """Name and unit of a title: `Load (N)`, `Load [N]`, `Load, N`, `Load/N`, `Load_N`."""
+    bracketed = re.fullmatch(r"(.*?)[\s_]*[(\[]([^()\[\]]*)[)\]]", title)
+    if bracketed:
+        return bracketed[1], bracketed[2].strip()
+    behind = re.fullmatch(r"(.+?)\s*[_/,]\s*([^\s_/,]+)", title)
+    if behind and behind[2] in UNITS[quantity]:
+        return behind[1], behind[2]
+    return title, ""
+
+
+def _only(columns: Sequence[Column], where: str) -> Column:
+    """The only candidate, or an error that names them all."""
+    if len(columns) > 1:
+        quantity = columns[0].quantity
+        listed = ", ".join(repr(column.title) for column in columns)
+        raise InputError(
+            f"{where}: {len(columns)} columns may hold {quantity} ({listed}); name the right one "
+            f"in the settings of the study, such as records: {{columns: {{{quantity}: "
+            f"{columns[0].title}}}}}"
+        )
+    return columns[0]
+
+
+def _rows(
+    text: _Text, head: int, delimiter: str, titles: list[str], found: Sequence[Column]
+) -> tuple[list[list[str]], list[int], list[str]]:
+    """Cells of the lines of numbers, their numbers in the file, and the line of units if any.
+
+    Titles and units may be repeated, with metadata before them, where a machine begins a new
+    block of the same test.
+    """
+    units: list[str] = []
+    rows: list[list[str]] = []
+    kept: list[int] = []
+    metadata: list[int] = []
+    repeats = 0
+    for number, line in enumerate(text.lines[head + 1 :], start=head + 2):
+        cells = text.cells(line, delimiter)
+        if not any(cells) or line.lstrip().startswith("#"):
+            continue
+        numbers = [bool(NUMBER.fullmatch(_cell(cells, column.place))) for column in found]
+        if not rows and not units and not any(numbers):
+            units = cells
+        elif cells in (titles, units):
+            repeats += cells == titles
+            metadata = []
+        elif not numbers[0]:
+            metadata.append(number)
+        else:
+            _check_line(text, metadata, number, cells, titles)
+            rows.append(cells)
+            kept.append(number)
+    _check_line(text, metadata, 0, [], titles)
+    if not rows:
+        raise InputError(f"{text.path}: no numbers below the titles; export the whole test")
+    if repeats:
+        text.notes.append(f"repetitions of the titles: {repeats}; all blocks are read")
+    return rows, kept, units
+
+
+def _check_line(
+    text: _Text, metadata: Sequence[int], number: int, cells: Sequence[str], titles: Sequence[str]
+) -> None:
+    if metadata:
+        raise InputError(
+            f"{text.path}, line {metadata[0]}: {text.lines[metadata[0] - 1].strip()!r} stands "
+            "among the numbers; delete the line, or export the test again"
+        )
+    if len(cells) > len(titles):
+        raise InputError(
+            f"{text.path}, line {number}: {len(cells)} cells below {len(titles)} titles; if these "
+            "are decimal commas, export with semicolons or decimal points"
+        )
+
+
+def _cell(cells: Sequence[str], place: int) -> str:
+    return cells[place] if place < len(cells) else ""
+
+
+def _with_unit(column: Column, row: Sequence[str], given: Mapping[str, str], text: _Text) -> Column:
+    """The column with its unit, from its title, the line of units or the settings."""
+    where = f"{text.path}, column {column.title!r}"
+    below = _cell(row, column.place).strip("()[] ")
+    said = dict.fromkeys(u for u in (column.unit, below, given.get(column.quantity, "")) if u)
+    known = ", ".join(UNITS[column.quantity])
+    for unit in said:
+        if unit not in UNITS[column.quantity]:
+            raise InputError(f"{where}: {unit!r} is no known unit of {column.quantity} ({known})")
+    if len({UNITS[column.quantity][unit] for unit in said}) > 1:
+        raise InputError(
+            f"{where}: {' and '.join(said)} contradict each other (title, line of units, settings "
+            "of the study); keep the right one"
+        )
+    if not said:
+        raise InputError(
+            f"{where}: no unit is named; name it in the settings of the study, such as "
+            f"records: {{units: {{{column.quantity}: {next(iter(UNITS[column.quantity]))}}}}}"
+        )
+    return Column(column.quantity, column.place, column.title, next(iter(said)))
+
+
+def _decimal_comma(rows: Sequence[Sequence[str]], found: Sequence[Column], path: PathLike) -> bool:
+    """Whether the numbers have decimal commas; both marks in a file are refused."""
+    cells = [_cell(row, column.place) for row in rows for column in found]
+    commas = next((cell for cell in cells if "," in cell and NUMBER.fullmatch(cell)), None)
+    points = next((cell for cell in cells if "." in cell and NUMBER.fullmatch(cell)), None)
+    if commas and points:
+        raise InputError(
+            f"{path}: numbers with a comma ({commas}) and with a point ({points}); export without "
+            "marks of thousands"
+        )
+    return commas is not None
+
+
+def _numbers(rows: Sequence[Sequence[str]], place: int, factor: float) -> Any:
+    """Values (n,) of a column times `factor`; cells that are no number stay text."""
+    cells = (_cell(row, place) for row in rows)
+    values: list[Any] = [
+        factor * float(cell.replace(",", ".")) if NUMBER.fullmatch(cell) else cell for cell in cells
+    ]
+    if any(isinstance(value, str) for value in values):
+        return pd.array([None if value == "" else value for value in values], dtype=object)
+    return np.array(values, dtype=np.float64)
+
+
+def _kind(lines: Sequence[str], own: bool) -> str:
+    """Which machine, or which kind of table, a file comes from."""
+    if own:
+        return "softsample table"
+    head = "\n".join(lines)
+    return next((kind for kind, sign in KINDS if re.search(sign, head, re.M)), "table")
+
+
+def described(reading: Mapping[str, Any]) -> Iterator[str]:
+    """What was understood of a file, in words: columns and units, then peculiarities."""
+    parts = []
+    for name, column in reading["columns"].items():
+        times = "" if column["factor"] == 1.0 else f", times {column['factor']:.6g}"
+        parts.append(f"{name} from {column['title']!r} in {column['unit']}{times}")
+    yield "; ".join(parts)
+    if reading["decimal_comma"]:
+        yield "numbers have decimal commas"
+    if reading["ignored"]:
+        yield f"not used: {', '.join(reading['ignored'])}"
+    yield from reading["notes"]

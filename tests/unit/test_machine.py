@@ -1,0 +1,211 @@
+"""Test records of machines: the same test comes out of every file, and nothing is guessed."""
+
+from pathlib import Path
+
+import numpy as np
+import pandas as pd
+import pytest
+
+import machines
+from softsample.errors import InputError
+from softsample.formats.machine import described, read
+from softsample.io import read_record, read_yaml
+from softsample.records import RecordSettings, aligned_record
+
+ROOT = Path(__file__).resolve().parents[2]
+SCHEMA = read_yaml(ROOT / "workflow/schemas/record.schema.yaml")
+TEST = machines.compression()
+
+
+def settings(**changes):
+    given = read_yaml(ROOT / "config/config.yaml")["records"]
+    return RecordSettings(**{name: {**given[name], **changes.get(name, {})} for name in given})
+
+
+def imported(path, mode="compression", **changes):
+    """Table and facts of a file, as the workflow takes them."""
+    given = settings(**changes)
+    raw = read(path, given.columns, given.units)
+    return aligned_record(raw.table, raw.reading, mode, given, SCHEMA, path.name)
+
+
+@pytest.mark.parametrize("name", machines.MACHINES)
+def test_the_same_test_comes_out_of_every_machine(tmp_path, name):
+    path = machines.write(tmp_path / "Prüfung 1.csv", machines.MACHINES[name](*TEST))
+    table, facts = imported(path)
+    for column, values in zip(("time_s", "displacement_mm", "force_N"), TEST, strict=True):
+        np.testing.assert_allclose(table[column], values, rtol=1e-6, atol=2e-6)
+    assert facts["phases"][0]["kind"] == "baseline"
+    assert facts["peak_force_N"] == pytest.approx(TEST[2].min(), abs=2e-6)
+
+
+@pytest.mark.parametrize(
+    ("name", "unit", "factor", "comma"),
+    [
+        ("CellScale UniVert", "N", 1.0, False),
+        ("Instron Bluehill", "kN", 1e3, False),
+        ("German Bluehill", "lbf", 4.4482216152605, True),
+        ("TA/Bose WinTest", "N", 1.0, False),
+        ("table", "g", 9.80665e-3, False),
+    ],
+)
+def test_machine_unit_and_decimal_mark_are_told(tmp_path, name, unit, factor, comma):
+    path = machines.write(tmp_path / "r.csv", machines.MACHINES[name](*TEST))
+    reading = read(path).reading
+    assert reading["kind"] in (name, "table")
+    assert reading["columns"]["force_N"]["unit"] == unit
+    assert reading["columns"]["force_N"]["factor"] == pytest.approx(factor)
+    assert reading["decimal_comma"] is comma
+    told = "; ".join(described(reading))
+    assert f"in {unit}" in told
+    assert ("decimal commas" in told) is comma
+
+
+@pytest.mark.parametrize(("sample", "mode"), [("C1", "compression"), ("S1", "shear")])
+def test_our_own_table_is_taken_as_it_stands(sample, mode):
+    path = ROOT / f"resources/cohort/records/{sample}.csv"
+    table, _ = imported(path, mode)
+    pd.testing.assert_frame_equal(table, read_record(path))
+
+
+def test_what_is_passed_over_is_told(tmp_path):
+    univert = read(machines.write(tmp_path / "u.csv", machines.univert(*TEST)))
+    assert univert.reading["ignored"] == ["SetName", "Cycle", "Size_mm"]
+    wintest = read(machines.write(tmp_path / "w.csv", machines.wintest(*TEST)))
+    notes = "; ".join(wintest.reading["notes"])
+    assert "NUL characters left out: 12" in notes
+    assert "repetitions of the titles: 1" in notes
+    twice = machines.univert(*TEST).splitlines()
+    twice.insert(30, twice[29])
+    repeated = read(machines.write(tmp_path / "r.csv", "\n".join(twice)))
+    assert len(repeated.table) == len(TEST[0])
+    assert "repeat another one: 1" in "; ".join(repeated.reading["notes"])
+
+
+def test_lines_are_those_of_the_file(tmp_path):
+    path = machines.write(tmp_path / "b.csv", machines.bluehill(*TEST))
+    assert read(path).table.index[0] == 6
+
+
+def plain(titles="a,b,c", test=TEST):
+    rows = [f"{t:.2f},{d:.4f},{f:.5f}" for t, d, f in zip(*test, strict=True)]
+    return "\n".join([titles, *rows, ""])
+
+
+def test_a_table_without_words_is_read_by_its_mapping(tmp_path):
+    path = machines.write(tmp_path / "p.csv", plain())
+    names = {"time": "a", "displacement": "b", "force": "c"}
+    units = {"time": "s", "displacement": "mm", "force": "mN"}
+    small = machines.write(tmp_path / "m.csv", plain(test=(*TEST[:2], 1e3 * TEST[2])))
+    table, _ = imported(small, columns=names, units=units)
+    np.testing.assert_allclose(table["force_N"], TEST[2], atol=1e-7)
+    with pytest.raises(InputError, match=r"column 'a': no unit is named; .*units: \{time: s\}"):
+        read(path, names)
+    with pytest.raises(InputError, match=r"p.csv, line 1: no column is known to hold time and"):
+        read(path)
+
+
+REFUSED = {
+    "no force": (
+        "Time (s),Disp (mm),Temp (C)",
+        "no column is known to hold force .*'Temp \\(C\\)'",
+    ),
+    "two forces": ("Time (s),Disp (mm),Load (N),Force (N)", "2 columns may hold force"),
+    "no unit": ("Time (s),Disp (mm),Load", "column 'Load': no unit is named"),
+    "strange unit": ("Time (s),Disp (mm),Load (daN)", "'daN' is no known unit of force"),
+    "same title twice": ("time_s,displacement_mm,force_N,force_N", "2 columns may hold force"),
+}
+
+
+@pytest.mark.parametrize("name", REFUSED)
+def test_what_a_title_leaves_open_is_refused(tmp_path, name):
+    titles, message = REFUSED[name]
+    path = machines.write(tmp_path / "r.csv", plain(titles))
+    with pytest.raises(InputError, match=message):
+        read(path)
+
+
+def test_units_that_contradict_each_other_are_refused(tmp_path):
+    path = machines.write(tmp_path / "r.csv", plain("Time (s),Disp (mm),Load (N)"))
+    with pytest.raises(InputError, match="N and mN contradict each other"):
+        read(path, units={"force": "mN"})
+    assert read(path, units={"force": "Newton"}).table["force_N"].iloc[-1] == TEST[2][-1]
+
+
+CONTENTS = {
+    "workbook": (b"PK\3\4 whatever", "not a text file; export the test as CSV"),
+    "binary": (bytes(range(1, 200)), "not a text file"),
+    "empty": (b"", "no line of titles"),
+    "titles alone": (b"Time (s),Disp (mm),Load (N)\n", "no numbers below the titles"),
+    "thousands": (
+        b'Time (s);Disp (mm);Load (N)\n0.0;"1,0";2\n',
+        r"numbers with a comma \(1,0\) and with a point \(0.0\)",
+    ),
+    "commas between commas": (
+        b"Time (s),Disp (mm),Load (N)\n0,00,1,00,2,00\n",
+        "line 2: 6 cells below 3 titles; if these are decimal commas",
+    ),
+    "a word among the numbers": (
+        b"Time (s),Disp (mm),Load (N)\n0,0,1\npaused\n1,1,1\n",
+        "line 3: 'paused' stands among the numbers",
+    ),
+}
+
+
+@pytest.mark.parametrize("name", CONTENTS)
+def test_other_content_is_refused_with_its_place(tmp_path, name):
+    content, message = CONTENTS[name]
+    with pytest.raises(InputError, match=message):
+        read(machines.write(tmp_path / "r.csv", content))
+
+
+def test_wrong_cells_keep_their_line_and_their_text(tmp_path):
+    lines = machines.univert(*TEST).splitlines()
+    lines[40] = lines[40].rsplit(",", 1)[0] + ",n/a"
+    lines[50] = lines[50].rsplit(",", 1)[0] + ","
+    path = machines.write(tmp_path / "r.csv", "\n".join(lines))
+    with pytest.raises(InputError, match=r"line 41, column 'force_N': 'n/a' .*\(2 such cells\)"):
+        imported(path)
+
+
+def test_the_sign_of_a_machine_is_told_not_guessed(tmp_path):
+    time, travel, force = TEST
+    path = machines.write(tmp_path / "r.csv", machines.univert(time, -travel, -force))
+    with pytest.raises(InputError) as refused:
+        imported(path)
+    for quantity in ("displacement", "force"):  # both at once
+        assert f"records: {{positive: {{{quantity}: compression}}}}" in str(refused.value)
+    both = {"displacement": "compression", "force": "compression"}
+    table, facts = imported(path, positive=both)
+    np.testing.assert_allclose(table["force_N"], force)
+    np.testing.assert_allclose(table["displacement_mm"], travel)
+    assert facts["positive"] == {"displacement_mm": "compression", "force_N": "compression"}
+    either = {"displacement": "loading", "force": "loading"}
+    np.testing.assert_allclose(imported(path, positive=either)[0]["force_N"], force)
+    np.testing.assert_allclose(imported(path, "tension", positive=either)[0]["force_N"], -force)
+
+
+def test_zero_is_that_of_the_file_or_of_the_rest(tmp_path):
+    time, travel, force = TEST
+    path = machines.write(tmp_path / "r.csv", machines.univert(time, travel + 0.25, force + 0.125))
+    table, facts = imported(path)
+    np.testing.assert_allclose(table["displacement_mm"], travel + 0.25)
+    assert facts["subtracted"] == {"displacement_mm": 0.0, "force_N": 0.0}
+    table, facts = imported(path, zero={"displacement": "rest", "force": "rest"})
+    np.testing.assert_allclose(table["displacement_mm"], travel, atol=1e-3)
+    np.testing.assert_allclose(table["force_N"], force, atol=1e-3)
+    assert facts["subtracted"]["force_N"] == pytest.approx(0.125, abs=1e-3)
+    moving = machines.univert(*machines.compression(rest=0.0))
+    path = machines.write(tmp_path / "m.csv", moving)
+    with pytest.raises(InputError, match="no rest before the ramp to take the zero from"):
+        imported(path, zero={"force": "rest"})
+
+
+def test_other_columns_of_our_own_table_are_kept_for_the_schema(tmp_path):
+    rows = plain("time_s,displacement_mm,force_N").splitlines()
+    normal = "\n".join([f"{rows[0]},force_normal_N", *(f"{row},0.5" for row in rows[1:])])
+    table, _ = imported(machines.write(tmp_path / "n.csv", normal))
+    assert (table["force_normal_N"] == 0.5).all()
+    misspelt = machines.write(tmp_path / "m.csv", normal.replace("normal_N", "nornal_N"))
+    with pytest.raises(InputError, match="'force_nornal_N': unknown name; did you mean"):
+        imported(misspelt)

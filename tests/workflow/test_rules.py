@@ -80,7 +80,7 @@ def test_one_calibration_can_be_asked_for_by_file():
     [
         (["samples=none.tsv"], "none.tsv: no such table of samples; give its path with --config"),
         (["results=a{b}"], "results: 'a{b}' has another form"),
-        (["cores=3"], "cores: unknown name; known are samples"),
+        (["jobs=3"], "jobs: unknown name; known are samples"),
     ],
 )
 def test_bad_settings_are_one_clear_message(settings, message):

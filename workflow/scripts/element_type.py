@@ -29,7 +29,12 @@ with logged_to(snakemake):
             boundary = platen_boundary(mesh, reference)
         settings, material = SolverSettings(**given.solver), OgdenMaterial(**given.material)
         loaded = partial(ExplicitModel(mesh, settings).run, material, boundary, travel)
-        own = find_pace(lambda time, run=loaded: run(loading_time=time), settings).run.force[-1]
+        pace = find_pace(
+            lambda time, run=loaded: run(loading_time=time),
+            settings.loading_time_s,
+            settings.curve_error_percent,
+        )
+        own = pace.run.force[-1]
         rows.append(
             {
                 "mode": mode,

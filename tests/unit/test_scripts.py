@@ -46,7 +46,7 @@ def test_calls_of_the_library_fit_its_signatures(script):
         for node in ast.walk(tree)
         if isinstance(node, ast.Call)
         and isinstance(node.func, ast.Name)
-        and callable(known.get(node.func.id))
+        and inspect.isfunction(known.get(node.func.id))
     ]
     assert [text for text in found if text] == []
 

@@ -8,6 +8,7 @@ import pandas as pd
 import pytest
 from matplotlib.colors import to_hex
 from matplotlib.figure import Figure
+from matplotlib.text import Text
 
 from softsample.figures import offscreen, render
 from softsample.figures.boundary import BASE, GLUED, HeldSample, boundary_figure
@@ -30,6 +31,7 @@ from softsample.figures.surface import (
     silhouette,
 )
 from softsample.meshing.cuboid import mesh_cuboid
+from softsample.report.geometry_effects import NAMES
 
 MM = 1e-3
 
@@ -402,3 +404,44 @@ def test_profiles_have_a_panel_a_parameter_and_a_line_a_group():
     for ax, lines in zip(figure.axes, (3, 3, 4, 3), strict=True):
         assert len(ax.lines) == lines  # two groups, the level, the study's value where known
         assert ax.lines[0].get_ydata().max() <= 8.0 * 2.7
+
+
+def overlapping(figure, texts):
+    """Pairs of texts that are drawn over each other."""
+    renderer = figure.canvas.get_renderer()
+    figure.draw(renderer)
+    boxes = [(text.get_text(), text.get_window_extent(renderer)) for text in texts]
+    return [
+        (one, other)
+        for k, (one, box) in enumerate(boxes)
+        for other, beside in boxes[k + 1 :]
+        if one and other and box.overlaps(beside)
+    ]
+
+
+@pytest.mark.parametrize("width", [1.1, 1.5, 2.5, 8.0, 50.0])
+def test_moduli_of_profiles_have_ticks_that_can_be_read(width):
+    value = 900.0 * np.geomspace(1.0 / width, width, 9)
+    rows = [
+        pd.DataFrame({"group": "S1", "parameter": name, "value": value, "deviance": 1.0})
+        for name in ("mu1", "mu2", "alpha1", "alpha2")
+    ]
+    figure = profile_figure(pd.concat(rows), 2.7, {}, "Profiles")
+    shown = [label for label in figure.axes[0].get_xticklabels(which="both") if label.get_text()]
+    low, high = figure.axes[0].get_xlim()
+    assert sum(low <= label.get_position()[0] <= high for label in shown) >= 2
+    assert overlapping(figure, shown) == []
+
+
+def test_titles_of_effects_stand_beside_each_other():
+    rows = [
+        {"terms": terms, "mode": mode, "sample_variant": sample, "model_variant": model,
+         "bias_percent": -40.0, "bias_sd_percent": 5.0}
+        for terms, mode in ((2, "shear"), (2, "tension+compression"), (1, "compression"))
+        for sample, model in NAMES
+    ]  # fmt: skip
+    needed = pd.DataFrame(columns=["terms", "mode", "paper_percent"])
+    figure = effects_figure(pd.DataFrame(rows), needed, "effects")
+    titles = [t for t in figure.findobj(Text) if t.get_text().endswith("-term model")]
+    assert len(titles) == 3
+    assert overlapping(figure, titles) == []

@@ -50,7 +50,8 @@ def effects_figure(effects: pd.DataFrame, needed: pd.DataFrame, title: str) -> F
 
 
 def _loading(mode: str) -> str:
-    return mode.replace("+", ", ").capitalize()
+    """Loading in lines that fit above a panel."""
+    return mode.replace("+", ",\n").capitalize()
 
 
 def _draw_biases(ax: Axes, part: pd.DataFrame, pairs: list[tuple[str, str]], colour: str) -> None:

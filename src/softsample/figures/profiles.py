@@ -3,7 +3,9 @@
 from collections.abc import Mapping
 
 import pandas as pd
+from matplotlib.axes import Axes
 from matplotlib.figure import Figure
+from matplotlib.ticker import LogLocator, MaxNLocator, NullFormatter, StrMethodFormatter
 
 from softsample.figures.style import colours, label_panel, page_figure, styled
 
@@ -40,7 +42,7 @@ def profile_figure(
         if name in study:
             ax.axvline(study[name], color="0.4", lw=0.6, ls=":")
         if name in ("mu1", "mu2"):
-            ax.set_xscale("log")
+            _logarithmic(ax)
         ax.set(xlabel=label, ylim=(0.0, 4.0 * level))
         label_panel(ax, letter)
     for ax in panels[:, 0]:
@@ -48,3 +50,15 @@ def profile_figure(
     figure.legend(*panels.flat[0].get_legend_handles_labels(), loc="outside right center")
     figure.suptitle(title, x=0.01, ha="left")
     return figure
+
+
+def _logarithmic(ax: Axes) -> None:
+    """Logarithmic scale whose ticks are plain numbers that do not run into each other."""
+    ax.set_xscale("log")
+    low, high = ax.get_xlim()
+    if high < 10.0 * low:
+        ax.xaxis.set_major_locator(MaxNLocator(4))
+    else:
+        ax.xaxis.set_major_locator(LogLocator(subs=(1.0, 3.0) if high < 300.0 * low else (1.0,)))
+    ax.xaxis.set_major_formatter(StrMethodFormatter("{x:g}"))
+    ax.xaxis.set_minor_formatter(NullFormatter())

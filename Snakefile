@@ -30,6 +30,8 @@ rule all:
     input:
         tables(),
         figures(),
+        pictures(),
+        "<results>/report.html",
         "<results>/checks/passed.json",
     message:
         "Study complete: {config[results]}"
@@ -39,8 +41,9 @@ rule reported:
     input:
         tables(),
         figures(),
+        "<results>/report.html",
     message:
-        "Tables and figures complete: {config[results]}"
+        "Tables, figures and report complete: {config[results]}"
 
 
 for sample_id in SAMPLES:

@@ -123,18 +123,27 @@ class Browser:
             time.sleep(0.1)
         return found
 
-    def click(self, text):
-        """Click the innermost element that shows exactly this text."""
-        script = """(text => {
-            const all = [...document.querySelectorAll("body *")];
-            const found = all.filter(e => e.textContent.trim() === text).pop();
-            if (found) found.click();
-            return Boolean(found);
-        })"""
-        end = time.monotonic() + 10.0
-        while not (done := self.run(f"{script}({json.dumps(text)})")) and time.monotonic() < end:
-            time.sleep(0.1)
-        assert done, f"nothing shows {text!r}"
+    def drag(self, start, end, steps=8):
+        """Press the left button at a point of the window, move to another, let go."""
+        path = [
+            [a + k / steps * (b - a) for a, b in zip(start, end, strict=True)]
+            for k in range(steps + 1)
+        ]
+        for kind, points in (
+            ("mousePressed", path[:1]),
+            ("mouseMoved", path[1:]),
+            ("mouseReleased", path[-1:]),
+        ):
+            for x, y in points:
+                self.call(
+                    "Input.dispatchMouseEvent",
+                    type=kind,
+                    x=x,
+                    y=y,
+                    button="left",
+                    buttons=1,
+                    clickCount=1,
+                )
 
     def screenshot(self, path: Path) -> None:
         """Write what is seen as a PNG."""

@@ -39,12 +39,7 @@ rule check_calibration:
 
 rule checks_passed:
     input:
-        reports=[
-            *expand(
-                "<results>/checks/{sample}_{geometry}.json", sample=SAMPLES, geometry=GEOMETRIES
-            ),
-            *expand("<results>/checks/{group}_calibration.json", group=GROUPS),
-        ],
+        reports=checks(),
         code=library("workflow/scripts/checks_passed.py"),
     output:
         report="<results>/checks/passed.json",

@@ -3,7 +3,6 @@
 import ast
 import os
 import sys
-from contextlib import suppress
 from functools import cache
 from itertools import accumulate, chain
 from pathlib import Path
@@ -18,11 +17,10 @@ os.environ.update(PYTHONPATH=os.pathsep.join(dict.fromkeys(search_path)))
 from softsample.errors import SoftsampleError
 from softsample.files import show_presence
 from softsample.formats import files_of
-from softsample.io import read_samples, read_yaml, write_text
+from softsample.io import read_samples, read_yaml
 from softsample.report.tables import LEVEL
 from softsample.validation import DEFAULT_AXES, check_config, check_samples
 from softsample.workflow import failed_jobs, sha256_of_files
-
 
 # `make` removes the lock of a killed run only if no run and no job of one is alive.
 show_presence(".snakemake/alive.lock")
@@ -63,8 +61,12 @@ def finished(rows):
 GEOMETRIES = ["real", "ideal"]
 TABLE, SAMPLES = checked_study()
 # After a run in which samples failed, tables and figures of the others can still be had.
+LEFT_OUT, FAILURES = [], []
 if os.environ.get("SOFTSAMPLE_PARTIAL"):
-    SAMPLES = finished(SAMPLES)
+    came_through = finished(SAMPLES)
+    LEFT_OUT = [name for name in SAMPLES if name not in came_through]
+    SAMPLES = came_through
+    FAILURES = failed_jobs(f"{config['results']}/logs")
     if not SAMPLES:
         raise WorkflowError("no group of samples came through; there is nothing to report")
 GROUPS = {
@@ -313,12 +315,33 @@ def tables():
 
 
 def figures():
-    """The figures of the study, numbered as in the paper, and one of each sample."""
+    """The figures of the study, numbered as in the paper."""
     names = [f"figure{number}" for number in (2, 3, 4, 5, *([6] if COMPRESSED else []), 7)]
     names += ["contact"] if COMPRESSED else []
-    return [f"<results>/figures/{name}.{kind}" for name in names for kind in FORMATS] + [
-        f"<results>/figures/samples/{sample}.png" for sample in SAMPLES
+    return [f"<results>/figures/{name}.{kind}" for name in names for kind in FORMATS]
+
+
+# Pictures of each sample: image and mesh, record and model, strain.
+PICTURES = ("samples", "response", "strain")
+
+
+def pictures():
+    """The pictures of every sample."""
+    return [f"<results>/figures/{kind}/{name}.png" for kind in PICTURES for name in SAMPLES]
+
+
+def captioned(names):
+    """Those of the files that have a caption, which the report shows."""
+    captions = {path.stem for path in (ROOT / "workflow/report").glob("*.rst")}
+    return [
+        name for name in names if name.endswith((".csv", ".png")) and Path(name).stem in captions
     ]
+
+
+def checks():
+    """Checks of every run and every calibration."""
+    runs = expand("<results>/checks/{sample}_{geometry}.json", sample=SAMPLES, geometry=GEOMETRIES)
+    return runs + expand("<results>/checks/{group}_calibration.json", group=GROUPS)
 
 
 def groups_with(model):
@@ -368,15 +391,10 @@ CURVES = [
 
 
 def closing_words(complete):
-    """What to look at, or what failed and why; the failures are kept for the report."""
-    failed = failed_jobs(f"{config['results']}/logs")
-    text = "".join(f"- ``{job}``: {' '.join(reason.split())}\n" for job, reason in failed)
-    listed = Path(config["results"], "failures.rst")
-    if not listed.is_file() or listed.read_text(encoding="utf-8") != text:
-        with suppress(OSError):  # of a full disk the jobs have told already
-            write_text(listed, text)
+    """What to look at, or what failed and why."""
     if complete:
         return f"Done. Results are below {config['results']}/ (tables, figures, checks)."
+    failed = failed_jobs(f"{config['results']}/logs")
     if not failed:
         return "The run stopped before it was complete; run the same command again."
     lines = [f"  {job}: {reason}" for job, reason in failed]

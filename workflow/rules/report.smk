@@ -403,3 +403,106 @@ rule contact_area:
         "Contact area in compression, real sample and cuboid"
     script:
         "../scripts/contact_area.py"
+
+
+rule figure_response:
+    input:
+        real=lambda wildcards: calibration_of(wildcards.sample, "real", "csv"),
+        ideal=lambda wildcards: calibration_of(wildcards.sample, "ideal", "csv"),
+        code=library("workflow/scripts/figure_response.py"),
+    output:
+        png=report(
+            "<results>/figures/response/{sample}.png",
+            caption="../report/response.rst",
+            category="Samples",
+            labels={"sample": "{sample}, curves"},
+        ),
+    log:
+        "<logs>/figure_response/{sample}.log",
+    params:
+        mode=row_value("mode"),
+        cohort=COHORT,
+    message:
+        "Record and model: {wildcards.sample}"
+    script:
+        "../scripts/figure_response.py"
+
+
+use rule figure7 as figure_strain with:
+    input:
+        distances=["<results>/segmentation/{sample}_distance.nii.gz"],
+        segmentations=["<results>/segmentation/{sample}.json"],
+        cuboids=["<results>/cuboid/{sample}.json"],
+        runs=["<results>/fields/{sample}/real.json"],
+        real=["<results>/fields/{sample}/real.vtu"],
+        ideal=["<results>/fields/{sample}/ideal.vtu"],
+        code=library("workflow/scripts/figure7.py"),
+    output:
+        png=report(
+            "<results>/figures/strain/{sample}.png",
+            caption="../report/strain.rst",
+            category="Samples",
+            labels={"sample": "{sample}, strain"},
+        ),
+    log:
+        "<logs>/figure_strain/{sample}.log",
+    params:
+        samples=lambda wildcards: [wildcards.sample],
+        modes=lambda wildcards: [SAMPLES[wildcards.sample]["mode"]],
+        cohort=COHORT,
+    message:
+        "Strain: {wildcards.sample}"
+
+
+# One file that a colleague can be sent; it holds all that it shows.
+rule page:
+    input:
+        **{
+            kind: expand(f"<results>/{kind}/{{sample}}.json", sample=SAMPLES)
+            for kind in ("inputs", "segmentation", "cuboid")
+        },
+        **{
+            kind: expand(f"<results>/figures/{kind}/{{sample}}.png", sample=SAMPLES)
+            for kind in PICTURES
+        },
+        **{
+            f"{kind}_{geometry}": expand(
+                f"<results>/{folder}/{{sample}}/{geometry}.{ending}", sample=SAMPLES
+            )
+            for geometry in GEOMETRIES
+            for kind, folder, ending in (
+                ("mesh", "mesh", "json"),
+                ("run", "fields", "json"),
+                ("fields", "fields", "vtu"),
+            )
+        },
+        **{
+            f"verdict_{kind}": expand(f"<results>/loop/{{group}}/verdict.{kind}", group=GROUPS)
+            for kind in ("json", "md", "png")
+        },
+        tables=captioned(tables()),
+        numbers="<results>/tables/numbers.rst",
+        figures=captioned(figures()),
+        intervals="<results>/tables/intervals.csv",
+        fits=calibrations(GROUPS),
+        checks=checks(),
+        template=str(ROOT / "workflow/report/report.html.j2"),
+        references=str(ROOT / "workflow/report/references.yaml"),
+        parts=sorted(str(name) for name in (ROOT / "workflow/report").iterdir()),
+        schema=str(ROOT / "workflow/schemas/config.schema.yaml"),
+        code=library("workflow/scripts/page.py"),
+    output:
+        page="<results>/report.html",
+    log:
+        "<logs>/page.log",
+    params:
+        samples=SAMPLES,
+        groups=GROUPS,
+        cohort=COHORT,
+        left_out=LEFT_OUT,
+        config=config,
+        failures=FAILURES,
+    message:
+        "Report: {output.page}"
+    script:
+        "../scripts/page.py"

@@ -20,7 +20,7 @@ rule reproduction:
                 *geometry_results(),
                 *(f"<results>/extended/{name}" for name in EXTENDED),
             ]
-            if name.endswith(".png") and "/samples/" not in name
+            if name.endswith(".png")
         ],
         templates=[str(ROOT / f"workflow/report/{page}.md.j2") for page in PAGES],
         code=library("workflow/scripts/reproduction.py"),

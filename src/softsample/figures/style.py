@@ -92,6 +92,11 @@ def colours(count: int) -> list[str]:
     return [to_hex(c) for c in mpl.colormaps["turbo"](np.linspace(0.05, 0.95, count))]
 
 
+def map_colours(count: int = 32) -> list[str]:
+    """The map of strains in `count` steps, for pictures that are drawn elsewhere."""
+    return [to_hex(c) for c in mpl.colormaps[STRAIN_MAP](np.linspace(0.0, 1.0, count))]
+
+
 def lightened(colour: str, share: float = 0.6) -> str:
     """`colour` mixed with white; `share` is the part of white."""
     red, green, blue = ((1.0 - share) * part + share for part in to_rgb(colour))

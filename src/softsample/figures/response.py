@@ -1,0 +1,47 @@
+"""One sample's record against the calibrated model on both geometries."""
+
+from collections.abc import Mapping
+
+import pandas as pd
+from matplotlib.figure import Figure
+
+from softsample.figures.moduli import LINES, NAMES, WIDTHS
+from softsample.figures.style import MODE_COLOURS, darkened, label_panel, page_figure, styled
+
+
+@styled
+def response_figure(curves: Mapping[str, pd.DataFrame], mode: str, title: str) -> Figure:
+    """Force against displacement, and what each model leaves over.
+
+    Parameters
+    ----------
+    curves
+        By geometry: `displacement_mm`, `measured_N`, `model_N`.
+    mode
+        Loading, which gives the colour.
+    title
+        Title of the figure.
+    """
+    figure = page_figure(height_mm=68.0)
+    force, left_over = figure.subplots(1, 2)
+    colour = MODE_COLOURS[mode]
+    for geometry, table in curves.items():
+        curve = table.sort_values("displacement_mm", key=abs, kind="stable")
+        travel = curve["displacement_mm"]
+        if geometry == "real":
+            force.plot(travel, curve["measured_N"], color="0.72", lw=3.0, label="measured")
+        shade = darkened(colour) if geometry == "ideal" else colour
+        line = {"color": shade, "ls": LINES[geometry], "lw": WIDTHS[geometry]}
+        force.plot(travel, curve["model_N"], label=f"model, {NAMES[geometry]}", **line)
+        misfit = 1e3 * (curve["measured_N"] - curve["model_N"])
+        left_over.plot(travel, misfit, **{**line, "lw": 0.7})
+    for ax in (force, left_over):
+        ax.axhline(0.0, color="0.75", lw=0.5, zorder=0)
+        ax.set_xlabel("Displacement of the platen [mm]")
+    force.set_ylabel("Force [N]")
+    left_over.set_ylabel("Measured less model [mN]")
+    force.legend(loc="best")
+    label_panel(force, "a", "Record and calibrated model")
+    label_panel(left_over, "b", "What is left over")
+    figure.suptitle(title)
+    return figure

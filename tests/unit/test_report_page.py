@@ -1,0 +1,179 @@
+"""Parts of the report page: what people read, and what the browser is given."""
+
+import base64
+import json
+from pathlib import Path
+
+import numpy as np
+import pandas as pd
+import pytest
+import pyvista
+import yaml
+from docutils.utils import SystemMessage
+from PIL import Image
+
+from softsample.report.facts import verdict_sentence
+from softsample.report.html import (
+    as_json,
+    caption,
+    download,
+    heading,
+    markdown,
+    parameters,
+    picture,
+    render_report,
+    table,
+    written,
+)
+from softsample.report.scene import MOST_FACES, scene
+
+ROOT = Path(__file__).resolve().parents[2]
+
+
+@pytest.mark.parametrize(
+    ("column", "shown"),
+    [
+        ("mu_real_pa", "mu real [Pa]"),
+        ("volume_real_mm3", "volume real [mm³]"),
+        ("difference_percent", "difference [%]"),
+        ("group", "group"),
+        ("n", "n"),
+    ],
+)
+def test_headings_carry_the_unit(column, shown):
+    assert heading(column) == shown
+
+
+@pytest.mark.parametrize(
+    ("value", "shown"),
+    [
+        (-5.94211, "−5.942"),
+        (123456.7, "123457"),
+        (float("nan"), "–"),
+        (None, "–"),
+        (3, "3"),
+        (True, "True"),
+        ([-8.0, 16.0], "−8, 16"),
+        ({"shear": "S1"}, "shear: S1"),
+        ({}, "–"),
+    ],
+)
+def test_values_as_people_write_them(value, shown):
+    assert written(value) == shown
+
+
+def test_a_table_leaves_out_empty_columns_and_obeys_no_tag():
+    frame = pd.DataFrame({"group": ["<b>S1"], "mu_pa": [-1.5], "paper_mu_pa": [np.nan]})
+    shown = table(frame)
+    assert "mu [Pa]" in shown
+    assert "paper" not in shown
+    assert "&lt;b&gt;S1" in shown
+    assert '<td class="number">−1.5</td>' in shown
+
+
+def test_markdown_goes_below_the_sections_and_takes_its_pictures_in(tmp_path):
+    Image.new("RGB", (4, 3), "red").save(tmp_path / "a.png")
+    text = "# Verdict\n\n| a |\n| --- |\n| <i>x</i> |\n\n![how](a.png)\n"
+    html = markdown(text, {"a.png": tmp_path / "a.png"})
+    assert "<h4>Verdict</h4>" in html
+    assert "<table>" in html
+    assert "<i>" not in html
+    assert 'src="data:image/webp;base64,' in html
+    assert 'width="4" height="3" alt="how"' in html
+
+
+def test_a_picture_stays_what_it_is(tmp_path):
+    Image.new("RGB", (40, 30), (200, 30, 60)).save(tmp_path / "a.png")
+    (tmp_path / "a.webp").write_bytes(
+        base64.b64decode(str(picture(tmp_path / "a.png", "")).split(",")[1].split('"')[0])
+    )
+    with Image.open(tmp_path / "a.webp") as image:
+        assert image.size == (40, 30)
+        np.testing.assert_allclose(np.asarray(image).mean(axis=(0, 1)), (200, 30, 60), atol=4)
+
+
+def test_a_table_can_be_saved_out_of_the_page(tmp_path):
+    (tmp_path / "t.csv").write_text("a\n1\n")
+    link = download(tmp_path / "t.csv")
+    assert 'download="t.csv"' in link
+    assert base64.b64decode(link.split("base64,")[1].split('"')[0]) == b"a\n1\n"
+
+
+def test_a_caption_that_quotes_an_unknown_number_is_refused(tmp_path):
+    (tmp_path / "c.rst").write_text("**Figure.** Of |cohort|, {{ snakemake.wildcards.sample }}.")
+    with pytest.raises(SystemMessage, match="cohort"):
+        caption(tmp_path / "c.rst", {}, sample="C3")
+    (tmp_path / "c.rst").write_text("**Figure.** {{ snakemake.wildcards.sample }}.")
+    assert "<strong>Figure.</strong> C3." in caption(tmp_path / "c.rst", {}, sample="C3")
+
+
+def test_data_cannot_end_its_script():
+    text = as_json({"a": "</script><script>"})
+    assert "<" not in text
+    assert json.loads(text) == {"a": "</script><script>"}
+
+
+def test_every_setting_is_listed_with_its_meaning():
+    config = yaml.safe_load((ROOT / "config/config.yaml").read_text(encoding="utf-8"))
+    schema = yaml.safe_load((ROOT / "workflow/schemas/config.schema.yaml").read_text("utf-8"))
+    listed = {place: (value, meaning) for place, value, meaning in parameters(config, schema)}
+    assert listed["mesh: element_size_mm"][0] == "0.5"
+    assert "loop: noise: contact_zero_mm" in listed
+    assert all(meaning for place, (_, meaning) in listed.items()), listed
+
+
+def test_the_methods_cite_every_reference_and_no_other():
+    references = yaml.safe_load((ROOT / "workflow/report/references.yaml").read_text("utf-8"))
+    config = yaml.safe_load((ROOT / "config/config.yaml").read_text(encoding="utf-8"))
+    template = ROOT / "workflow/report/methods.html.j2"
+    html = render_report(template, config=config, references=references)
+    for number, name in enumerate(references, start=1):
+        assert f'<a href="#ref-{name}">[{number}]</a>' in html
+        assert f'<li id="ref-{name}">' in html
+    assert "hexahedra of 0.5 mm" in html
+
+
+def test_a_verdict_in_one_sentence():
+    error = {"tension": {"all": {"rms_percent_structured": 2.0}},
+             "compression": {"all": {"rms_percent_structured": 3.0}}}  # fmt: skip
+    effects = [{"class": ["late_contact", "platen_tilt"]}]
+    verdict = {"effects": effects, "error_before": error, "error_after": error}
+    assert verdict_sentence(verdict).startswith("Effects: late contact or platen tilt. Error")
+    assert "3 % of peak before" in verdict_sentence(verdict)
+    assert verdict_sentence({**verdict, "effects": []}).startswith("Error")
+
+
+def unpacked(text, kind):
+    return np.frombuffer(base64.b64decode(text), kind)
+
+
+def block(cells):
+    """Quads of a cube of 10 mm, with an unused point, that is pressed by a fifth."""
+    surface = pyvista.Box((0, 10, 0, 10, 0, 10), level=cells, quads=True).clean()
+    before = np.vstack([surface.points.astype(float), [[50.0, 50.0, 50.0]]])
+    after = before * [1.0, 1.0, 0.8]
+    return before, after, surface.faces.reshape(-1, 5)[:, 1:].astype(np.int64), before[:, 2]
+
+
+def test_a_surface_comes_back_from_its_packed_form():
+    before, after, faces, values = block(3)
+    packed = scene({"real": (before, after, faces, values)})
+    assert packed["limits"] == pytest.approx(np.percentile(values, (1.0, 99.0)))
+    shape = packed["surfaces"]["real"]
+    assert shape["corners"] == 4
+    points = shape["unit"] * unpacked(shape["before"], "<i2").reshape(-1, 3)
+    moved = shape["unit"] * unpacked(shape["after"], "<i2").reshape(-1, 3)
+    found = unpacked(shape["faces"], "<u2").reshape(-1, 4)
+    assert len(points) == len(before) - 1  # without the unused one
+    np.testing.assert_allclose(points[found], before[faces], atol=1e-3)
+    np.testing.assert_allclose(moved[found], after[faces], atol=1e-3)
+
+
+def test_a_fine_surface_is_decimated_and_keeps_its_shape():
+    packed = scene({"real": block(60)})["surfaces"]["real"]
+    faces = unpacked(packed["faces"], "<u2").reshape(-1, 3)
+    assert len(faces) <= 1.02 * MOST_FACES
+    moved = packed["unit"] * unpacked(packed["after"], "<i2").reshape(-1, 3)
+    corners = moved[faces]
+    volume = np.linalg.det(corners).sum() / 6.0
+    assert volume == pytest.approx(800.0, rel=0.01)

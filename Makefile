@@ -123,10 +123,10 @@ undeclared: $(stamp)
 	$(bin)/python -c "import pandas as pd; print(pd.read_csv('results/undeclared/scoring/verdicts.csv').to_string())"
 
 blind: $(stamp)
-	$(bin)/snakemake --cores $(CORES) blind
+	$(bin)/snakemake --cores $(CORES) blind --configfile config/blind.yaml
 
 blind-full: $(stamp)
-	$(bin)/snakemake --cores $(CORES) blind_full
+	$(bin)/snakemake --cores $(CORES) blind_full --configfile config/blind.yaml
 
 bench-imaging: $(stamp)
 	$(bin)/python benchmarks/imaging.py results/bench/imaging.json

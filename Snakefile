@@ -13,13 +13,17 @@ include: "workflow/rules/meshing.smk"
 include: "workflow/rules/simulation.smk"
 include: "workflow/rules/calibration.smk"
 include: "workflow/rules/loop.smk"
-include: "workflow/rules/blind.smk"
 include: "workflow/rules/report.smk"
 include: "workflow/rules/checks.smk"
 include: "workflow/rules/geometry_effects.smk"
 include: "workflow/rules/scoring.smk"
 include: "workflow/rules/reproduction.smk"
 include: "workflow/rules/extended.smk"
+
+
+if "blind" in config:
+
+    include: "workflow/rules/blind.smk"
 
 
 report: "workflow/report/workflow.rst"

@@ -6,7 +6,8 @@ import numpy as np
 import pytest
 
 from softsample.blindlab.curves import planted_curves
-from softsample.blindlab.judge import Resolution, answer, elastics, model_curves
+from softsample.blindlab.judge import Resolution, answer, elastics
+from softsample.blindlab.models import model_curves
 from softsample.blindlab.plan import Benches, Experiment
 from softsample.blindlab.score import Case, score
 from softsample.fem.explicit import SolverSettings

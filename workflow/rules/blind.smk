@@ -1,6 +1,8 @@
-# The blind laboratory: records with undeclared effects, answers frozen, then scored.
+# The blind laboratory: records with undeclared effects, answers frozen, then scored. Its rules are
+# there with `--configfile config/blind.yaml`.
 
 
+BLIND = config["blind"]
 BODIES = [
     f"{kind}_{BLIND['bodies']['first'] + k}"
     for kind, count in (("cuboid", "cuboids"), ("shape", "shapes"))

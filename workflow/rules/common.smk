@@ -74,7 +74,6 @@ GROUPS = {
     for group in dict.fromkeys(row["group"] for row in SAMPLES.values())
 }
 COMPRESSED = [name for name, row in SAMPLES.items() if row["mode"] == "compression"]
-BLIND = config["blind"]
 SHIPPED = (ROOT / "resources").resolve() in TABLE.resolve().parents
 
 

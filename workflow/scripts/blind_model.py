@@ -1,7 +1,7 @@
 """Simulate the loop's model of a body of the blind laboratory (rule `blind_model`)."""
 
 from softsample.blindlab.bodies import Body
-from softsample.blindlab.judge import model_curves
+from softsample.blindlab.models import model_curves
 from softsample.fem.explicit import SolverSettings
 from softsample.io import write_table
 from softsample.loop.variants import VariantSettings

@@ -11,7 +11,7 @@ from softsample.loop.effects import library
 from softsample.loop.effects.base import Effect
 from softsample.loop.errors import Error, errors, held_out
 from softsample.loop.fit import Fit, Problem
-from softsample.loop.model import FIXED
+from softsample.loop.model import FIXED, Material
 from softsample.loop.noise import (
     Noise,
     NoiseSettings,
@@ -96,7 +96,7 @@ def pose(specimens: Sequence[Specimen], settings: NoiseSettings) -> tuple[Proble
     predicted = [
         blocks(rough.model.predict(s, rough.state), block_size(s.time, settings)) for s in specimens
     ]
-    return _whitened(specimens, noises, predicted, settings), noises
+    return _whitened(specimens, noises, predicted, settings, rough.state.material), noises
 
 
 def _whitened(
@@ -104,6 +104,7 @@ def _whitened(
     noises: Sequence[Noise],
     models: Sequence[Array],
     settings: NoiseSettings,
+    start: Material | None = None,
 ) -> Problem:
     return Problem(
         specimens,
@@ -112,6 +113,7 @@ def _whitened(
             for s, noise, model in zip(specimens, noises, models, strict=True)
         ],
         settings.contact_zero_mm,
+        start,
     )
 
 
@@ -137,6 +139,8 @@ def diagnose(
     base, final = selection.base, selection.final
     spread = [noise.block for noise in noises]
     before, after = errors(problem, base, spread), errors(problem, final, spread)
+    held_out_before = held_out(problem, base, spread)
+    same = not final.model.effects
     return Diagnosis(
         problem,
         noises,
@@ -144,8 +148,8 @@ def diagnose(
         _verdict(selection, settings, _pooled(after) - _pooled(before)),
         before,
         after,
-        held_out(problem, base, spread),
-        held_out(problem, final, spread),
+        held_out_before,
+        held_out_before if same else held_out(problem, final, spread),
     )
 
 

@@ -7,7 +7,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.optimize import least_squares
 
-from softsample.loop.model import FIXED, Material, Model, Packing, State, residuals
+from softsample.loop.model import CONTACT_ZERO, FIXED, Material, Model, Packing, State, residuals
 from softsample.loop.noise import Whitener
 from softsample.loop.specimen import Specimen, blocks
 
@@ -16,6 +16,10 @@ Array = NDArray[np.float64]
 
 CORNER, CORNER_TIME = 0.2, 0.05
 """Part of an error of form that is brief, as where a ramp ends, and its time over the other's."""
+
+
+DIFFERENCE = 1e-5
+"""Step of the packed parameters for derivatives."""
 
 
 @dataclass(frozen=True)
@@ -63,6 +67,8 @@ class Problem:
         One for each.
     contact_zero_mm : float
         Standard deviation of where compression begins [mm].
+    start : Material, optional
+        From which fits of the plain model set out; none: from several.
     """
 
     def __init__(
@@ -70,9 +76,11 @@ class Problem:
         specimens: Sequence[Specimen],
         whiteners: Sequence[Whitener],
         contact_zero_mm: float,
+        start: Material | None = None,
     ) -> None:
         self.specimens, self.whiteners = list(specimens), list(whiteners)
         self.contact_zero_mm = contact_zero_mm
+        self.start = start
 
     @property
     def labels(self) -> list[str]:
@@ -147,9 +155,16 @@ class Problem:
         def white(vector: Array) -> Array:
             return self.residual(model, packing.unpack(vector))
 
+        def slope(vector: Array) -> Array:
+            steps = np.where(vector + DIFFERENCE > packing.high, -DIFFERENCE, DIFFERENCE)
+            moved = [packing.unpack(vector + step) for step in np.diag(steps)]
+            here = self.predicted(model, packing.unpack(vector))
+            changes = self.white_changes(here, [self.predicted(model, state) for state in moved])
+            changes[-1, CONTACT_ZERO] = -steps[CONTACT_ZERO] / self.contact_zero_mm
+            return -changes / steps
+
         found = least_squares(
-            white, first, bounds=(packing.low, packing.high), x_scale=0.1,
-            diff_step=np.full(len(first), 1e-5),
+            white, first, slope, bounds=(packing.low, packing.high), x_scale=0.1,
             method="trf", ftol=1e-6, xtol=1e-6, gtol=1e-6, max_nfev=40,
         )  # fmt: skip
         near = 1e-3 * (packing.high - packing.low)
@@ -164,7 +179,8 @@ class Problem:
             tuple(name for name, end in zip(names, ends[FIXED:], strict=True) if end),
         )
 
-    def fit_material(self, mu: float = 1000.0) -> Fit:
-        """The plain model, from several mixtures."""
-        starts = [State(Material(mu, r)) for r in (0.2, 0.5, 0.8, 0.95)]
-        return self.fit(Model(), starts[0], starts[1:])
+    def fit_material(self) -> Fit:
+        """The plain model."""
+        starts = [Material(1000.0, r) for r in (0.2, 0.5, 0.8, 0.95)]
+        first, *others = map(State, [self.start] if self.start else starts)
+        return self.fit(Model(), first, others)

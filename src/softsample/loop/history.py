@@ -19,6 +19,7 @@ def relaxed(time: Array, force: Array, g: float, tau: float) -> Array:
     step = float(time[-1] - time[0]) / (len(time) - 1)
     decay = np.exp(-step / tau)
     gain = tau / step * (1.0 - decay)
-    growth = np.diff(force, prepend=0.0)
+    growth = force.copy()
+    growth[1:] -= force[:-1]
     remembered = lfilter([gain], [1.0, -decay], growth)
     return np.asarray((1.0 - g) * force + g * remembered)

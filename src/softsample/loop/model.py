@@ -54,14 +54,19 @@ class Model:
         """Values without effect, by effect."""
         return {effect.name: effect.neutral() for effect in self.effects}
 
-    def predict(self, specimen: Specimen, state: "State") -> Array:
-        """Force along the travel at every sample of the record (n,) [N]."""
-        material, values = state.material, state.values
+    def travel(self, specimen: Specimen, state: "State") -> Array:
+        """Travel that reaches the sample (n,) [m]."""
         travel = specimen.travel
         if specimen.elastic.contact:
             travel = travel - 1e-3 * state.contact_zero
         for effect in self.effects:
-            travel = effect.travel(specimen, travel, values[effect.name])
+            travel = effect.travel(specimen, travel, state.values[effect.name])
+        return travel
+
+    def predict(self, specimen: Specimen, state: "State") -> Array:
+        """Force along the travel at every sample of the record (n,) [N]."""
+        material, values = state.material, state.values
+        travel = self.travel(specimen, state)
         per_mu = specimen.elastic.force_per_mu(material.mixture, travel)
         for effect in self.effects:
             per_mu = per_mu + effect.elastic(
@@ -104,8 +109,8 @@ class State:
     contact_zero: float = 0.0
 
 
-FIXED = 3
-"""Entries of a packed state before the effects: ln mu, r, contact zero."""
+FIXED, CONTACT_ZERO = 3, 2
+"""Entries of a packed state before the effects: ln mu, r, contact zero; place of the last."""
 
 MIXTURE = (0.02, 0.98)
 """Bounds of r, those of the simulated families."""

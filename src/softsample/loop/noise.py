@@ -163,13 +163,14 @@ class Whitener:
         self._matrix = matrix
         part = matrix[np.ix_(self.keep, self.keep)]
         jitter = 1e-12 * np.trace(part) / max(len(part), 1)
-        factor = cholesky(part + jitter * np.eye(len(part)), lower=True)
-        self._white = solve_triangular(factor, np.eye(len(part)), lower=True)
+        self._factor = cholesky(
+            part + jitter * np.eye(len(part)), lower=True, overwrite_a=True, check_finite=False
+        )
 
     @property
     def log_determinant(self) -> float:
         """Of the covariance of the blocks that count."""
-        return float(-2.0 * np.log(np.diag(self._white)).sum())
+        return float(2.0 * np.log(np.diag(self._factor)).sum())
 
     def blocks(self, residual: Array) -> Array:
         """Block means of a residual per sample, of the blocks that count."""
@@ -177,11 +178,13 @@ class Whitener:
 
     def __call__(self, residual: Array) -> Array:
         """White residual of the blocks that count, from one per sample (n_samples,) [N]."""
-        return np.asarray(self._white @ self.blocks(residual))
+        return np.asarray(
+            solve_triangular(self._factor, self.blocks(residual), lower=True, check_finite=False)
+        )
 
     def coloured(self, white: Array) -> Array:
         """Block means with this covariance from independent unit noise (n_blocks,) [N]."""
-        return np.asarray(solve_triangular(self._white, white, lower=True))
+        return np.asarray(self._factor @ white)
 
     def with_more(self, covariance: Array) -> "Whitener":
         """The same with more noise [N2]."""

@@ -13,8 +13,8 @@ from softsample.loop.screen import (
     LEAST_SIGNATURE,
     Signature,
     best_of_each,
+    family_wise,
     nominal_step,
-    null_threshold,
     penalty,
     signatures,
 )
@@ -141,9 +141,8 @@ def select(problem: Problem, effects: Sequence[Effect], settings: SelectionSetti
     found = signatures(problem, base, library)
     strengths = {e.name: max(s.strength for s in found if s.effect is e) for e in library}
     weak = [name for name, strength in strengths.items() if strength < LEAST_SIGNATURE]
-    threshold = max(
-        settings.least_gain,
-        null_threshold(found, len(base.white), settings.null_draws, settings.seed),
+    threshold = family_wise(
+        found, len(base.white), settings.null_draws, settings.seed, settings.least_gain
     )
     while len(current.model.effects) < settings.most_effects:
         open_effects = [e for e in library if e.name not in current.model.names]
@@ -220,9 +219,10 @@ def _acceptable(
 
 
 def _joint(problem: Problem, current: Fit, signature: Signature) -> Fit:
-    """Joint fit from the linear estimate of the sizes and from small ones.
+    """Joint fit from the linear estimate of the sizes.
 
-    The other points of the grid are tried until one fit earns what the linear estimate promises.
+    Small sizes and the other points of the grid are tried until one fit earns what the linear
+    estimate promises.
     """
     effect = signature.effect
     sizes, *_ = np.linalg.lstsq(signature.columns, current.white, rcond=None)
@@ -242,8 +242,8 @@ def _joint(problem: Problem, current: Fit, signature: Signature) -> Fit:
         replace(current.state, values={**current.state.values, effect.name: values})
         for values in starts
     ]
-    best = problem.fit(model, states[0], states[1:2])
-    for state in states[2:]:
+    best = problem.fit(model, states[0])
+    for state in states[1:]:
         if best.cost < promised:
             break
         best = min(best, problem.fit(model, state), key=lambda fit: fit.cost)

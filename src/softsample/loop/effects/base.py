@@ -111,6 +111,11 @@ class Effect:
         return self.travel is not _travel
 
     @property
+    def only_instrument(self) -> bool:
+        """Whether it acts on the instrument alone, not on the sample."""
+        return not self.shifts_travel and self.elastic is _none and self.tissue is _force
+
+    @property
     def sizes(self) -> tuple[Parameter, ...]:
         """Parameters that the effect grows with."""
         return tuple(p for p in self.parameters if p.is_size)

@@ -7,6 +7,8 @@ from softsample.loop.specimen import Specimen
 
 def _tissue(specimen: Specimen, force: Array, travel: Array, values: Values) -> Array:
     first = relaxed(specimen.time, force, values["g1"], values["tau1_s"])
+    if not values["g2"]:
+        return first
     second = relaxed(specimen.time, force, values["g2"], values["tau2_s"])
     return first + second - force
 

@@ -21,12 +21,16 @@ export PYTHONPATH := src
 export NUMBA_CACHE_DIR ?= $(CURDIR)/.numba/$(shell cat src/softsample/fem/*.py | sha256sum | cut -c1-16)
 unexport VIRTUAL_ENV
 
-.PHONY: help env run quick extended docs test test-long check bench bench-solver bench-imaging verify undeclared blind blind-full \
+.PHONY: help env run quick new-study add-sample check-study study extended docs test test-long check bench bench-solver bench-imaging verify undeclared blind blind-full \
 	format clean clean-env
 
 help:
 	@echo "make run        the study: every sample at 0.5 mm, tables, figures, results/report.html"
 	echo "make quick      the same at 1 mm, for a look in minutes, into results-quick/"
+	echo "make new-study DIR=lab    a study folder of your own, with a worked sample"
+	echo "make add-sample DIR=lab IMAGE=scan.nii.gz RECORD=test.csv MODE=compression   a sample of yours"
+	echo "make check-study DIR=lab  everything that is wrong with it, in seconds"
+	echo "make study DIR=lab        its report (CONFIG=config/quick.yaml: at 1 mm, in minutes)"
 	echo "make docs       docs/reproduction.md and docs/recovery.md, tables and figures as they came out"
 	echo "make extended   what takes longer: free exponents, a simulation per evaluation, effects of shape"
 	echo "make test       unit, verification, regression and workflow tests"
@@ -85,6 +89,26 @@ run: $(stamp)
 
 quick: $(stamp)
 	@$(call study,--configfile config/quick.yaml,results-quick)
+
+# refuses a missing value, such as the folder of a study
+given = $(foreach name,$(1),$(if $($(name)),,$(error name it: make $@ $(name)=...)))
+
+new-study: $(stamp)
+	@$(call given,DIR)
+	$(bin)/python -m softsample new "$(DIR)"
+
+add-sample: $(stamp)
+	@$(call given,DIR IMAGE RECORD MODE)
+	$(bin)/python -m softsample add "$(DIR)" --mode "$(MODE)" --image "$(IMAGE)" --record "$(RECORD)" \
+	  --sample "$(SAMPLE)" --group "$(GROUP)"
+
+check-study: $(stamp)
+	@$(call given,DIR)
+	$(bin)/python -m softsample check "$(DIR)"
+
+study: $(stamp)
+	@$(call given,DIR)
+	$(call study,--configfile $(CONFIG) "$(DIR)/study.yaml" --config "samples=$(DIR)/samples.tsv" "results=$(DIR)/results",$(DIR)/results)
 
 docs: $(stamp)
 	$(bin)/snakemake --cores $(CORES) reproduction

@@ -1,6 +1,7 @@
-"""Look at any intermediate result: `python -m softsample show FILE`."""
+"""Look at any result, and set up a study: `python -m softsample show|new|add|check`."""
 
 import argparse
+import shlex
 import sys
 from collections.abc import Mapping, Sequence
 from pathlib import Path
@@ -37,12 +38,65 @@ def main(arguments: Sequence[str] | None = None) -> int:
     show.add_argument("--segment", help="the segment to draw of a .seg.nrrd with several")
     show.add_argument("-o", "--output", help="picture to write (default: beside where you are)")
     show.add_argument("--all", action="store_true", help="print provenance and long tables too")
+    show.set_defaults(run=lambda g: _show(g.file, g.output, g.all, g.segment))
+    _add_study_commands(commands)
     given = parser.parse_args(arguments)
     try:
-        _show(given.file, given.output, given.all, given.segment)
+        return int(given.run(given) or 0)
     except (SoftsampleError, OSError) as error:
         print(error, file=sys.stderr)
         return 1
+
+
+def _add_study_commands(commands: Any) -> None:
+    """Commands on a lab's own study."""
+    new = commands.add_parser("new", help="make a study folder with a worked sample")
+    new.set_defaults(run=lambda g: _new(g.folder))
+    add = commands.add_parser("add", help="copy the files of a sample into a study, add its row")
+    add.set_defaults(run=lambda g: _add(g))
+    add.add_argument("--mode", required=True, choices=("tension", "compression", "shear"))
+    add.add_argument("--image", required=True, help="MRI volume, or a folder of DICOM files")
+    add.add_argument("--record", required=True, help="the test, as the machine wrote it")
+    add.add_argument("--sample", default="", help="its id (default: the name of the image)")
+    add.add_argument("--group", default="", help="id of its animal (default: the sample's)")
+    check = commands.add_parser("check", help="tell everything that is wrong with a study")
+    check.set_defaults(run=lambda g: _check(g.folder))
+    for command in (new, add, check):
+        command.add_argument("folder", help="of the study")
+
+
+def _new(folder: str) -> None:
+    from softsample.study.folder import new_study
+
+    new_study(folder)
+    print(f"{folder} holds a table of samples (samples.tsv), settings (study.yaml), and a sample.")
+    print("Next, add your own sample, in place of the worked one, or check what is there:")
+    files = "IMAGE=scan.nii.gz RECORD=test.csv MODE=compression"
+    print(f"  make add-sample DIR={shlex.quote(folder)} {files}")
+    print(f"  make check-study DIR={shlex.quote(folder)}")
+
+
+def _add(given: argparse.Namespace) -> None:
+    from softsample.study.folder import add_sample
+
+    folder = given.folder
+    name = add_sample(folder, given.mode, given.image, given.record, given.sample, given.group)
+    print(f"Sample {name} is in {folder}. Next:")
+    print(f"  make check-study DIR={shlex.quote(folder)}")
+
+
+def _check(folder: str) -> int:
+    from softsample.study.check import check_study
+
+    result = check_study(folder)
+    print("\n".join(result.found))
+    if result.faults:
+        print(f"\nFaults: {len(result.faults)}", file=sys.stderr)
+        print("\n".join(f"  {fault}" for fault in result.faults), file=sys.stderr)
+        return 1
+    print(f"\nNo fault found; samples: {result.samples}. Please compare units, signs and zero with")
+    print("what the machine does. Next, at 1 mm for a look in minutes, or without CONFIG in full:")
+    print(f"  make study DIR={shlex.quote(folder)} CONFIG=config/quick.yaml")
     return 0
 
 

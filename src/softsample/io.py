@@ -3,6 +3,7 @@
 Files for people are in mm, N, s and Pa; arrays handed to the library are SI (see each function).
 """
 
+import csv
 import gzip
 import json
 import math
@@ -20,6 +21,7 @@ from numpy.typing import ArrayLike, NDArray
 from softsample.errors import InputError, MeshError
 from softsample.files import written_aside
 from softsample.formats import LPS_TO_RAS, PathLike, read_image
+from softsample.formats.text import read_lines
 from softsample.meshing.mesh import HexMesh
 from softsample.meshing.surface import TriangleSurface
 
@@ -110,17 +112,34 @@ def read_samples(path: PathLike) -> pd.DataFrame:
     Returns
     -------
     pandas.DataFrame
-        One row a sample, all columns text, empty cells as "".
+        One row a sample, all columns text, empty cells as "". The index is the line in the file.
     """
-    separator = "," if Path(path).suffix == ".csv" else "\t"
     try:
-        return pd.read_csv(path, sep=separator, comment="#", dtype=str, keep_default_na=False)
+        lines, _ = read_lines(path, "save the table as tab-separated text")
     except FileNotFoundError as error:
         raise InputError(
             f"{path}: no such table of samples; give its path with --config samples=PATH"
         ) from error
-    except (pd.errors.ParserError, pd.errors.EmptyDataError, UnicodeDecodeError) as error:
+    separator = "," if Path(path).suffix == ".csv" else "\t"
+    numbers = [n for n, line in enumerate(lines, 1) if line.strip() and line.lstrip()[0] != "#"]
+    if not numbers:
+        raise InputError(f"{path}: not a tab-separated table with a header: it is empty")
+    try:
+        cells = [next(csv.reader([lines[n - 1]], delimiter=separator)) for n in numbers]
+    except csv.Error as error:
         raise InputError(f"{path}: not a tab-separated table with a header: {error}") from error
+    header = [name.strip() for name in cells[0]]
+    for number, row in zip(numbers, cells, strict=True):
+        if any(cell.strip() for cell in row[len(header) :]):
+            raise InputError(
+                f"{path}, row {number}: {len(row)} cells below {len(header)} titles; separate "
+                "cells by one tab each"
+            )
+    width = len(header)
+    rows = [(row + [""] * width)[:width] for row in cells[1:]]
+    return pd.DataFrame(
+        rows, columns=header, dtype=object, index=pd.Index(numbers[1:], name="line", dtype=int)
+    )
 
 
 def read_record(path: PathLike) -> pd.DataFrame:

@@ -174,9 +174,9 @@ def check_record(
     Returns
     -------
     dict
-        `samples`, `sampling_rate_hz`, `duration_s`, `travel_mm`, `ramp_speed_mm_s`,
-        `peak_force_N`, `force_noise_N` (standard deviation at rest, None if never at rest),
-        `force_offset_N`, `phases`, `warnings`.
+        `samples`, `sampling_rate_hz`, `duration_s`, `travel_mm`, `ramp_start_mm`,
+        `ramp_speed_mm_s`, `peak_force_N`, `force_noise_N` (standard deviation at rest, None if
+        never at rest), `force_offset_N`, `phases`, `warnings`.
 
     Raises
     ------
@@ -308,6 +308,7 @@ def _facts(record: Record, ramp: slice) -> dict[str, Any]:
         "sampling_rate_hz": float(1.0 / np.median(np.diff(record.time))),
         "duration_s": float(record.time[-1] - record.time[0]),
         "travel_mm": float(travel / MM),
+        "ramp_start_mm": float(record.displacement[ramp.start] / MM),
         "ramp_speed_mm_s": float(abs(travel) / MM / duration),
         "peak_force_N": float(peak),
         "force_noise_N": float(force[rest].std(ddof=1)) if known else None,

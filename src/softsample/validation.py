@@ -1,7 +1,10 @@
 """Closed, bounded schemas: every refusal names file, place, value and cure."""
 
 import difflib
+import re
 from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass
+from pathlib import PurePosixPath
 from typing import Any
 
 import pandas as pd
@@ -20,6 +23,9 @@ NOT_SUPPORTED = {
     "diameter_mm": "the geometry has to come from an image",
 }
 """Columns of the study table that are planned and not built yet, with what holds meanwhile."""
+
+FILE_COLUMNS = ("image", "record", "segmentation", "bond_mask", "labels")
+"""Columns of the study table that name files of the study folder."""
 
 DEFAULT_AXES = {"loading_axis": "+z", "shear_axis": "+x"}
 """Image world axes of the test where the table does not name others."""
@@ -49,6 +55,34 @@ def check_config(config: Mapping[str, Any], schema: Schema, source: str) -> None
         raise InputError("\n".join([f"configuration ({source}) is refused:", *lines]))
 
 
+@dataclass(frozen=True)
+class Fault:
+    """What is wrong with one cell, or one column, of the table of samples.
+
+    Parameters
+    ----------
+    line : int or None
+        Line in the file; none for a whole column.
+    sample, column, reason : str
+        The sample's id as far as it is known, the column, and what is wrong with the cure.
+    """
+
+    line: int | None
+    sample: str
+    column: str
+    reason: str
+
+    def __str__(self) -> str:
+        """Place and reason in words."""
+        if self.line is None:
+            return f"column {self.column!r}{self.reason}"
+        return f"row {self.line} ({self.sample}), column {self.column!r}: {self.reason}"
+
+
+Rows = dict[int, dict[str, str]]
+"""Cells by line in the file and column, empty ones left out."""
+
+
 def check_samples(table: pd.DataFrame, schema: Schema, source: str) -> list[dict[str, str]]:
     """Check the table of samples, cell by cell and as a whole.
 
@@ -69,66 +103,94 @@ def check_samples(table: pd.DataFrame, schema: Schema, source: str) -> list[dict
     Raises
     ------
     InputError
-        Naming every wrong cell at once: row (the header is row 1), column, value, cure.
+        Naming every wrong cell at once: row (line in the file), column, value, cure.
     """
+    rows = sample_rows(table, source)
+    faults = list(sample_faults(table, rows, schema))
+    if faults:
+        lines = [f"table of samples {source} is refused:", *(f"  {fault}" for fault in faults)]
+        raise InputError("\n".join(lines))
+    return list(rows.values())
+
+
+def sample_rows(table: pd.DataFrame, source: str) -> Rows:
+    """The rows of a table of samples, unchecked; there has to be one."""
     if table.empty:
         raise InputError(f"{source} has no rows; add one line for each sample")
-    rows = [
-        {str(key): value.strip() for key, value in row.items() if str(value).strip()}
-        for row in table.to_dict("records")
-    ]
-    lines = [*_wrong_columns(table, schema)]
-    if not lines:
-        lines = [*_wrong_cells(rows, schema), *_wrong_together(rows)]
-    if lines:
-        raise InputError("\n".join([f"table of samples {source} is refused:", *lines]))
-    return rows
+    lines = table.index if table.index.name == "line" else range(2, len(table) + 2)
+    columns = [str(column) for column in table.columns]
+    return {
+        int(line): {
+            column: str(value).strip()
+            for column, value in zip(columns, values, strict=True)
+            if str(value).strip()
+        }
+        for line, values in zip(lines, table.to_numpy().tolist(), strict=True)
+    }
 
 
-def _wrong_columns(table: pd.DataFrame, schema: Schema) -> Iterator[str]:
+def sample_faults(table: pd.DataFrame, rows: Rows, schema: Schema) -> Iterator[Fault]:
+    """Everything that is wrong with a table of samples, apart from the files it names."""
     columns = [str(column) for column in table.columns]
     for missing in (name for name in schema["required"] if name not in columns):
-        yield (
-            f"  column {missing!r} is missing (there are {', '.join(columns)}); "
-            "the table is tab-separated, with a header"
+        yield Fault(
+            None,
+            "",
+            missing,
+            f" is missing (there are {', '.join(columns)}); the table is tab-separated, with a "
+            "header",
         )
-    for unknown in (name for name in columns if name not in schema["properties"]):
-        yield f"  column {unknown!r}: {_unknown(unknown, schema['properties'])}"
+    for name in dict.fromkeys(columns):
+        if columns.count(name) > 1:
+            yield Fault(None, "", name, " stands twice in the header; keep one")
+        if name not in schema["properties"]:
+            yield Fault(None, "", name, f": {_unknown(name, schema['properties'])}")
+    for line, row in rows.items():
+        for column, reason in _wrong_cells(row, columns, schema):
+            yield Fault(line, row.get("sample", "?"), column, reason)
+    yield from _wrong_together(rows)
 
 
-def _wrong_cells(rows: Sequence[Mapping[str, str]], schema: Schema) -> Iterator[str]:
-    for number, row in enumerate(rows, start=2):
-        for column, reason in refusals(dict(row), schema):
-            yield f"  row {number} ({row.get('sample', '?')}), column {column!r}: {reason}"
-        for column in (name for name in NOT_SUPPORTED if name in row):
+def _wrong_cells(
+    row: Mapping[str, str], columns: Sequence[str], schema: Schema
+) -> Iterator[tuple[str, str]]:
+    """Column and reason of each wrong cell of a row, apart from columns that are wrong in all."""
+    for column, reason in refusals(dict(row), schema):
+        if column in columns and column in schema["properties"]:
+            yield column, reason
+    for column in (name for name in NOT_SUPPORTED if name in row):
+        yield column, f"not supported yet ({NOT_SUPPORTED[column]}); leave the cell empty"
+    for column in (name for name in FILE_COLUMNS if name in row):
+        path = PurePosixPath(row[column].replace("\\", "/"))
+        if path.is_absolute() or ".." in path.parts or re.match("[A-Za-z]:", row[column]):
             yield (
-                f"  row {number} ({row.get('sample', '?')}), column {column!r}: not supported "
-                f"yet ({NOT_SUPPORTED[column]}); leave the cell empty"
+                column,
+                f"{row[column]!r} lies outside the study folder; copy the file into it, or make "
+                "a link to it there",
             )
-        if row.get("mode") == "compression" and "bond_mask" in row:
-            yield (
-                f"  row {number} ({row.get('sample', '?')}), column 'bond_mask': the top is not "
-                "glued in compression; leave the cell empty"
-            )
-        loading, shear = (row.get(name, default) for name, default in DEFAULT_AXES.items())
-        if loading[-1] == shear[-1]:
-            yield (
-                f"  row {number} ({row.get('sample', '?')}), column 'shear_axis': {shear!r} is "
-                f"parallel to the loading axis {loading!r}; give two different axes"
-            )
+    if row.get("mode") == "compression" and "bond_mask" in row:
+        yield "bond_mask", "the top is not glued in compression; leave the cell empty"
+    loading, shear = (row.get(name, default) for name, default in DEFAULT_AXES.items())
+    if loading[-1] == shear[-1]:
+        yield (
+            "shear_axis",
+            f"{shear!r} is parallel to the loading axis {loading!r}; give two different axes",
+        )
 
 
-def _wrong_together(rows: Sequence[Mapping[str, str]]) -> Iterator[str]:
+def _wrong_together(rows: Rows) -> Iterator[Fault]:
     seen: dict[str, int] = {}
-    for number, row in enumerate(rows, start=2):
+    for line, row in rows.items():
         name = row.get("sample", "")
-        if name.lower() in seen:
-            yield (
-                f"  row {number}, column 'sample': {name!r} stands in row {seen[name.lower()]} "
-                "already (upper and lower case count as the same, since ids become file "
-                "names); give each sample an id of its own"
+        if name and name.lower() in seen:
+            yield Fault(
+                line,
+                name,
+                "sample",
+                f"{name!r} stands in row {seen[name.lower()]} already (upper and lower case count "
+                "as the same, since ids become file names); give each sample an id of its own",
             )
-        seen.setdefault(name.lower(), number)
+        seen.setdefault(name.lower(), line)
 
 
 def refusals(instance: Any, schema: Schema) -> Iterator[tuple[str, str]]:

@@ -62,7 +62,7 @@ def test_imports_point_one_way(path):
     assert "snakemake" not in {name.split(".")[0] for name in imports(path)}
     if part(path) in ALLOWED:
         assert inner <= ALLOWED[part(path)]
-    if part(path) not in ("__main__", "export"):
+    if part(path) not in ("__main__", "export", "study"):
         assert not inner & {"io", "figures"}
 
 

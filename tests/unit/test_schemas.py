@@ -186,7 +186,7 @@ def test_marked_images_are_accepted():
 
 
 @pytest.mark.parametrize(
-    "name", ["T7.nrrd", "T7.nhdr", "T7.nii", "dicom/T7", "dicom", "../mri/T7/", "1.2.840.7/"]
+    "name", ["T7.nrrd", "T7.nhdr", "T7.nii", "dicom/T7", "dicom", "mri/T7/", "1.2.840.7/"]
 )
 def test_every_kind_of_image_is_accepted(name):
     check_samples(table({"image": name, "labels": name}), SCHEMAS["samples"], "t")
@@ -213,8 +213,11 @@ BAD_TABLES = {
     "image": ([{"image": "a.png"}], "column 'image': 'a.png' has another form; expected: path of"),
     "record": ([{"record": "a.xls"}], "column 'record': 'a.xls' has another form"),
     "empty cell": ([{"record": ""}], "column 'record': is missing; give path of the test record"),
-    "twice": ([{}, {}], "row 3, column 'sample': 'A1' stands in row 2 already"),
-    "twice but for case": ([{}, {"sample": "a1"}], "row 3, column 'sample': 'a1' stands in row 2"),
+    "twice": ([{}, {}], "row 3 .A1., column 'sample': 'A1' stands in row 2 already"),
+    "twice but for case": (
+        [{}, {"sample": "a1"}],
+        "row 3 .a1., column 'sample': 'a1' stands in row 2",
+    ),
     "unknown column": ([{"imgae": "a.nii"}], "column 'imgae': unknown name; did you mean 'image'"),
     "length in words": ([{"length_mm": "20 mm"}], "column 'length_mm': '20 mm' has another form"),
     "parallel axes": (
@@ -228,6 +231,11 @@ BAD_TABLES = {
     "image for a segmentation": ([{"image": "a.seg.nrrd"}], "'a.seg.nrrd' has another form"),
     "folder with a dot": ([{"image": "1.2.840"}], "'1.2.840' has another form.*end it with /"),
     "mask": ([{"bond_mask": "b.stl"}], "column 'bond_mask': 'b.stl' has another form"),
+    "path to elsewhere": (
+        [{"record": "../../other/a.csv"}],
+        "column 'record': '../../other/a.csv' lies outside the study folder; copy the file",
+    ),
+    "path from the root": ([{"image": "/mri/a.nii"}], "'/mri/a.nii' lies outside the study"),
     "axis": ([{"loading_axis": "z"}], "column 'loading_axis': 'z' is not one of .x, -x"),
 }
 
@@ -249,6 +257,20 @@ def test_a_bad_table_is_refused_with_row_column_and_cure(name):
 def test_columns_that_are_planned_are_refused_with_words(column, value):
     with pytest.raises(InputError, match=f"column '{column}': .*not supported yet"):
         check_samples(table({column: value}), SCHEMAS["samples"], "t.tsv")
+
+
+def test_all_faults_of_a_table_are_named_at_once():
+    wrong = table({"mode": "pull"}, {"record": "a.xls"}).drop(columns="group")
+    message = r"(?s)column 'group' is missing.*row 2 .A1., column 'mode'.*row 3 .A1., column 'rec"
+    with pytest.raises(InputError, match=message):
+        check_samples(wrong, SCHEMAS["samples"], "t.tsv")
+
+
+def test_rows_are_lines_of_the_file(tmp_path):
+    path = tmp_path / "samples.tsv"
+    path.write_text("# a comment\n" + "\t".join(ROW) + "\n\n" + "\t".join(ROW.values()) + "x\n")
+    with pytest.raises(InputError, match="row 4 .A1., column 'record': 'a.csvx' has another form"):
+        check_samples(read_samples(path), SCHEMAS["samples"], "t.tsv")
 
 
 def test_a_table_without_a_required_column_or_row_is_refused():

@@ -6,12 +6,10 @@ their own, numbers with decimal points or commas. It guesses no unit and no colu
 leaves open has to be named in the study's settings.
 """
 
-import codecs
 import csv
 import re
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
-from pathlib import Path
 from typing import Any, Self
 
 import numpy as np
@@ -19,6 +17,7 @@ import pandas as pd
 
 from softsample.errors import InputError
 from softsample.formats import PathLike
+from softsample.formats.text import read_lines
 
 COLUMNS = {"time": "time_s", "displacement": "displacement_mm", "force": "force_N"}
 """The quantities of a record, and the columns that they are read into."""
@@ -73,8 +72,6 @@ KINDS = (
 """Machines by what their files say."""
 
 NUMBER = re.compile(r"[+-]?(\d+[.,]?\d*|[.,]\d+)([eE][+-]?\d+)?", re.ASCII)
-
-LARGEST_BYTES = 2**28
 
 
 @dataclass(frozen=True)
@@ -138,19 +135,9 @@ class _Text:
     def of_file(cls, path: PathLike) -> Self:
         """Decode a file; what is not text is refused."""
         try:
-            if Path(path).stat().st_size > LARGEST_BYTES:
-                raise InputError(f"{path}: larger than {LARGEST_BYTES >> 20} MiB; export one test")
-            raw = Path(path).read_bytes()
+            lines, notes = read_lines(path, "export the test as CSV (or text), not as a workbook")
         except FileNotFoundError as error:
             raise InputError(f"{path}: no such record; correct its path in the table") from error
-        except OSError as error:
-            raise InputError(f"{path}: cannot be read ({error}); give a text file") from error
-        text, notes = _decoded(raw)
-        if raw.startswith(b"PK") or re.search(r"[\x00-\x08\x0b\x0e-\x1f\x7f\ufffd]", text):
-            raise InputError(
-                f"{path}: not a text file; export the test as CSV (or text), not as a workbook"
-            )
-        lines = text.replace("\r\n", "\n").replace("\r", "\n").split("\n")
         return cls(path, lines, notes)
 
     def cells(self, line: str, delimiter: str) -> list[str]:
@@ -220,19 +207,6 @@ def read(
         "notes": text.notes,
     }
     return MachineRecord(table[~repeated], reading)
-
-
-def _decoded(raw: bytes) -> tuple[str, list[str]]:
-    """Text of a file and what had to be done to get it."""
-    if raw.startswith((codecs.BOM_UTF16_LE, codecs.BOM_UTF16_BE)):
-        return raw.decode("utf-16", errors="replace"), []
-    zeros = raw.count(b"\0")
-    notes = [f"NUL characters left out: {zeros}"] if zeros else []
-    raw = raw.replace(b"\0", b"")
-    try:
-        return raw.decode("utf-8-sig"), notes
-    except UnicodeDecodeError:
-        return raw.decode("cp1252", errors="replace"), notes
 
 
 def _heading(text: _Text, wanted: Mapping[str, str]) -> tuple[int, str, list[str], list[Column]]:

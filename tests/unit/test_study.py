@@ -1,0 +1,180 @@
+"""A study folder of one's own: made, filled, and checked as a whole."""
+
+import shutil
+import time
+from pathlib import Path
+
+import nibabel
+import numpy as np
+import pytest
+
+import machines
+from softsample.__main__ import main
+from softsample.study.check import check_study
+
+ROOT = Path(__file__).resolve().parents[2]
+AFFINE = np.diag([0.4, 0.4, 0.4, 1.0])
+
+
+def image(path, shape=(40, 40, 30), affine=AFFINE):
+    values = np.random.default_rng(0).integers(0, 400, shape).astype(np.int16)
+    nibabel.save(nibabel.Nifti1Image(values, affine), path)
+    return path
+
+
+@pytest.fixture
+def study(tmp_path):
+    """A study as `new` makes it, in a folder with a space and a letter beyond ASCII."""
+    folder = tmp_path / "Größe 1"
+    assert main(["new", str(folder)]) == 0
+    return folder
+
+
+def add(study, name="C7", mode="compression", record=None):
+    """Exit status of `add` with a made-up image and a record of a machine."""
+    elsewhere = study.parent / "from the scanner"
+    elsewhere.mkdir(exist_ok=True)
+    picture = image(elsewhere / f"{name}.nii.gz")
+    test = machines.write(elsewhere / f"{name}.csv", record or default_record())
+    arguments = ["--mode", mode, "--image", str(picture), "--record", str(test)]
+    return main(["add", str(study), *arguments])
+
+
+def default_record():
+    return machines.univert(*machines.compression())
+
+
+def test_a_new_study_is_sound_and_names_the_next_command(tmp_path, capsys):
+    study = tmp_path / "lab"
+    main(["new", str(study)])
+    assert f"make check-study DIR={study}" in capsys.readouterr().out
+    assert main(["check", str(study)]) == 0
+    told = capsys.readouterr().out
+    assert "samples: 1" in told
+    assert "make study DIR=" in told
+    comments = [c for c in (study / "samples.tsv").read_text().splitlines() if c.startswith("#")]
+    for column in ("sample", "group", "mode", "image", "record"):
+        assert any(comment.startswith(f"# {column} ") for comment in comments)
+
+
+def test_a_study_is_not_overwritten(study, capsys):
+    before = (study / "samples.tsv").read_text()
+    assert main(["new", str(study)]) == 1
+    assert "is there already" in capsys.readouterr().err
+    assert (study / "samples.tsv").read_text() == before
+
+
+def test_an_added_sample_takes_the_place_of_the_worked_one(study):
+    assert add(study) == 0
+    assert add(study, "T7") == 0
+    rows = [r for r in (study / "samples.tsv").read_text().splitlines() if r and r[0] != "#"]
+    assert rows[1:] == [
+        "C7\tC7\tcompression\tC7.nii.gz\tC7.csv",
+        "T7\tT7\tcompression\tT7.nii.gz\tT7.csv",
+    ]
+    result = check_study(study)
+    assert result.faults == []
+    assert result.samples == 2
+
+
+def test_an_added_sample_overwrites_nothing(study, capsys):
+    assert add(study) == 0
+    kept = (study / "C7.csv").read_bytes()
+    assert add(study, record="other") == 1
+    assert "C7.nii.gz is there already" in capsys.readouterr().err
+    assert (study / "C7.csv").read_bytes() == kept
+    assert main(["add", str(study), "--mode", "shear", "--image", "no", "--record", "no"]) == 1
+    assert "no: no such image; correct its path" in capsys.readouterr().err
+
+
+def test_units_signs_and_zero_are_told(study, capsys):
+    time_s, travel, force = machines.compression()
+    add(study, record=machines.bluehill(time_s, -travel - 0.5, -force - 0.125))
+    settings = study / "study.yaml"
+    text = settings.read_text().replace("tension, force: tension", "loading, force: compression")
+    settings.write_text(text.replace("file, force: file", "file, force: rest"))
+    capsys.readouterr()
+    assert main(["check", str(study)]) == 0
+    told = capsys.readouterr().out
+    assert "Instron Bluehill" in told
+    assert "force_N from 'Load' in kN, times 1000" in told
+    assert (
+        "displacement_mm: loading is positive in the file; zero is that of the file, and the ramp "
+        "begins at 0.5" in told
+    )
+    assert "force_N: compression is positive in the file; 0.1" in told
+    assert "was subtracted, and the force at rest is" in told
+    peak = told.split("mm/s to ")[1].split(" N")[0]
+    assert float(peak) == pytest.approx(force.min(), abs=2e-3)
+
+
+def test_everything_that_is_wrong_is_told_at_once(study, capsys):
+    add(study)
+    add(study, "T8")
+    bad = default_record().splitlines()
+    bad[60] = bad[60].rsplit(",", 1)[0] + ",?"
+    machines.write(study / "T8.csv", "\n".join(bad))
+    image(study / "C7.nii.gz", affine=np.diag([400.0, 400.0, 400.0, 1.0]))
+    table = study / "samples.tsv"
+    table.write_text(table.read_text() + "T8\tg\tpull\tno.nii\tC7.xls\n")
+    (study / "study.yaml").write_text("records: {zero: {force: start}}\nmesh: {size: 1}\n")
+    assert main(["check", str(study)]) == 1
+    told = capsys.readouterr().err
+    line = len(table.read_text().splitlines())
+    for fault in (
+        "Faults: 8",
+        "records.zero.force: 'start' is not one of file, rest",
+        "mesh.size: unknown name",
+        f"samples.tsv, row {line} (T8), column 'mode': 'pull' is not one of",
+        f"row {line} (T8), column 'record': 'C7.xls' has another form",
+        f"row {line} (T8), column 'sample': 'T8' stands in row {line - 1} already",
+        f"row {line} (T8): {study}/no.nii: no such image; correct its path",
+        f"row {line - 2} (C7): {study}/C7.nii.gz: voxels of 400 x 400 x 400 mm, expected 0.01",
+        f"row {line - 1} (T8): {study}/T8.csv, line 61, column 'force_N': '?' is not a number",
+    ):
+        assert fault in told, fault
+
+
+def test_masks_and_labels_are_checked_too(study):
+    add(study)
+    labels = np.zeros((40, 40, 30), dtype=np.int16)
+    labels[10:20] = 3
+    nibabel.save(nibabel.Nifti1Image(labels, AFFINE), study / "labels.nii")
+    away = AFFINE + np.array([[0, 0, 0, 1e3]] * 3 + [[0, 0, 0, 0]])
+    nibabel.save(nibabel.Nifti1Image(labels, away), study / "mask.nii")
+    table = study / "samples.tsv"
+    text = table.read_text().replace("image\trecord\n", "image\trecord\tsegmentation\tlabels\n")
+    table.write_text(text.replace("C7.csv\n", "C7.csv\tmask.nii\tlabels.nii\n"))
+    faults = "\n".join(check_study(study).faults)
+    assert "mask.nii: marks no voxel of the image" in faults
+    assert "labels.nii: labels 3 have no stiffness" in faults
+    (study / "study.yaml").write_text("material: {region_stiffness: {3: 2.0}}\n")
+    assert "stiffness" not in "\n".join(check_study(study).faults)
+
+
+def test_a_folder_without_a_study_says_how_to_make_one(tmp_path, capsys):
+    assert main(["check", str(tmp_path / "none")]) == 1
+    assert "no such table; make a study with: make new-study DIR=" in capsys.readouterr().err
+
+
+@pytest.mark.parametrize("content", ["", "- a\n", "a: [\n", "\0", "records: 3\n"])
+def test_settings_of_any_content_are_a_fault_or_nothing(study, content):
+    (study / "study.yaml").write_text(content)
+    faults = check_study(study).faults
+    assert bool(faults) is (content != "")
+    assert all("study.yaml" in fault for fault in faults)
+
+
+def test_thirty_samples_are_checked_in_seconds(tmp_path):
+    """The cohort twice, as any lab's folder; the bar is ten seconds."""
+    rows = ["sample\tgroup\tmode\timage\trecord"]
+    for kind in ("images", "records"):
+        shutil.copytree(ROOT / "resources/cohort" / kind, tmp_path / kind)
+    cohort = (ROOT / "resources/cohort/samples.tsv").read_text().splitlines()[1:]
+    for repeat in "ab":
+        rows += [repeat + row.replace("\t", f"\t{repeat}", 1) for row in cohort]
+    (tmp_path / "samples.tsv").write_text("\n".join(rows) + "\n")
+    begin = time.process_time()
+    result = check_study(tmp_path)
+    assert time.process_time() - begin < 10.0
+    assert (result.samples, result.faults) == (30, [])

@@ -1,0 +1,100 @@
+"""From a fresh clone, an image and a file of a UniVert to a report: four commands of make."""
+
+import json
+import os
+import shlex
+import shutil
+import subprocess
+import sys
+from pathlib import Path
+
+import nibabel
+import pandas as pd
+import pytest
+import toy
+
+import machines
+
+ROOT = Path(__file__).resolve().parents[2]
+
+# the environment of this run stands for the one that make would build from the lock
+BUILT = [f"VENV={sys.prefix}", "stamp=LICENSE"]
+
+
+@pytest.fixture
+def clone(tmp_path):
+    """What a clone would hold, with a space in its path: no results, no caches."""
+    if not (shutil.which("git") and shutil.which("make") and (ROOT / ".git").exists()):
+        pytest.skip("a clone needs git, make and a repository")
+    listed = ["git", "ls-files", "-z", "--cached", "--others", "--exclude-standard"]
+    files = subprocess.run(listed, cwd=ROOT, capture_output=True, text=True, check=True).stdout
+    folder = tmp_path / "fresh clone"
+    for name in filter(None, files.split("\0")):
+        if name.startswith("tests/") or not (ROOT / name).exists():
+            continue
+        target = folder / name
+        target.parent.mkdir(parents=True, exist_ok=True)
+        shutil.copy(ROOT / name, target, follow_symlinks=False)
+    return folder
+
+
+def run(clone, command):
+    """Run a command as printed; returns what it prints."""
+    words = shlex.split(command)
+    environment = {k: v for k, v in os.environ.items() if k not in ("PYTHONPATH", "MAKEFLAGS")}
+    done = subprocess.run(
+        [*words, *BUILT] if words[0] == "make" else words,
+        cwd=clone,
+        env={**environment, "NO_COLOR": "1"},
+        stdout=subprocess.PIPE,
+        stderr=subprocess.STDOUT,
+        text=True,
+        check=False,
+    )
+    assert done.returncode == 0, done.stdout[-5000:]
+    return done.stdout
+
+
+def next_command(told, target):
+    """The command that a step tells to give next."""
+    return next(line for line in told.splitlines() if line.strip().startswith(f"make {target} "))
+
+
+def up_to_the_check(clone):
+    """Three commands, each as the one before tells it; returns what the check says."""
+    nibabel.save(nibabel.Nifti1Image(*toy.image(1)), clone.parent / "C7.nii.gz")
+    machines.write(clone.parent / "UniVert 7.csv", machines.univert(*toy.record("compression", 1)))
+    told = run(clone, "make new-study DIR='../my lab µ'")
+    add = next_command(told, "add-sample")
+    add = add.replace("scan.nii.gz", "../C7.nii.gz").replace("test.csv", "'../UniVert 7.csv'")
+    return run(clone, next_command(run(clone, add), "check-study"))
+
+
+def test_three_commands_bring_a_newcomer_to_a_plan_of_the_study(clone):
+    told = up_to_the_check(clone)
+    assert "record ../my lab µ/UniVert 7.csv: CellScale UniVert" in told
+    assert "No fault found; samples: 1" in told
+    study = shlex.split(next_command(told, "study"))[2:]
+    plan = run(clone, shlex.join(["make", "-n", "study", *study]))
+    settings = '--config "samples=../my lab µ/samples.tsv" "results=../my lab µ/results"'
+    assert settings in plan
+    options = ["--configfile", "config/quick.yaml", "../my lab µ/study.yaml", "--config"]
+    lab = ["samples=../my lab µ/samples.tsv", "results=../my lab µ/results"]
+    command = [sys.executable, "-m", "snakemake", "-n", "--cores", "1", *options, *lab]
+    assert "Simulate unit-modulus curves: C7, real geometry, ogden2" in run(
+        clone, shlex.join(command)
+    )
+
+
+@pytest.mark.long
+def test_the_fourth_command_makes_the_report_of_the_sample(clone):
+    study = next_command(up_to_the_check(clone), "study")
+    told = run(clone, study.replace("quick.yaml", "test.yaml"))
+    results = clone.parent / "my lab µ/results"
+    assert "Report: ../my lab µ/results/report.html" in told
+    assert "C7" in (results / "report.html").read_text(encoding="utf-8")
+    assert json.loads((results / "checks/passed.json").read_text())["passed"] is True
+    moduli = pd.read_csv(results / "tables/table1.csv")
+    assert moduli["group"].tolist() == ["C7"]
+    assert moduli[["mu_real_pa", "mu_ideal_pa"]].notna().all(axis=None)
+    assert (results / "failures.rst").read_text() == ""

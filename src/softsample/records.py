@@ -34,11 +34,14 @@ class Record:
         Travel of the moving platen [m], along +z (axial) or +x (shear).
     force : (n,) float64
         Force of the platen on the sample [N], same axis.
+    force_normal : (n,) float64, optional
+        Force of the platen along +z in a shear test [N].
     """
 
     time: Array
     displacement: Array
     force: Array
+    force_normal: Array | None = None
 
     @property
     def ramp(self) -> slice:
@@ -51,7 +54,19 @@ def record_from_table(table: pd.DataFrame) -> Record:
     time, displacement, force = (
         table[name].to_numpy(dtype=np.float64) for name in ("time_s", "displacement_mm", "force_N")
     )
-    return Record(time, displacement * MM, force)
+    normal = table["force_normal_N"].to_numpy(float) if "force_normal_N" in table else None
+    return Record(time, displacement * MM, force, normal)
+
+
+def table_from_record(record: Record) -> pd.DataFrame:
+    """Columns of a record's file, in its units."""
+    columns = {
+        "time_s": record.time,
+        "displacement_mm": record.displacement / MM,
+        "force_N": record.force,
+        "force_normal_N": record.force_normal,
+    }
+    return pd.DataFrame({name: x for name, x in columns.items() if x is not None})
 
 
 @dataclass(frozen=True)

@@ -32,6 +32,17 @@ ALLOWED = {
     "scoring": {"errors", "calibration"},
     "report": {"errors"},
     "blindlab": {"errors", "calibration", "constitutive", "fem", "loop", "meshing", "phantom"},
+    "measured": {
+        "errors",
+        "calibration",
+        "constitutive",
+        "fem",
+        "loop",
+        "meshing",
+        "protocol",
+        "records",
+        "workflow",
+    },
     "export": {"errors", "meshing", "constitutive", "fem", "io"},
 }
 """What each part of the package may import; parts not listed may import any of these."""

@@ -36,6 +36,7 @@ rule all:
         figures(),
         pictures(),
         "<results>/report.html",
+        "<results>/results.json",
         "<results>/checks/passed.json",
     message:
         "Study complete: {config[results]}"
@@ -46,6 +47,7 @@ rule reported:
         tables(),
         figures(),
         "<results>/report.html",
+        "<results>/results.json",
     message:
         "Tables, figures and report complete: {config[results]}"
 

@@ -12,7 +12,9 @@ import numpy as np
 import pandas as pd
 import pytest
 import toy
+import yaml
 from browser import CHROMIUM, Browser
+from jsonschema import Draft202012Validator
 
 ROOT = Path(__file__).resolve().parents[2]
 
@@ -141,7 +143,7 @@ def test_a_study_of_one_shear_sample_has_its_tables_and_no_others(study, tmp_pat
     run_larger("geometry_effects")
     table = toy.write_study(tmp_path, toy.SHEAR_ALONE)
     of_sample = ("inputs", "segmentation", "cuboid", "mesh", "curves", "fields", "sensitivity")
-    for folder in (*of_sample, "band", "calibration", "loop", "geometry_effects"):
+    for folder in (*of_sample, "records", "band", "calibration", "loop", "geometry_effects"):
         for path in [*(results / folder).rglob("D*"), *(results / folder).rglob("D/**/*")]:
             if path.is_file():
                 target = tmp_path / "results" / path.relative_to(results)
@@ -167,6 +169,25 @@ def test_a_study_of_one_shear_sample_has_its_tables_and_no_others(study, tmp_pat
     page = (made / "report.html").read_text(encoding="utf-8")
     assert "no such sample in this study" in page
     assert "System Message" not in page
+
+
+def test_the_numbers_of_the_study_follow_the_published_schema(study):
+    results, _ = study
+    document = load(results, "results.json")
+    schema = yaml.safe_load((ROOT / "workflow/schemas/results.schema.yaml").read_text("utf-8"))
+    Draft202012Validator(schema).validate(document)
+    assert list(document["samples"]) == ["A", "B", "D", "E"]
+    fit = document["groups"]["AB"]["calibration"]["real"]
+    assert set(fit) == {"ogden1", "ogden2"}
+    moduli = fit["ogden2"]["moduli"]
+    assert moduli["mu"]["value_pa"] == pytest.approx(
+        moduli["mu1"]["value_pa"] + moduli["mu2"]["value_pa"]
+    )
+    assert moduli["mu"]["low_pa"] < moduli["mu"]["value_pa"] < moduli["mu"]["high_pa"]
+    table = pd.read_csv(results / "tables/table1.csv").set_index("group")
+    bias = document["groups"]["AB"]["bias_percent"]["ogden2"]
+    assert bias == pytest.approx(table.loc["AB", "difference_percent"])
+    assert document["samples"]["B"]["record"]["travel_mm"] < 0.0
 
 
 def test_every_json_result_says_where_it_comes_from(study):
@@ -287,6 +308,15 @@ def test_a_test_at_the_optimum_is_exported_on_demand(study):
             text = (results / f"export/B/{geometry}{ending}").read_text()
             assert text.endswith("*END STEP\n")
             assert f"{1e-6 * fit['mu1_pa']:.10g}, -8" in text
+        card = ET.parse(results / f"export/B/{geometry}_material_febio.xml").getroot()
+        assert float(card.findtext("c2")) == pytest.approx(2e-6 * fit["mu2_pa"])
+        whole = pd.read_csv(results / f"calibration/AB/{geometry}/ogden2.csv")
+        curve = pd.read_csv(results / f"export/B/{geometry}_curve.csv")
+        assert len(curve) == (whole["sample"] == "B").sum()
+        assert list(curve) == ["displacement_mm", "measured_N", "model_N"]
+        for ending in (".vtu", ".stl"):
+            copy, mesh = (results / f"{at}/B/{geometry}{ending}" for at in ("export", "mesh"))
+            assert copy.read_bytes() == mesh.read_bytes()
 
 
 def test_verdicts_come_as_file_page_and_picture(study):

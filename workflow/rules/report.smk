@@ -506,3 +506,27 @@ rule page:
         "Report: {output.page}"
     script:
         "../scripts/page.py"
+
+
+rule results:
+    input:
+        found=expand("<results>/inputs/{sample}.json", sample=SAMPLES),
+        cuboids=expand("<results>/cuboid/{sample}.json", sample=SAMPLES),
+        fits=calibrations(GROUPS),
+        intervals="<results>/tables/intervals.csv",
+        verdicts=expand("<results>/loop/{group}/verdict.json", group=GROUPS),
+        schema=str(ROOT / "workflow/schemas/results.schema.yaml"),
+        code=library("workflow/scripts/results.py"),
+    output:
+        document="<results>/results.json",
+    log:
+        "<logs>/results.log",
+    params:
+        samples={
+            name: {key: row[key] for key in ("group", "mode")} for name, row in SAMPLES.items()
+        },
+        groups=list(GROUPS),
+    message:
+        "Numbers of the study: {output.document}"
+    script:
+        "../scripts/results.py"

@@ -141,13 +141,21 @@ rule series:
 rule export:
     input:
         mesh="<results>/mesh/{sample}/{geometry}.vtu",
+        surface="<results>/mesh/{sample}/{geometry}.stl",
         record="<results>/records/{sample}.csv",
         fit=optimum("json"),
+        curve=optimum("csv"),
         code=library("workflow/scripts/export.py"),
     output:
         abaqus="<results>/export/{sample}/{geometry}.inp",
         calculix="<results>/export/{sample}/{geometry}_calculix.inp",
         febio="<results>/export/{sample}/{geometry}.feb",
+        abaqus_card="<results>/export/{sample}/{geometry}_material_abaqus.inp",
+        calculix_card="<results>/export/{sample}/{geometry}_material_calculix.inp",
+        febio_card="<results>/export/{sample}/{geometry}_material_febio.xml",
+        mesh="<results>/export/{sample}/{geometry}.vtu",
+        surface="<results>/export/{sample}/{geometry}.stl",
+        curve="<results>/export/{sample}/{geometry}_curve.csv",
     log:
         "<logs>/export/{sample}_{geometry}.log",
     params:

@@ -1,4 +1,6 @@
-"""The test with the calibrated material as input of other programs (rule `export`)."""
+"""The calibrated test for other programs: input, material cards, mesh, curve (rule `export`)."""
+
+import shutil
 
 import numpy as np
 
@@ -6,9 +8,17 @@ from softsample.calibration.curves import MeasuredCurve
 from softsample.constitutive.ogden import OgdenMaterial
 from softsample.errors import InputError
 from softsample.export.abaqus import write_abaqus
+from softsample.export.cards import write_card
 from softsample.export.febio import write_febio
 from softsample.fem.boundary import ContactSettings, mode_boundary
-from softsample.io import read_json, read_mesh_with_data, read_record
+from softsample.io import (
+    read_json,
+    read_mesh_with_data,
+    read_record,
+    read_table,
+    write_table,
+    written_aside,
+)
 from softsample.workflow import logged_to
 
 with logged_to(snakemake):
@@ -28,3 +38,12 @@ with logged_to(snakemake):
     write_abaqus(written.abaqus, *test)
     write_abaqus(written.calculix, *test, program="calculix")
     write_febio(written.febio, *test)
+    origin = f"group {fit['group']}, {fit['geometry']} geometry, {fit['verdict']}"
+    for program in ("abaqus", "calculix", "febio"):
+        write_card(written[f"{program}_card"], material, program, origin)
+    curve = read_table(snakemake.input.curve, text_columns=("sample",))
+    own = curve["sample"] == snakemake.wildcards.sample
+    write_table(written.curve, curve[own].drop(columns="sample"))
+    for shape in ("mesh", "surface"):
+        with written_aside(written[shape]) as aside:
+            shutil.copyfile(snakemake.input[shape], aside)

@@ -136,13 +136,17 @@ def _sample(test: StaticTest, element: str) -> Iterator[str]:
     for name, ids in test.sets.items():
         yield f"*NSET, NSET={name}"
         yield from _rows(ids + 1, 16)
-    material = test.material
+    yield from material_lines(test.material)
+    yield "*SOLID SECTION, ELSET=SAMPLE, MATERIAL=TISSUE"
+
+
+def material_lines(material: OgdenMaterial) -> Iterator[str]:
+    """The material TISSUE [MPa], which both programs define alike."""
     terms = np.column_stack([np.array(material.mu) / MPA, material.alpha]).ravel()
     volumetric = [2.0 * MPA / material.bulk_modulus] + [ABSENT] * (len(material.mu) - 1)
     yield "*MATERIAL, NAME=TISSUE"
     yield f"*HYPERELASTIC, OGDEN, N={len(material.mu)}"
     yield from _rows([*terms, *volumetric], 8)
-    yield "*SOLID SECTION, ELSET=SAMPLE, MATERIAL=TISSUE"
 
 
 def _plates(test: StaticTest) -> Iterator[str]:

@@ -103,16 +103,20 @@ def _control(control: ET.Element, steps: int) -> None:
 
 def _materials(materials: ET.Element, test: StaticTest) -> None:
     """Uncoupled Ogden solid, and a rigid body for each platen."""
-    law = test.material
     tissue = ET.SubElement(materials, "material", id=str(TISSUE), name="tissue", type="Ogden")
-    _fill(tissue, density=1.0, k=law.bulk_modulus / MPA, pressure_model=QUADRATIC)
-    for term, (mu, alpha) in enumerate(zip(law.mu, law.alpha, strict=True), start=1):
-        _fill(tissue, **{f"c{term}": 2.0 * mu / MPA, f"m{term}": alpha})
+    fill_tissue(tissue, test.material)
     for number, plate in enumerate(test.plates, start=TISSUE + 1):
         body = ET.SubElement(
             materials, "material", id=str(number), name=plate.name, type="rigid body"
         )
         _fill(body, density=1.0, center_of_mass=_row(plate.corners.mean(axis=0)))
+
+
+def fill_tissue(tissue: ET.Element, law: OgdenMaterial) -> None:
+    """Give an element `material` the constants [MPa] of an uncoupled Ogden solid."""
+    _fill(tissue, density=1.0, k=law.bulk_modulus / MPA, pressure_model=QUADRATIC)
+    for term, (mu, alpha) in enumerate(zip(law.mu, law.alpha, strict=True), start=1):
+        _fill(tissue, **{f"c{term}": 2.0 * mu / MPA, f"m{term}": alpha})
 
 
 def _mesh(element: ET.Element, test: StaticTest) -> None:

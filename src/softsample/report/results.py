@@ -1,0 +1,116 @@
+"""All numbers of a study in one document, for programs."""
+
+from collections.abc import Iterable, Mapping, Sequence
+from typing import Any
+
+import pandas as pd
+
+VERSION = 1
+"""Of the form of the document; it grows when a reader of the last one could be misled."""
+
+SIZES = (
+    "length_mm", "width_mm", "height_mm", "highest_point_mm", "volume_real_mm3",
+    "bottom_area_mm2", "top_area_mm2", "glued_area_mm2",
+)  # fmt: skip
+RECORD = ("travel_mm", "ramp_speed_mm_s", "peak_force_N", "force_noise_N")
+
+Report = Mapping[str, Any]
+
+
+def study_results(
+    samples: Mapping[str, Mapping[str, str]],
+    found: Sequence[Report],
+    cuboids: Sequence[Report],
+    fits: Iterable[Report],
+    intervals: pd.DataFrame,
+    verdicts: Mapping[str, Report],
+) -> dict[str, Any]:
+    """The document `results.json`, which `workflow/schemas/results.schema.yaml` describes.
+
+    Parameters
+    ----------
+    samples
+        Rows of the table of samples by name.
+    found, cuboids
+        `inputs/` and `cuboid/{sample}.json`, in the order of `samples`.
+    fits
+        All calibrations, `calibration/{group}/{geometry}/{model}.json`.
+    intervals
+        `tables/intervals.csv`.
+    verdicts
+        `loop/{group}/verdict.json` by group.
+
+    Returns
+    -------
+    dict
+        Lengths [mm], forces [N], moduli [Pa]; None for what is not known.
+    """
+    groups: dict[str, Any] = {
+        name: {"samples": [], "calibration": {}, "bias_percent": {}, "verdict": _verdict(verdict)}
+        for name, verdict in verdicts.items()
+    }
+    for name, row in samples.items():
+        groups[row["group"]]["samples"].append(name)
+    for fit in fits:
+        models = groups[fit["group"]]["calibration"].setdefault(fit["geometry"], {})
+        models[fit["model"]] = _calibration(fit, intervals)
+    for group in groups.values():
+        real, ideal = (group["calibration"][geometry] for geometry in ("real", "ideal"))
+        for model in real:
+            mu = [fitted[model]["moduli"]["mu"]["value_pa"] for fitted in (real, ideal)]
+            group["bias_percent"][model] = 100.0 * (mu[1] / mu[0] - 1.0)
+    return {
+        "version": VERSION,
+        "samples": {
+            name: {
+                "group": row["group"],
+                "mode": row["mode"],
+                "geometry": {key: cuboid[key] for key in SIZES},
+                "record": {key: report["record"][key] for key in RECORD},
+            }
+            for (name, row), report, cuboid in zip(samples.items(), found, cuboids, strict=True)
+        },
+        "groups": groups,
+    }
+
+
+def _calibration(fit: Report, intervals: pd.DataFrame) -> dict[str, Any]:
+    keys = ("group", "geometry", "model")
+    chosen = (intervals[list(keys)] == [fit[key] for key in keys]).all(axis="columns")
+    return {
+        "samples": fit["samples"],
+        "alpha": fit["alpha"],
+        "poisson_ratio": fit["poisson_ratio"],
+        "moduli": {
+            row["modulus"]: {
+                key: None if pd.isna(row[key]) else row[key]
+                for key in ("value_pa", "low_pa", "high_pa")
+            }
+            for row in intervals[chosen].to_dict("records")
+        },
+        "area_error_percent": fit["area_error_percent"],
+        "trusted": fit["success"],
+        "remark": fit["verdict"],
+    }
+
+
+def _verdict(verdict: Report) -> dict[str, Any]:
+    return {
+        "verdict": verdict["verdict"],
+        "effects": [
+            {
+                "class": effect["class"],
+                "parameters": effect["parameters"],
+                "evidence": effect["evidence"],
+                "separating_experiment": effect["separating_experiment"],
+            }
+            for effect in verdict["effects"]
+        ],
+        "error_before_percent": _errors(verdict["error_before"]),
+        "error_after_percent": _errors(verdict["error_after"]),
+    }
+
+
+def _errors(errors: Report) -> dict[str, float]:
+    """Root mean square of the whole record of each mode, noise taken out [% of peak]."""
+    return {mode: phases["all"]["rms_percent_structured"] for mode, phases in errors.items()}

@@ -15,6 +15,7 @@ import pydicom
 import pytest
 import pyvista
 import toy
+import yaml
 
 ROOT = Path(__file__).resolve().parents[2]
 DRY = ("-n", "--quiet", "host")  # with the table of jobs
@@ -51,6 +52,19 @@ def test_dry_run_plans_the_whole_study(config, tmp_path):
     assert planned["simulate"] == 30 + 10  # and compression alone with one term
     assert planned["calibrate"] == 20 + 10
     assert "compare_with_truth" not in planned
+
+
+def test_on_a_cluster_every_job_of_a_study_has_a_group_and_what_it_needs(tmp_path):
+    profile = yaml.safe_load((ROOT / "workflow/profiles/slurm/config.yaml").read_text())
+    assert set(profile["default-resources"]) == {"mem_mb", "runtime"}
+    usual = yaml.safe_load((ROOT / "workflow/profiles/default/config.yaml").read_text())
+    assert {name: profile[name] for name in usual} == usual
+    status, text = dry_run(
+        "--workflow-profile", "workflow/profiles/slurm", "--config", f"results={tmp_path / 'out'}"
+    )  # fmt: skip
+    assert status == 0, text
+    alone = {"all", "check_manifest", "total"}
+    assert set(jobs(text)) - alone == set(profile["groups"])
 
 
 def test_one_sample_builds_its_group_alone(tmp_path):

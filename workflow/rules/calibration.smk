@@ -13,6 +13,8 @@ rule calibrate:
         curve="<results>/calibration/{group}/{geometry}/{model}.csv",
     log:
         "<logs>/calibrate/{group}_{geometry}_{model}.log",
+    resources:
+        **OF_MESHES,
     params:
         samples=lambda wildcards: members(wildcards.group, wildcards.model),
         modes=calibration_modes,

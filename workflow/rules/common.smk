@@ -118,6 +118,15 @@ def library(script):
     return sorted(os.path.relpath(file) for file in seen)
 
 
+# What a job on meshes needs beyond the default of a cluster's profile, with room to spare: measured
+# with elements of 0.5 mm; smaller ones are more, and so are the steps. A second attempt gets twice.
+FINER = max(1.0, 0.5 / config["mesh"]["element_size_mm"])
+OF_MESHES = {
+    "mem_mb": lambda wildcards, attempt: round(attempt * (400 + 400 * FINER**3)),
+    "runtime": lambda wildcards, attempt: round(attempt * 5 * FINER**4),
+}
+
+
 # A compiled kernel that calls another file's kernel keeps the old callee after an edit, so each
 # state of the compiled sources has a cache of its own. Kernels do without threads: jobs run side by side.
 kernels = [

@@ -26,6 +26,8 @@ use rule calibrate as calibrate_direct with:
         "<logs>/calibrate_direct/{group}_{geometry}_{model}.log",
     benchmark:
         "<benchmarks>/calibrate_direct/{group}_{geometry}_{model}.tsv"
+    resources:
+        **OF_MESHES,
     params:
         samples=lambda wildcards: members(wildcards.group, wildcards.model),
         modes=calibration_modes,
@@ -75,6 +77,8 @@ rule simulate_exponents:
         "<logs>/simulate_exponents/{sample}.log",
     benchmark:
         "<benchmarks>/simulate_exponents/{sample}.tsv"
+    resources:
+        **OF_MESHES,
     params:
         mode=row_value("mode"),
         material=config["material"],
@@ -130,6 +134,8 @@ rule confirm_exponents:
         "<logs>/confirm_exponents/{sample}.log",
     benchmark:
         "<benchmarks>/confirm_exponents/{sample}.tsv"
+    resources:
+        **OF_MESHES,
     params:
         mode=row_value("mode"),
         group=row_value("group"),

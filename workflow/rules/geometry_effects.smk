@@ -18,6 +18,8 @@ rule geometry_curves:
         "<logs>/geometry_curves/{sample}.log",
     benchmark:
         "<benchmarks>/geometry_curves/{sample}.tsv"
+    resources:
+        **OF_MESHES,
     params:
         mode=row_value("mode"),
         mesh=config["mesh"],
@@ -107,6 +109,8 @@ rule prescribed:
         "<logs>/prescribed/{sample}_{geometry}.log",
     benchmark:
         "<benchmarks>/prescribed/{sample}_{geometry}.tsv"
+    resources:
+        **OF_MESHES,
     params:
         strain=EFFECTS["prescribed_strain"],
         top_normal_deg=config["measurement"]["top_normal_deg"],

@@ -18,6 +18,8 @@ rule segment:
         "<logs>/segment/{sample}.log",
     benchmark:
         "<benchmarks>/segment/{sample}.tsv"
+    resources:
+        mem_mb=lambda wildcards, attempt: 1500 * attempt,
     params:
         settings=config["segmentation"],
         axes=test_axes,

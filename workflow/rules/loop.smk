@@ -15,6 +15,8 @@ rule variants:
         "<logs>/variants/{sample}_{geometry}.log",
     benchmark:
         "<benchmarks>/variants/{sample}_{geometry}.tsv"
+    resources:
+        **OF_MESHES,
     params:
         mode=row_value("mode"),
         mesh=config["mesh"],

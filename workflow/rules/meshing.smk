@@ -17,6 +17,8 @@ rule mesh:
         "<logs>/mesh/{sample}_{geometry}.log",
     benchmark:
         "<benchmarks>/mesh/{sample}_{geometry}.tsv"
+    resources:
+        **OF_MESHES,
     params:
         mesh=config["mesh"],
         preload_mm=config["protocol"]["preload_mm"],

@@ -14,6 +14,8 @@ rule simulate:
         "<logs>/simulate/{sample}_{geometry}_{model}.log",
     benchmark:
         "<benchmarks>/simulate/{sample}_{geometry}_{model}.tsv"
+    resources:
+        **OF_MESHES,
     params:
         mode=row_value("mode"),
         material=config["material"],
@@ -45,6 +47,8 @@ rule confirm:
         "<logs>/confirm/{sample}_{geometry}.log",
     benchmark:
         "<benchmarks>/confirm/{sample}_{geometry}.tsv"
+    resources:
+        **OF_MESHES,
     params:
         mode=row_value("mode"),
         material=config["material"],
@@ -72,6 +76,8 @@ rule sensitivity:
         "<logs>/sensitivity/{sample}_{geometry}.log",
     benchmark:
         "<benchmarks>/sensitivity/{sample}_{geometry}.tsv"
+    resources:
+        **OF_MESHES,
     params:
         mode=row_value("mode"),
         material=config["material"],
@@ -102,6 +108,8 @@ rule band:
         "<logs>/band/{sample}.log",
     benchmark:
         "<benchmarks>/band/{sample}.tsv"
+    resources:
+        **OF_MESHES,
     params:
         mode=row_value("mode"),
         material=config["material"],
@@ -126,6 +134,8 @@ rule series:
         meshes=directory("<results>/export/{sample}/{geometry}"),
     log:
         "<logs>/series/{sample}_{geometry}.log",
+    resources:
+        **OF_MESHES,
     params:
         mode=row_value("mode"),
         material=config["material"],

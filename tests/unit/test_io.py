@@ -75,6 +75,15 @@ def test_a_process_killed_while_writing_leaves_the_old_file(tmp_path):
     assert os.listdir(tmp_path) == ["result.csv"]  # what the other left is gone
 
 
+def test_a_reader_of_the_old_file_is_not_disturbed(tmp_path):
+    target = tmp_path / "result.csv"
+    write_text(target, "old\n")
+    with target.open() as reader:
+        write_text(target, "new\n")
+        assert reader.read() == "old\n"
+    assert target.read_text() == "new\n"
+
+
 @pytest.mark.parametrize("bad", [np.nan, np.inf, np.float32("nan"), np.array([1.0, np.nan])])
 def test_a_result_that_is_not_finite_is_refused_by_name(tmp_path, bad):
     with pytest.raises(InputError, match=r"a\.json: fit: mu_pa.* a result must be finite"):

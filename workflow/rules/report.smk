@@ -502,6 +502,9 @@ rule page:
         left_out=LEFT_OUT,
         config=config,
         failures=FAILURES,
+    resources:
+        mem_mb=lambda wildcards, attempt: attempt * (800 + 10 * len(SAMPLES)),
+        runtime=lambda wildcards, attempt: attempt * (5 + len(SAMPLES) // 20),
     message:
         "Report: {output.page}"
     script:

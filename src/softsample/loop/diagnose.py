@@ -279,11 +279,12 @@ def _effect_report(effect: Effect, selection: Selection, doubt: float) -> dict[s
 def _limits(selection: Selection) -> dict[str, dict[str, float | str]]:
     """Size of each effect's first parameter that the family-wise threshold would just let pass."""
     threshold = selection.steps[0].threshold
+    known = {effect.name: effect for effect in selection.library}
     limits: dict[str, dict[str, float | str]] = {}
     for name, strength in selection.signatures.items():
-        effect = library().get(name)
-        if effect is None or strength <= 0.0:
+        if strength <= 0.0:
             continue
+        effect = known[name]
         need = np.sqrt(threshold + len(effect.parameters) * np.log(len(selection.base.white)))
         first = effect.sizes[0]
         size = abs(first.nominal - first.neutral or 0.1 * (first.high - first.neutral))

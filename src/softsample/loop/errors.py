@@ -96,7 +96,7 @@ def held_out(problem: Problem, fit: Fit, noises: Sequence[float]) -> dict[str, d
     for name, masks in folds(problem).items():
         kept = [w.on(~mask) for w, mask in zip(problem.whiteners, masks, strict=True)]
         fitted = Problem(problem.specimens, kept, problem.contact_zero_mm).fit(fit.model, fit.state)
-        parts = residuals(fit.model, problem.specimens, _informed(fitted))
+        parts = residuals(fit.model, problem.specimens, informed(fitted))
         report[name] = {
             label: _error(blocks(part, w.size)[mask], noise, specimen.peak)
             for label, specimen, part, w, mask, noise in zip(
@@ -113,7 +113,7 @@ def held_out(problem: Problem, fit: Fit, noises: Sequence[float]) -> dict[str, d
     return report
 
 
-def _informed(fit: Fit) -> State:
+def informed(fit: Fit) -> State:
     """State of a fit with sizes neutral whose whole range would not show in its records."""
     values = {name: dict(of) for name, of in fit.state.values.items()}
     shown = np.linalg.norm(fit.jacobian[:, FIXED:], axis=0) >= LEAST_SIGNATURE

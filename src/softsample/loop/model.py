@@ -128,7 +128,7 @@ class Packing:
             [np.log(20.0), bounds[0], -1.0, *(p.low / _unit(p) for _, p in model.parameters)]
         )
         self.high = np.array(
-            [np.log(5e4), bounds[1], 1.0, *(p.high / _unit(p) for _, p in model.parameters)]
+            [np.log(1e6), bounds[1], 1.0, *(p.high / _unit(p) for _, p in model.parameters)]
         )
 
     def pack(self, state: State) -> Array:

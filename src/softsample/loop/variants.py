@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 from softsample.calibration.curves import CurveFamily
 from softsample.constitutive.ogden import Fibres, OgdenMaterial
 from softsample.fem.boundary import Boundary, ContactSettings, mode_boundary, platen_boundary
-from softsample.fem.explicit import ExplicitModel, SolverSettings
+from softsample.fem.explicit import ExplicitModel, Run, SolverSettings
 from softsample.fem.family import find_pace
 from softsample.meshing.bond import partial_bond
 from softsample.meshing.mesh import HexMesh
@@ -104,6 +104,7 @@ def simulate_variants(
     solver: SolverSettings,
     settings: VariantSettings,
     progress: Callable[[str, float], None] | None = None,
+    normal: bool = False,
 ) -> tuple[Array, Mapping[str, Array]]:
     """Change of the force per modulus by each variant of the model.
 
@@ -119,6 +120,8 @@ def simulate_variants(
         As of the config.
     progress : callable, optional
         Told what is computed and the finished part.
+    normal : bool
+        Whether the force along z is wanted instead of that along the travel.
 
     Returns
     -------
@@ -135,10 +138,10 @@ def simulate_variants(
         solver.loading_time_s,
         solver.curve_error_percent,
     )
-    base = pace.run
+    base = wanted_force(pace.run, normal)
 
     def force(on: ExplicitModel, of: OgdenMaterial, held: Boundary) -> Array:
-        return on.run(of, held, reach, loading_time=pace.loading_time).force
+        return wanted_force(on.run(of, held, reach, loading_time=pace.loading_time), normal)
 
     todo: dict[str, Callable[[], Array]] = {
         name: lambda changed=changed: force(model, changed, boundary)  # type: ignore[misc]
@@ -157,8 +160,13 @@ def simulate_variants(
     for done, (name, run) in enumerate(todo.items()):
         if progress is not None:
             progress(name, done / len(todo))
-        changes[name] = (run() - base.force) / material.shear_modulus
-    return base.displacement, changes
+        changes[name] = (run() - base) / material.shear_modulus
+    return pace.run.displacement, changes
+
+
+def wanted_force(run: Run, normal: bool) -> Array:
+    """Force (n,) of a run [N] along z, or along its travel."""
+    return np.asarray(run.force_vector[:, 2]) if normal else run.force
 
 
 def _materials(material: OgdenMaterial, settings: VariantSettings) -> dict[str, OgdenMaterial]:

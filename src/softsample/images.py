@@ -109,7 +109,7 @@ def on_grid_of(
     InputError
         If the mask marks no voxel of the image.
     """
-    if np.linalg.matrix_rank(affine[:3, :3]) < 3:
+    if not np.all(np.isfinite(affine)) or np.linalg.matrix_rank(affine[:3, :3]) < 3:
         raise InputError(f"{source}: the affine is singular; export the mask with its geometry")
     data, to_world = image
     to_mask = np.linalg.inv(affine) @ to_world

@@ -1,6 +1,7 @@
 """Closed, bounded schemas: every refusal names file, place, value and cure."""
 
 import difflib
+import math
 import re
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
@@ -49,7 +50,7 @@ def check_config(config: Mapping[str, Any], schema: Schema, source: str) -> None
     InputError
         Naming every wrong key at once, with its value and its cure.
     """
-    found = list(refusals(dict(config), schema))
+    found = [*refusals(dict(config), schema), *_not_finite(config)]
     if found:
         lines = [f"  {place or 'top level'}: {reason}" for place, reason in found]
         raise InputError("\n".join([f"configuration ({source}) is refused:", *lines]))
@@ -81,6 +82,15 @@ class Fault:
 
 Rows = dict[int, dict[str, str]]
 """Cells by line in the file and column, empty ones left out."""
+
+
+def _not_finite(value: Any, place: str = "") -> Iterator[tuple[str, str]]:
+    """Places of numbers that are NaN or infinite: no bound of a schema refuses NaN."""
+    if isinstance(value, float) and not math.isfinite(value):
+        yield place, f"{value} is no number; give a finite one"
+    items = value if isinstance(value, Mapping) else {}
+    for key, item in enumerate(value) if isinstance(value, list) else items.items():
+        yield from _not_finite(item, f"{place}.{key}" if place else str(key))
 
 
 def check_samples(table: pd.DataFrame, schema: Schema, source: str) -> list[dict[str, str]]:
@@ -202,7 +212,7 @@ def refusals(instance: Any, schema: Schema) -> Iterator[tuple[str, str]]:
 
 def _in_order(error: ValidationError) -> list[str]:
     """Sort key of the place in a document; list positions count as numbers."""
-    return [f"{part:09d}" if isinstance(part, int) else part for part in error.absolute_path]
+    return [f"{part:09d}" if isinstance(part, int) else str(part) for part in error.absolute_path]
 
 
 def _explain(error: ValidationError) -> Iterator[tuple[str, str]]:
@@ -213,7 +223,7 @@ def _explain(error: ValidationError) -> Iterator[tuple[str, str]]:
     cure = error.schema.get("cure") or error.schema.get("description")
     if error.validator == "additionalProperties":
         known = error.schema.get("properties", {})
-        for name in sorted(set(given) - set(known)):
+        for name in sorted(map(str, set(given) - set(known))):
             yield ".".join([*place, name]), _unknown(name, known)
     elif error.validator == "required":
         properties = error.schema.get("properties", {})

@@ -2,7 +2,8 @@
 
 import os
 import re
-from collections.abc import Sequence
+from collections.abc import Iterable, Iterator, Sequence
+from contextlib import contextmanager
 from pathlib import Path
 
 import numpy as np
@@ -17,6 +18,9 @@ Volume = tuple[NDArray[np.float32], NDArray[np.float64]]
 
 LPS_TO_RAS = np.diag([-1.0, -1.0, 1.0, 1.0])
 """World of DICOM and of Slicer's files (left, posterior, superior) to ours; its own inverse."""
+
+MOST_VOXELS = 2**29
+"""Larger volumes are refused before room is made for them: their header may lie."""
 
 IMAGE_ENDINGS = (".nii", ".nii.gz", ".nrrd", ".nhdr")
 """How a file with an image ends; a folder is taken for a DICOM series."""
@@ -49,17 +53,51 @@ def read_image(path: PathLike, segments: Sequence[str] = ()) -> Volume:
     from softsample.formats import dicom, nifti, nrrd  # each loads a library of its own
 
     name = os.fspath(path).lower()
-    if Path(path).is_dir():
-        return dicom.read(path)
-    if not Path(path).is_file():
-        raise InputError(f"{path}: no such image; correct its path")
-    if name.endswith((".nrrd", ".nhdr")):
-        return nrrd.read(path, segments)
-    if name.endswith((".nii", ".nii.gz")):
-        return nifti.read(path)
+    with damage_refused(path):
+        if Path(path).is_dir():
+            return dicom.read(path)
+        if not Path(path).is_file():
+            raise InputError(f"{path}: no such image; correct its path")
+        if name.endswith((".nrrd", ".nhdr")):
+            return nrrd.read(path, segments)
+        if name.endswith((".nii", ".nii.gz")):
+            return nifti.read(path)
     raise InputError(
         f"{path}: not an image of a known kind; give {', '.join(IMAGE_ENDINGS)} or a DICOM folder"
     )
+
+
+@contextmanager
+def damage_refused(path: PathLike) -> Iterator[None]:
+    """Turn whatever a library raises on a damaged file into an `InputError`.
+
+    The libraries name no common type for it: an image from outside may make them raise anything.
+    """
+    try:
+        yield
+    except InputError:
+        raise
+    except Exception as error:
+        what = str(error).split("\n")[0] or type(error).__name__
+        raise InputError(f"{path}: damaged or not of its kind ({what}); export it again") from error
+
+
+def check_size(sizes: Iterable[int], path: PathLike) -> None:
+    """Refuse a volume whose header claims an impossible number of voxels."""
+    numbers = [int(size) for size in sizes]
+    count = 1
+    for number in numbers:
+        count *= number
+    if min(numbers, default=0) < 1 or count > MOST_VOXELS:
+        raise InputError(
+            f"{path}: a volume of {' x '.join(map(str, numbers))} voxels cannot be read; crop the "
+            "image to the sample, or export it again"
+        )
+
+
+def within(file: PathLike, folder: PathLike) -> bool:
+    """Whether a file, with all links followed, lies in a folder."""
+    return Path(file).resolve().is_relative_to(Path(folder).resolve())
 
 
 def files_of(path: PathLike) -> list[str]:
@@ -75,7 +113,8 @@ def files_of(path: PathLike) -> list[str]:
         lines = image.read_text(encoding="utf-8", errors="replace").splitlines()
         names = (re.sub(r"^data ?file:", "", line).strip() for line in lines)
         parts = [image.parent / name for name in names if name]
-        parts = [file for file in parts if file.is_file() and file != image]
+        parts = [file for file in parts if file != image and within(file, image.parent)]
+        parts = [file for file in parts if file.is_file()]
     else:
         parts = []
     return [os.fspath(path), *sorted(map(str, parts))]

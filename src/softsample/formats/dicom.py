@@ -19,9 +19,10 @@ import numpy as np
 import pydicom
 from numpy.typing import NDArray
 from pydicom.errors import InvalidDicomError
+from pydicom.uid import DeflatedExplicitVRLittleEndian
 
 from softsample.errors import InputError
-from softsample.formats import LPS_TO_RAS, PathLike, Volume
+from softsample.formats import LPS_TO_RAS, PathLike, Volume, check_size, damage_refused, within
 
 Array = NDArray[np.float64]
 
@@ -89,12 +90,14 @@ def _series(folder: PathLike) -> tuple[list[tuple[pydicom.Dataset, str]], str]:
     found: dict[str, list[tuple[pydicom.Dataset, str]]] = {}
     for path in sorted(Path(folder).iterdir()):
         if path.is_file() and not path.name.startswith("."):
-            try:
-                dataset = pydicom.dcmread(path)
-            except InvalidDicomError:
-                continue
-            except (OSError, EOFError, ValueError, AttributeError) as error:
-                raise InputError(f"{path}: damaged ({error}); export the series again") from error
+            if not within(path, folder):
+                raise InputError(f"{path}: is a link to outside its folder; copy the file itself")
+            with damage_refused(path):
+                try:
+                    _check_packing(path)
+                    dataset = pydicom.dcmread(path)
+                except InvalidDicomError:
+                    continue
             if "PixelData" in dataset:
                 series = str(dataset.get("SeriesInstanceUID", "?"))
                 found.setdefault(series, []).append((dataset, path.name))
@@ -111,6 +114,13 @@ def _series(folder: PathLike) -> tuple[list[tuple[pydicom.Dataset, str]], str]:
     return next(iter(found.values())), f"{folder}, series {words[0]}"
 
 
+def _check_packing(path: Path) -> None:
+    """Refuse a file that is compressed as a whole: it may unpack to anything."""
+    meta = pydicom.filereader.read_file_meta_info(path)
+    if meta.get("TransferSyntaxUID") == DeflatedExplicitVRLittleEndian:
+        raise InputError(f"{path}: a deflated data set; export the series without compression")
+
+
 def _in_words(datasets: list[tuple[pydicom.Dataset, str]]) -> str:
     """Number, description and files of a series, for messages."""
     dataset, file = datasets[0]
@@ -123,6 +133,7 @@ def _slices(dataset: pydicom.Dataset, file: str, where: str) -> Iterator[Slice]:
     frames = int(dataset.get("NumberOfFrames", 1) or 1)
     if dataset.get("SamplesPerPixel", 1) != 1:
         raise InputError(f"{where}: {file} is a colour image; export the grey values")
+    check_size((dataset.get("Rows", 0), dataset.get("Columns", 0), frames), f"{where}: {file}")
     try:
         pixels = dataset.pixel_array
     except Exception as error:  # pydicom names no common type for what its decoders raise

@@ -9,20 +9,22 @@ References
    https://slicer.readthedocs.io/en/latest/developer_guide/modules/segmentations.html
 """
 
+import bz2
 import gzip
 import os
 import re
 import zlib
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
-from typing import Any
+from pathlib import Path
+from typing import IO, Any
 
 import nrrd
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from softsample.errors import InputError
-from softsample.formats import LPS_TO_RAS, PathLike, Volume
+from softsample.formats import LPS_TO_RAS, PathLike, Volume, check_size, within
 
 SPACES = {
     "left-posterior-superior": LPS_TO_RAS,
@@ -42,6 +44,11 @@ TISSUE = (
 
 COLOUR = "0.95 0.55 0.35"
 
+LARGEST_VALUE = 8
+"""Bytes of a voxel at most."""
+
+CHUNK = 2**20
+
 
 @dataclass(frozen=True)
 class Segment:
@@ -55,7 +62,10 @@ class Segment:
 def read(path: PathLike, segments: Sequence[str] = ()) -> Volume:
     """Read a NRRD volume or a segment of a `.seg.nrrd`; see `softsample.formats.read_image`."""
     try:
+        _check_files(path)
         data, header = nrrd.read(os.fspath(path))
+    except InputError:
+        raise
     except (nrrd.NRRDError, OSError, EOFError, ValueError, KeyError, zlib.error) as error:
         raise InputError(
             f"{path}: not a readable NRRD image ({error}); save it again, a .nhdr together with "
@@ -68,6 +78,42 @@ def read(path: PathLike, segments: Sequence[str] = ()) -> Volume:
     if len(layers) != 1:
         raise InputError(f"{path}: image has shape {data.shape}; give one three-dimensional volume")
     return layers[0].astype(np.float32), affine
+
+
+def _check_files(path: PathLike) -> None:
+    """Refuse data that lie outside the folder of the header, or are not of the size it tells."""
+    with open(path, "rb") as stream:
+        header = nrrd.read_header(stream)
+        check_size(header["sizes"], path)
+        name = header.get("data file", header.get("datafile"))
+        if name is None:
+            _check_inflated(stream, header, path)
+            return
+    data = Path(path).parent / name
+    if not within(data, Path(path).parent):
+        raise InputError(
+            f"{path}: its data file {name!r} lies outside its folder; put both into one folder, "
+            "and name the data by its name alone"
+        )
+    with open(data, "rb") as stream:
+        _check_inflated(stream, header, path)
+
+
+def _check_inflated(stream: IO[bytes], header: Mapping[str, Any], path: PathLike) -> None:
+    """Refuse compressed data that unpack to far more than the header tells."""
+    unpackers: dict[str, Any] = dict.fromkeys(("gz", "gzip"), gzip.open)
+    unpackers |= dict.fromkeys(("bz2", "bzip2"), bz2.open)
+    unpack = unpackers.get(str(header.get("encoding")))
+    if unpack is None:
+        return
+    for _ in range(int(header.get("line skip", header.get("lineskip", 0)))):
+        stream.readline()
+    left = LARGEST_VALUE * int(np.prod([int(size) for size in header["sizes"]])) + CHUNK
+    with unpack(stream) as unpacked:
+        while chunk := unpacked.read(CHUNK):
+            left -= len(chunk)
+            if left < 0:
+                raise InputError(f"{path}: unpacks to more than its header tells; export it again")
 
 
 def _placed(

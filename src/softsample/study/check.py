@@ -3,6 +3,7 @@
 import copy
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
+from functools import cache
 from pathlib import Path
 from typing import Any
 
@@ -66,6 +67,7 @@ def check_study(folder: PathLike) -> Inspection:
     return result
 
 
+@cache
 def _schema(name: str) -> Any:
     return read_yaml(ROOT / f"workflow/schemas/{name}.schema.yaml")
 

@@ -62,11 +62,13 @@ def next_command(told, target):
 
 def up_to_the_check(clone):
     """Three commands, each as the one before tells it; returns what the check says."""
-    nibabel.save(nibabel.Nifti1Image(*toy.image(1)), clone.parent / "C7.nii.gz")
-    machines.write(clone.parent / "UniVert 7.csv", machines.univert(*toy.record("compression", 1)))
+    nibabel.save(nibabel.Nifti1Image(*toy.image(2)), clone.parent / "S7.nii.gz")
+    machines.write(clone.parent / "UniVert 7.csv", machines.univert(*toy.record("shear", 2)))
     told = run(clone, "make new-study DIR='../my lab µ'")
     add = next_command(told, "add-sample")
-    add = add.replace("scan.nii.gz", "../C7.nii.gz").replace("test.csv", "'../UniVert 7.csv'")
+    own = {"scan.nii.gz": "../S7.nii.gz", "test.csv": "'../UniVert 7.csv'", "compression": "shear"}
+    for example, value in own.items():
+        add = add.replace(example, value)
     return run(clone, next_command(run(clone, add), "check-study"))
 
 
@@ -81,7 +83,7 @@ def test_three_commands_bring_a_newcomer_to_a_plan_of_the_study(clone):
     options = ["--configfile", "config/quick.yaml", "../my lab µ/study.yaml", "--config"]
     lab = ["samples=../my lab µ/samples.tsv", "results=../my lab µ/results"]
     command = [sys.executable, "-m", "snakemake", "-n", "--cores", "1", *options, *lab]
-    assert "Simulate unit-modulus curves: C7, real geometry, ogden2" in run(
+    assert "Simulate unit-modulus curves: S7, real geometry, ogden2" in run(
         clone, shlex.join(command)
     )
 
@@ -92,9 +94,9 @@ def test_the_fourth_command_makes_the_report_of_the_sample(clone):
     told = run(clone, study.replace("quick.yaml", "test.yaml"))
     results = clone.parent / "my lab µ/results"
     assert "Report: ../my lab µ/results/report.html" in told
-    assert "C7" in (results / "report.html").read_text(encoding="utf-8")
+    assert "S7" in (results / "report.html").read_text(encoding="utf-8")
     assert json.loads((results / "checks/passed.json").read_text())["passed"] is True
     moduli = pd.read_csv(results / "tables/table1.csv")
-    assert moduli["group"].tolist() == ["C7"]
+    assert moduli["group"].tolist() == ["S7"]
     assert moduli[["mu_real_pa", "mu_ideal_pa"]].notna().all(axis=None)
     assert (results / "failures.rst").read_text() == ""

@@ -21,7 +21,7 @@ export PYTHONPATH := src
 export NUMBA_CACHE_DIR ?= $(CURDIR)/.numba/$(shell cat src/softsample/fem/*.py | sha256sum | cut -c1-16)
 unexport VIRTUAL_ENV
 
-.PHONY: help env run quick new-study add-sample check-study study extended docs test test-long check bench bench-solver bench-imaging verify undeclared blind blind-full \
+.PHONY: help env run quick new-study add-sample check-study study extended docs site test test-long check bench bench-solver bench-imaging verify undeclared blind blind-full \
 	format clean clean-env
 
 help:
@@ -32,6 +32,7 @@ help:
 	echo "make check-study DIR=lab  everything that is wrong with it, in seconds"
 	echo "make study DIR=lab        its report (CONFIG=config/quick.yaml: at 1 mm, in minutes)"
 	echo "make docs       docs/reproduction.md and docs/recovery.md, tables and figures as they came out"
+	echo "make site       the documentation as a site: results/site/index.html"
 	echo "make extended   what takes longer: free exponents, a simulation per evaluation, effects of shape"
 	echo "make test       unit, verification, regression and workflow tests"
 	echo "make test-long  also the tests that take minutes each"
@@ -115,6 +116,11 @@ docs: $(stamp)
 	rm -rf docs/data/reproduction docs/figures/reproduction
 	cp -R results/docs/. docs/
 	find docs '(' -name .snakemake_timestamp -o -name '.*.sha256' ')' -delete
+
+site: $(stamp)
+	rm -rf docs/generated
+	$(bin)/python -m sphinx --quiet --fail-on-warning -b html docs results/site
+	echo "Site: results/site/index.html"
 
 extended: $(stamp)
 	$(bin)/snakemake --cores $(CORES) extended

@@ -31,6 +31,16 @@ MM = 1e-3
 
 def main(arguments: Sequence[str] | None = None) -> int:
     """Run the command line; returns the exit status."""
+    given = command_line().parse_args(arguments)
+    try:
+        return int(given.run(given) or 0)
+    except (SoftsampleError, OSError) as error:
+        print(error, file=sys.stderr)
+        return 1
+
+
+def command_line() -> argparse.ArgumentParser:
+    """The commands and their options."""
     parser = argparse.ArgumentParser(prog="python -m softsample", description=__doc__)
     commands = parser.add_subparsers(required=True)
     show = commands.add_parser("show", help="print or draw a result file")
@@ -40,12 +50,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
     show.add_argument("--all", action="store_true", help="print provenance and long tables too")
     show.set_defaults(run=lambda g: _show(g.file, g.output, g.all, g.segment))
     _add_study_commands(commands)
-    given = parser.parse_args(arguments)
-    try:
-        return int(given.run(given) or 0)
-    except (SoftsampleError, OSError) as error:
-        print(error, file=sys.stderr)
-        return 1
+    return parser
 
 
 def _add_study_commands(commands: Any) -> None:

@@ -25,6 +25,7 @@ from softsample.report.html import (
     table,
     written,
 )
+from softsample.report.results import in_brief
 from softsample.report.scene import MOST_FACES, scene
 
 ROOT = Path(__file__).resolve().parents[2]
@@ -141,6 +142,30 @@ def test_a_verdict_in_one_sentence():
     assert verdict_sentence(verdict).startswith("Effects: late contact or platen tilt. Error")
     assert "3 % of peak before" in verdict_sentence(verdict)
     assert verdict_sentence({**verdict, "effects": []}).startswith("Error")
+
+
+def test_the_end_of_a_run_has_a_line_for_each_group():
+    def fit(value, low, high):
+        mu = {"value_pa": value, "low_pa": low, "high_pa": high}
+        return {"ogden2": {"moduli": {"mu": mu}}}
+
+    groups = {
+        "S1": {
+            "calibration": {"real": fit(1128.2, 1098.0, 1157.4), "ideal": fit(1060.7, None, None)},
+            "bias_percent": {"ogden2": -5.98},
+            "verdict": {"verdict": "none", "effects": []},
+        },
+        "TC1": {
+            "calibration": {"real": fit(900.0, None, None), "ideal": fit(450.0, None, None)},
+            "bias_percent": {"ogden2": -50.0},
+            "verdict": {"verdict": "explained", "effects": [{"class": ["gain", "backlash"]}]},
+        },
+    }
+    assert in_brief({"groups": groups}).splitlines() == [
+        "group  shear modulus [Pa]   cuboid [Pa]  bias     verdict",
+        "S1     1128 (1098 to 1157)  1061         -6.0 %   none",
+        "TC1    900                  450          -50.0 %  explained: gain|backlash",
+    ]
 
 
 def unpacked(text, kind):

@@ -118,6 +118,18 @@ def test_an_unknown_sample_is_refused_by_name(project):
     assert "no sample 'Z'" in text
 
 
+def test_a_run_tells_of_each_job_in_one_line_with_a_bar(project):
+    status, text = project.run(str(checked(project, "A")), str(checked(project, "B")))
+    assert status == 0, text
+    lines = re.findall(r"^\[([# ]{20})\] +(\d+) %(?:, .*? left)?: (.*)$", text, re.M)
+    assert {words for *_, words in lines} == {
+        "Check image and record: A", "Check image and record: B",
+    }  # fmt: skip
+    assert len(lines) == 2
+    assert "Finished jobid" not in text
+    assert "Execute" not in text
+
+
 def checked(project, sample="A"):
     return project.results / f"inputs/{sample}.json"
 

@@ -2,6 +2,7 @@
 
 import json
 import os
+import re
 import shutil
 import subprocess
 import sys
@@ -45,7 +46,7 @@ def study(tmp_path_factory):
     """Three animals: tension and compression of one, shear of two."""
     folder = tmp_path_factory.mktemp("toy study")  # with a space in its name
     run = workflow_on(toy.write_study(folder, toy.THREE_ANIMALS), folder / "results")
-    run()
+    (folder / "printed.txt").write_text(run())
     return folder / "results", run
 
 
@@ -212,6 +213,24 @@ def test_figures_are_drawn_in_both_formats(study):
     for name in (*(f"figure{number}" for number in range(2, 8)), "contact"):
         assert (results / f"figures/{name}.png").read_bytes()[:4] == b"\x89PNG"
         assert (results / f"figures/{name}.pdf").read_bytes()[:4] == b"%PDF"
+
+
+def test_the_run_told_of_each_job_and_of_the_results(study):
+    results, _ = study
+    printed = (results.parent / "printed.txt").read_text()
+    lines = re.findall(r"^\[([# ]{20})\] +\d+ %(, [\w ]+ left)?: (.*)$", printed, re.M)
+    planned = int(re.search(r"^total +(\d+)$", printed, re.M)[1])
+    assert len(lines) == planned
+    assert "Simulate unit-modulus curves: B, real geometry, ogden1" in [
+        words for *_, words in lines
+    ]
+    assert sum(bool(left) for _, left, _ in lines) > 0.9 * planned
+    for group, fit in load(results, "results.json")["groups"].items():
+        mu = fit["calibration"]["real"]["ogden2"]["moduli"]["mu"]["value_pa"]
+        assert re.search(
+            rf"^{group} +{mu:.0f} \(\d+ to \d+\) .* %  {fit['verdict']['verdict']}", printed, re.M
+        )
+    assert f"All tables and figures: {results}/report.html" in printed
 
 
 def test_a_second_run_does_nothing(study):

@@ -3,6 +3,7 @@
 import ast
 import os
 import sys
+import time
 from functools import cache
 from itertools import accumulate, chain
 from pathlib import Path
@@ -17,10 +18,15 @@ os.environ.update(PYTHONPATH=os.pathsep.join(dict.fromkeys(search_path)))
 from softsample.errors import SoftsampleError
 from softsample.files import show_presence
 from softsample.formats import files_of
-from softsample.io import read_samples, read_yaml
+from softsample.io import read_json, read_samples, read_yaml
+from softsample.progress import show_jobs_in_lines
+from softsample.report.results import in_brief
 from softsample.report.tables import LEVEL
 from softsample.validation import DEFAULT_AXES, check_config, check_samples
 from softsample.workflow import failed_jobs, sha256_of_files
+
+if workflow.is_main_process:
+    show_jobs_in_lines(dry=lambda: workflow.dryrun)
 
 # `make` removes the lock of a killed run only if no run and no job of one is alive.
 show_presence(".snakemake/alive.lock")
@@ -58,6 +64,7 @@ def finished(rows):
     return {name: row for name, row in rows.items() if row["group"] not in lacking}
 
 
+STARTED = time.time()
 GEOMETRIES = ["real", "ideal"]
 TABLE, SAMPLES = checked_study()
 # After a run in which samples failed, tables and figures of the others can still be had.
@@ -400,6 +407,10 @@ CURVES = [
 
 def closing_words(complete):
     """What to look at, or what failed and why."""
+    numbers = Path(config["results"], "results.json")
+    if complete and numbers.is_file() and numbers.stat().st_mtime >= STARTED:
+        words = in_brief(read_json(numbers))
+        return f"{words}\nAll tables and figures: {config['results']}/report.html"
     if complete:
         return f"Done. Results are below {config['results']}/ (tables, figures, checks)."
     failed = failed_jobs(f"{config['results']}/logs")

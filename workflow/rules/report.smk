@@ -495,6 +495,9 @@ rule page:
         page="<results>/report.html",
     log:
         "<logs>/page.log",
+    resources:
+        mem_mb=lambda wildcards, attempt: attempt * (800 + 10 * len(SAMPLES)),
+        runtime=lambda wildcards, attempt: attempt * (5 + len(SAMPLES) // 20),
     params:
         samples=SAMPLES,
         groups=GROUPS,
@@ -502,9 +505,6 @@ rule page:
         left_out=LEFT_OUT,
         config=config,
         failures=FAILURES,
-    resources:
-        mem_mb=lambda wildcards, attempt: attempt * (800 + 10 * len(SAMPLES)),
-        runtime=lambda wildcards, attempt: attempt * (5 + len(SAMPLES) // 20),
     message:
         "Report: {output.page}"
     script:

@@ -114,3 +114,30 @@ def _verdict(verdict: Report) -> dict[str, Any]:
 def _errors(errors: Report) -> dict[str, float]:
     """Root mean square of the whole record of each mode, noise taken out [% of peak]."""
     return {mode: phases["all"]["rms_percent_structured"] for mode, phases in errors.items()}
+
+
+def in_brief(document: Mapping[str, Any]) -> str:
+    """The moduli and the verdict of every group as a table of text, a line each."""
+    rows = [("group", "shear modulus [Pa]", "cuboid [Pa]", "bias", "verdict")]
+    for name, group in document["groups"].items():
+        real, ideal = (
+            group["calibration"][geometry]["ogden2"]["moduli"]["mu"]
+            for geometry in ("real", "ideal")
+        )
+        interval = ""
+        if real["low_pa"] is not None:
+            interval = f" ({real['low_pa']:.0f} to {real['high_pa']:.0f})"
+        effects = ", ".join("|".join(e["class"]) for e in group["verdict"]["effects"])
+        verdict = group["verdict"]["verdict"]
+        rows.append(
+            (
+                name,
+                f"{real['value_pa']:.0f}{interval}",
+                f"{ideal['value_pa']:.0f}",
+                f"{group['bias_percent']['ogden2']:+.1f} %",
+                f"{verdict}: {effects}" if effects else verdict,
+            )
+        )
+    widths = [max(map(len, column)) for column in zip(*rows, strict=True)]
+    lines = ("  ".join(map(str.ljust, row, widths)).rstrip() for row in rows)
+    return "\n".join(lines)

@@ -21,7 +21,7 @@ export PYTHONPATH := src
 export NUMBA_CACHE_DIR ?= $(CURDIR)/.numba/$(shell cat src/softsample/fem/*.py | sha256sum | cut -c1-16)
 unexport VIRTUAL_ENV
 
-.PHONY: help env run quick new-study add-sample check-study study extended docs site test test-long check bench bench-solver bench-imaging verify undeclared blind blind-full \
+.PHONY: help env run quick new-study add-sample check-study study extended docs site test test-long check bench bench-solver bench-imaging bench-scale verify undeclared blind blind-full \
 	format clean clean-env
 
 help:
@@ -38,6 +38,7 @@ help:
 	echo "make test-long  also the tests that take minutes each"
 	echo "make check      ruff, snakefmt, mypy, snakemake --lint"
 	echo "make bench      speed of the solver on this machine, into results/bench/"
+	echo "make bench-scale  what 1,000 samples take on 2, 64 and 1,024 cores, by the study in results/"
 	echo "make verify     the solver against exact solutions and other solvers: docs/verification.md"
 	echo "make bench-imaging  accuracy of segmentation and mesh on made-up images: docs/accuracy.md"
 	echo "make undeclared records with undeclared effects, from image to scored verdict: results/undeclared/"
@@ -139,7 +140,7 @@ check: $(stamp)
 	$(bin)/mypy
 	$(bin)/python tests/workflow/lint.py
 
-bench: bench-solver bench-imaging
+bench: bench-solver bench-imaging bench-scale
 
 bench-solver: $(stamp)
 	$(bin)/python benchmarks/solver.py results/bench/solver.json
@@ -161,6 +162,9 @@ blind-full: $(stamp)
 bench-imaging: $(stamp)
 	$(bin)/python benchmarks/imaging.py results/bench/imaging.json
 	$(bin)/python benchmarks/imaging_page.py results/bench/imaging.json
+
+bench-scale: $(stamp)
+	$(bin)/python benchmarks/scale.py results results/bench/scale.json
 
 format: $(stamp)
 	$(bin)/ruff check --fix .

@@ -7,6 +7,7 @@ import pytest
 
 import laboratory
 from laboratory import elastic
+from softsample.calibration.curves import CurveFamily
 from softsample.loop.diagnose import LoopSettings, diagnose, pose, report
 from softsample.loop.effects import library
 from softsample.loop.errors import errors, folds, held_out
@@ -14,7 +15,7 @@ from softsample.loop.model import Material, Model, Packing, State
 from softsample.loop.noise import NoiseSettings, Whitener, covariance, measure_noise
 from softsample.loop.page import page
 from softsample.loop.resample import resampled, stretches
-from softsample.loop.screen import null_threshold, penalty, signatures
+from softsample.loop.screen import family_wise, null_threshold, penalty, signatures
 from softsample.loop.specimen import Specimen, blocks
 
 SETTINGS = NoiseSettings()
@@ -194,6 +195,62 @@ def test_pure_noise_passes_the_threshold_in_a_twentieth_of_draws(problem):
         [np.sum((s.basis.T @ noise) ** 2, axis=0) - penalty(s.effect, n) for s in made], axis=0
     )
     assert np.mean(best > limit) == pytest.approx(0.05, abs=0.025)
+
+
+def test_draws_of_noise_decide_only_where_a_bound_does_not(problem):
+    base = problem.fit_material()
+    made = signatures(problem, base, [library()[name] for name in ("force_offset", "backlash")])
+    n = len(base.white)
+    assert family_wise(made, n, 0, seed=5, least=12.0) == 12.0
+    drawn = null_threshold(made, n, 500, seed=5)
+    assert family_wise(made, n, 500, seed=5, least=drawn - 5.0) == drawn
+    assert drawn < 12.0
+
+
+def real_shapes():
+    """Tension and compression of an imperfect sample, of which the model has the cuboid alone."""
+    found = []
+    for specimen in laboratory.Lab(seed=8).specimens(("tension", "compression")):
+        family = specimen.elastic.family
+        way = family.displacement / family.displacement[-1]
+        part = -0.15 if specimen.mode == "tension" else -0.35 - 0.6 * np.exp(-3.0 * way)
+        change = CurveFamily(
+            family.fractions,
+            family.displacement,
+            np.stack([part * family.curve(r) for r in family.fractions]),
+        )
+        elastic = replace(
+            specimen.elastic, variants={**specimen.elastic.variants, "real_geometry": change}
+        )
+        lost = elastic.change_per_mu("real_geometry", laboratory.MIXTURE, specimen.travel)
+        force = specimen.force + laboratory.MU * lost
+        found.append(replace(specimen, elastic=elastic, force=force))
+    return found
+
+
+def test_the_real_geometry_is_named_mends_the_modulus_and_holds_in_another_mode():
+    found = diagnose(real_shapes(), LoopSettings())
+    assert next(iter(found.selection.classes)) == "real_geometry"
+    before, after = found.selection.base.state.material, found.selection.final.state.material
+    assert before.mu < 0.85 * laboratory.MU
+    assert after.mu == pytest.approx(laboratory.MU, rel=0.03)
+    left_out = "leave_out_tension"
+    was, now = (errors[left_out]["tension"] for errors in (
+        found.held_out_before, found.held_out_after
+    ))  # fmt: skip
+    assert now.structured < 0.2 * was.structured
+
+
+def test_what_the_model_is_known_to_leave_out_comes_before_what_fits_better():
+    known = [
+        replace(effect, idealised=effect.name == "late_contact")
+        for name, effect in library().items()
+        if name in ("late_contact", "real_geometry")
+    ]
+    selection = diagnose(real_shapes(), LoopSettings(), known).selection
+    best, chosen = selection.steps[0].candidates[0], selection.steps[0].chosen
+    assert (best.name, chosen.name) == ("real_geometry", "late_contact")
+    assert selection.classes["late_contact"] == ["late_contact", "real_geometry"]
 
 
 def test_a_size_that_cannot_be_negative_gains_nothing_from_the_opposite(problem):

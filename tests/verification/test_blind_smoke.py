@@ -7,7 +7,7 @@ import pytest
 
 from softsample.blindlab.curves import planted_curves
 from softsample.blindlab.judge import Resolution, answer, elastics
-from softsample.blindlab.models import model_curves
+from softsample.blindlab.models import calibrated, model_curves
 from softsample.blindlab.plan import Benches, Experiment
 from softsample.blindlab.score import Case, score
 from softsample.fem.explicit import SolverSettings
@@ -25,7 +25,8 @@ def bench():
     """A cuboid, its curves at 2 mm and the loop's model of it at 2.4 mm."""
     (body,) = BENCHES.bodies(imperfect=False)
     curves = planted_curves(body, (1.0,), 2.0, SOLVER)
-    return body, curves, elastics(model_curves(body, 2.4, SOLVER, VariantSettings()))
+    table = model_curves(body, 2.4, SOLVER, VariantSettings())
+    return body, curves, elastics(table, calibrated(body))
 
 
 def judged(bench, kind, names=(), size=1.0, seed=31):

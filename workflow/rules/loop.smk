@@ -35,6 +35,7 @@ rule diagnose:
     input:
         curves=of_members("<results>/curves/{sample}/real/ogden2.csv"),
         variants=of_members("<results>/loop/variants/{sample}_real.csv"),
+        fit="<results>/calibration/{group}/real/ogden2.json",
         records=of_members("<results>/records/{sample}.csv"),
         code=library("workflow/scripts/diagnose.py"),
     output:

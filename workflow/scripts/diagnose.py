@@ -9,7 +9,7 @@ from softsample.loop.noise import NoiseSettings
 from softsample.loop.page import page
 from softsample.loop.select import SelectionSettings
 from softsample.loop.specimen import Elastic, Specimen
-from softsample.loop.variants import read_changes
+from softsample.loop.variants import for_all_mixtures, read_changes
 from softsample.workflow import logged_to, provenance
 
 with logged_to(snakemake):
@@ -17,15 +17,15 @@ with logged_to(snakemake):
     settings = LoopSettings(
         NoiseSettings(**given.loop["noise"]), SelectionSettings(**given.loop["selection"])
     )
+    mixture = read_json(files.fit)["mu1_fraction"]
     specimens = []
     for k, (name, mode) in enumerate(zip(given.samples, given.modes, strict=True)):
         family = CurveFamily.of_table(read_table(files.curves[k]), mode)
-        variants = read_changes(read_table(files.variants[k]), family, mode)
+        changes = read_changes(read_table(files.variants[k]), family, mode)
+        variants = for_all_mixtures(changes, family, mixture)
         if files.get("real"):
             real = CurveFamily.of_table(read_table(files.real[k]), mode)
-            mixture = read_json(files.fit)["mu1_fraction"]
-            variants["real_geometry"] = real.force_per_mu(mixture, family.displacement)
-            variants["real_geometry"] -= family.force_per_mu(mixture, family.displacement)
+            variants["real_geometry"] = real.less(family)
         elastic = Elastic(family, variants, contact=mode == "compression")
         specimens.append(Specimen.of_record(name, mode, read_record(files.records[k]), elastic))
     found = diagnose(specimens, settings)

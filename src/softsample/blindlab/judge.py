@@ -16,12 +16,13 @@ from softsample.blindlab.records import Record
 from softsample.calibration.curves import CurveFamily
 from softsample.loop.diagnose import LoopSettings, diagnose, report
 from softsample.loop.specimen import Elastic, Specimen
+from softsample.loop.variants import for_all_mixtures
 
 WHEN = ("before", "after")
 
 
-def elastics(table: pd.DataFrame) -> dict[str, Elastic]:
-    """The loop's model by mode, from `model_curves`."""
+def elastics(table: pd.DataFrame, mixture: float) -> dict[str, Elastic]:
+    """The loop's model by mode, from `model_curves`, whose changes were simulated at a mixture."""
     found = {}
     for mode, of_mode in table.groupby("mode"):
         travel = MM * np.unique(of_mode["displacement_mm"])
@@ -35,7 +36,8 @@ def elastics(table: pd.DataFrame) -> dict[str, Elastic]:
             travel,
             np.stack([curves.pop(r) for r in mixtures]),
         )
-        found[str(mode)] = Elastic(family, curves, contact=mode == "compression")
+        changes = for_all_mixtures(curves, family, mixture)
+        found[str(mode)] = Elastic(family, changes, contact=mode == "compression")
     return found
 
 

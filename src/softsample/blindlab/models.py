@@ -13,6 +13,11 @@ from softsample.loop.variants import VariantSettings, coarse_sample, simulate_va
 from softsample.meshing.sample import SampleMesh
 
 
+def calibrated(body: Body) -> float:
+    """Mixture at which a calibration of a body might have ended."""
+    return round(body.mixture, 1)
+
+
 def model_curves(
     body: Body, size_mm: float, solver: SolverSettings, variants: VariantSettings
 ) -> pd.DataFrame:
@@ -24,7 +29,7 @@ def model_curves(
         `curve` (a mixture as a number, or the name of a change), `mode`, `displacement_mm`,
         `area_mm2` = force, or change of the force, over shear modulus.
     """
-    r = round(body.mixture, 1)  # where a calibration might have ended
+    r = calibrated(body)
     contact = ContactSettings()
     mesh = cuboid_mesh(body, size_mm)
     rows = []

@@ -50,7 +50,7 @@ class CurveFamily:
             )
         if not np.all(np.isfinite(force_per_mu)):
             raise CalibrationError("a simulated force is not finite; simulate the sample again")
-        self.displacement = displacement
+        self.fractions, self.displacement = fractions, displacement
         self.bounds = {"mu1_fraction": (float(fractions.min()), float(fractions.max()))}
         self._nodes = np.sqrt(1.0 - fractions)
         apart = np.subtract.outer(self._nodes, self._nodes) + np.eye(len(fractions))
@@ -75,6 +75,13 @@ class CurveFamily:
         fine = np.stack([refined(self.displacement, curve, times) for curve in self._forces])
         travel = refined(self.displacement, self.displacement, times)
         return type(self)(1.0 - self._nodes**2, travel, fine)
+
+    def less(self, other: Self) -> Self:
+        """What its forces have more than those of another family, at the mixtures of that one."""
+        curves = [
+            self.force_per_mu(r, other.displacement) - other.curve(r) for r in other.fractions
+        ]
+        return type(self)(other.fractions, other.displacement, np.stack(curves))
 
     def force_per_mu(self, fraction: float, displacement: Array) -> Array:
         """Force per modulus [m2] at travels `displacement` [m] for the mixture `fraction`.

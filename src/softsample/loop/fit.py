@@ -18,6 +18,9 @@ CORNER, CORNER_TIME = 0.2, 0.05
 """Part of an error of form that is brief, as where a ramp ends, and its time over the other's."""
 
 
+STARTS = tuple(Material(1000.0, r) for r in (0.2, 0.5, 0.8, 0.95))
+"""Materials from which fits set out that know nothing."""
+
 DIFFERENCE = 1e-5
 """Step of the packed parameters for derivatives."""
 
@@ -181,6 +184,5 @@ class Problem:
 
     def fit_material(self) -> Fit:
         """The plain model."""
-        starts = [Material(1000.0, r) for r in (0.2, 0.5, 0.8, 0.95)]
-        first, *others = map(State, [self.start] if self.start else starts)
+        first, *others = map(State, [self.start] if self.start else STARTS)
         return self.fit(Model(), first, others)

@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from softsample.loop.effects.base import Effect
-from softsample.loop.fit import Fit, Problem
+from softsample.loop.fit import STARTS, Fit, Problem
 from softsample.loop.screen import (
     LEAST_SIGNATURE,
     Signature,
@@ -176,8 +176,9 @@ def _round(
     )
     candidates = []
     best_gain = max((gain for gain, _ in ranked), default=0.0)
-    for gain, signature in ranked[: settings.refits]:
-        if gain < PROMISING * max(best_gain, threshold):
+    for place, (gain, signature) in enumerate(ranked):
+        promising = place < settings.refits and gain >= PROMISING * max(best_gain, threshold)
+        if not promising and not signature.effect.idealised:
             continue
         fit = _joint(problem, current, signature)
         doubting = problem.doubting(fit, settings.form_doubt, settings.form_time_s)
@@ -186,17 +187,19 @@ def _round(
         evidence = likelier - penalty(signature.effect, n)
         candidates.append(Candidate(signature.effect.name, fit, gain, evidence))
     candidates.sort(key=lambda c: c.evidence, reverse=True)
-    if not candidates or not _acceptable(candidates[0], current, threshold, settings):
+    acceptable = [c for c in candidates if _acceptable(c, current, threshold)]
+    if not acceptable or acceptable[0] is not candidates[0]:
         return Step(threshold, candidates, None)
-    best = candidates[0]
+    best = min(acceptable, key=lambda c: not c.fit.model.effects[-1].idealised)
     candidates = [
         Candidate(c.name, c.fit, c.gain, c.evidence, _cosine(current, c.fit, best.fit))
         for c in candidates
     ]
-    members = [
+    members = [best.name] + [
         c.name
         for c in candidates
-        if c.evidence > 0.0
+        if c.name != best.name
+        and c.evidence > 0.0
         and (
             c.evidence > best.evidence - settings.class_gain
             or (c.cosine > settings.class_cosine and c.gain > 0.7 * best.gain)
@@ -205,17 +208,10 @@ def _round(
     return Step(threshold, candidates, best, members)
 
 
-def _acceptable(
-    best: Candidate,
-    current: Fit,
-    threshold: float,
-    settings: SelectionSettings,
-) -> bool:
-    """Whether a candidate passes the threshold and, where it leaves a lot, takes a third of it."""
-    n = len(current.white)
-    takes_part = best.gain > (current.cost - n) / 3.0
-    enough = takes_part or best.fit.cost < settings.unknown_ratio * n
-    return enough and best.evidence >= threshold
+def _acceptable(best: Candidate, current: Fit, threshold: float) -> bool:
+    """Whether a candidate passes the threshold and takes a third of what is beyond noise."""
+    excess = current.cost - len(current.white)
+    return best.gain > excess / 3.0 and best.evidence >= threshold
 
 
 def _joint(problem: Problem, current: Fit, signature: Signature) -> Fit:
@@ -242,6 +238,9 @@ def _joint(problem: Problem, current: Fit, signature: Signature) -> Fit:
         replace(current.state, values={**current.state.values, effect.name: values})
         for values in starts
     ]
+    if effect.idealised:  # a change so large that the material found without it says little
+        states = [replace(states[0], material=m) for m in (current.state.material, *STARTS)]
+        promised = -np.inf
     best = problem.fit(model, states[0])
     for state in states[1:]:
         if best.cost < promised:

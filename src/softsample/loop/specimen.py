@@ -1,5 +1,6 @@
 """One test of one sample as the loop sees it: record, phases, elastic curves."""
 
+from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
 from functools import cached_property
 from typing import Self
@@ -9,7 +10,7 @@ import pandas as pd
 from numpy.typing import NDArray
 from scipy.signal import savgol_filter
 
-from softsample.calibration.curves import CurveFamily, refined
+from softsample.calibration.curves import CurveFamily
 from softsample.protocol import denoised, phases, travel_sign
 
 Array = NDArray[np.float64]
@@ -36,34 +37,39 @@ class Elastic:
     ----------
     family : CurveFamily
         Curves for all mixtures r = mu1 / mu.
-    variants : dict of (n,) float64
-        Change of the force per modulus [m2] on the family's displacements when the model is
-        changed by the step that the variant is named after, at the calibrated mixture.
+    variants : mapping of CurveFamily or (n,) float64
+        Change of the force per modulus [m2] when the model is changed by the step that the variant
+        is named after, for all mixtures; one curve on the family's displacements if it is the same
+        for all.
     contact : bool
         Whether the platen can leave the sample: no force before zero travel.
     """
 
     family: CurveFamily
-    variants: dict[str, Array] = field(default_factory=dict)
+    variants: Mapping[str, CurveFamily | Array] = field(default_factory=dict)
     contact: bool = False
 
     @cached_property
-    def _fine(self) -> tuple[CurveFamily, dict[str, Array]]:
+    def _fine(self) -> tuple[CurveFamily, dict[str, CurveFamily]]:
         """Family and variants on a grid so fine that chords of the stiffening curve do not show."""
         return self.family.refined(FINER), {
-            name: refined(self.family.displacement, curve, FINER)
-            for name, curve in self.variants.items()
+            name: self._as_family(change).refined(FINER) for name, change in self.variants.items()
         }
+
+    def _as_family(self, change: CurveFamily | Array) -> CurveFamily:
+        if isinstance(change, CurveFamily):
+            return change
+        return CurveFamily(np.array([0.5]), self.family.displacement, change[None])
 
     def force_per_mu(self, mixture: float, travel: Array) -> Array:
         """Force along the travel per shear modulus [m2] at travels [m]."""
         return self._beyond(self._fine[0].curve(mixture), travel)
 
-    def change_per_mu(self, variant: str, travel: Array) -> Array:
+    def change_per_mu(self, variant: str, mixture: float, travel: Array) -> Array:
         """Change of that force [m2] by one step of a variant; none where it was not simulated."""
         if variant not in self.variants:
             return np.zeros_like(travel)
-        return self._beyond(self._fine[1][variant], travel)
+        return self._beyond(self._fine[1][variant].curve(mixture), travel)
 
     def _beyond(self, curve: Array, travel: Array) -> Array:
         """Interpolation; beyond the ends straight on, or nothing before contact."""

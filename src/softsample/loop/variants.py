@@ -20,6 +20,12 @@ from softsample.protocol import travel_sign
 
 Array = NDArray[np.float64]
 
+TOUCH = 0.02
+"""Part of the largest force below which the platen hardly touches, and a part of it says little."""
+
+DEGREE = 5
+"""Of the polynomials for changes as parts of the force."""
+
 MARGIN = 1.05
 """Runs go this much further than the record, for effects that shift the travel."""
 
@@ -94,6 +100,49 @@ def read_changes(table: pd.DataFrame, family: CurveFamily, mode: str) -> dict[st
         )
         for name in table.columns.drop("displacement_mm")
     }
+
+
+def for_all_mixtures(
+    changes: Mapping[str, Array], family: CurveFamily, mixture: float
+) -> dict[str, CurveFamily]:
+    """Changes that were simulated at one mixture, carried to all, without the grain of the mesh.
+
+    A changed term of the solid goes with its part of the modulus, and fibres are beside it; what
+    changes shape, boundary or compressibility changes the force by the same part of it. That part
+    is smooth along the travel, while nodes of a coarse mesh meet the platen one by one.
+
+    Parameters
+    ----------
+    changes : mapping of (n,) float64
+        Change of the force per modulus by variant [m2] on the displacements of the family.
+    family : CurveFamily
+        Force of the unchanged model.
+    mixture : float
+        At which they were simulated.
+    """
+    r, there = family.fractions, family.curve(mixture)
+    forces = np.stack([family.curve(x) for x in r])
+    follows = {
+        "alpha1": np.outer(r / mixture, there),
+        "alpha2": np.outer((1.0 - r) / (1.0 - mixture), there),
+        **dict.fromkeys(("fibres_x", "fibres_z"), np.tile(there, (len(r), 1))),
+    }
+    return {
+        name: CurveFamily(
+            r,
+            family.displacement,
+            follows.get(name, forces) * _smooth_part(family.displacement, change, there),
+        )
+        for name, change in changes.items()
+    }
+
+
+def _smooth_part(travel: Array, change: Array, force: Array) -> Array:
+    """Polynomial (n,) for a change as a part of the force, fitted where there is force."""
+    weight = 1.0 / (np.abs(force) + TOUCH * np.abs(force).max())
+    powers = np.vander(travel / travel[-1], DEGREE + 1)
+    found, *_ = np.linalg.lstsq((weight * force)[:, None] * powers, weight * change, rcond=None)
+    return np.asarray(powers @ found)
 
 
 def simulate_variants(

@@ -6,8 +6,8 @@ from softsample.loop.specimen import Specimen
 
 def _elastic(specimen: Specimen, mixture: float, travel: Array, values: Values) -> Array:
     change = specimen.elastic.change_per_mu
-    along = values["k1_along_z"] / 0.1 * change("fibres_z", travel)
-    return along + values["k1_along_x"] / 0.1 * change("fibres_x", travel)
+    along = values["k1_along_z"] / 0.1 * change("fibres_z", mixture, travel)
+    return along + values["k1_along_x"] / 0.1 * change("fibres_x", mixture, travel)
 
 
 EFFECT = Effect(

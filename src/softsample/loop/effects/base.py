@@ -22,7 +22,8 @@ class Parameter:
     name, unit : str
         As written in the verdict.
     low, high : float
-        Plausible range; where zero lies between, the sign is free.
+        Plausible range; where zero lies between, the sign is free. The neutral value may lie
+        outside, if an effect that is there has a known size.
     nominal : float
         A plausible size, at which the signature is drawn.
     grid : tuple of float
@@ -86,6 +87,8 @@ class Effect:
         Tests that it changes.
     identifiable : bool
         Whether any test of this protocol can show it.
+    idealised : bool
+        Whether the model is known to leave it out: it comes before physics if records ask for it.
     travel, elastic, tissue, instrument : callable
         See the functions above for their arguments; defaults do nothing.
     """
@@ -100,6 +103,7 @@ class Effect:
     experiment: str = ""
     modes: tuple[str, ...] = MODES
     identifiable: bool = True
+    idealised: bool = False
     travel: Callable[[Specimen, Array, Values], Array] = field(default=_travel)
     elastic: Callable[[Specimen, float, Array, Values], Array] = field(default=_none)
     tissue: Callable[[Specimen, Array, Array, Values], Array] = field(default=_force)

@@ -5,7 +5,8 @@ from softsample.loop.specimen import Specimen
 
 
 def _elastic(specimen: Specimen, mixture: float, travel: Array, values: Values) -> Array:
-    return values["shift_mm"] / 0.1 * specimen.elastic.change_per_mu("boundary_shift", travel)
+    change = specimen.elastic.change_per_mu("boundary_shift", mixture, travel)
+    return values["shift_mm"] / 0.1 * change
 
 
 EFFECT = Effect(

@@ -6,8 +6,8 @@ from softsample.loop.specimen import Specimen
 
 def _elastic(specimen: Specimen, mixture: float, travel: Array, values: Values) -> Array:
     change = specimen.elastic.change_per_mu
-    first = (values["alpha1"] + 8.0) / 2.0 * change("alpha1", travel)
-    return first + (values["alpha2"] - 16.0) / 2.0 * change("alpha2", travel)
+    first = (values["alpha1"] + 8.0) / 2.0 * change("alpha1", mixture, travel)
+    return first + (values["alpha2"] - 16.0) / 2.0 * change("alpha2", mixture, travel)
 
 
 EFFECT = Effect(

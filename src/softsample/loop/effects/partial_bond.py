@@ -6,7 +6,8 @@ from softsample.loop.specimen import Specimen
 
 def _elastic(specimen: Specimen, mixture: float, travel: Array, values: Values) -> Array:
     change = specimen.elastic.change_per_mu
-    facing, along = change("partial_bond_x", travel), change("partial_bond_y", travel)
+    facing = change("partial_bond_x", mixture, travel)
+    along = change("partial_bond_y", mixture, travel)
     return values["missing"] / 0.125 * (facing + values["along"] * (along - facing))
 
 

@@ -5,7 +5,7 @@ from softsample.loop.specimen import Specimen
 
 
 def _elastic(specimen: Specimen, mixture: float, travel: Array, values: Values) -> Array:
-    return values["share"] * specimen.elastic.change_per_mu("platen_slip", travel)
+    return values["share"] * specimen.elastic.change_per_mu("platen_slip", mixture, travel)
 
 
 EFFECT = Effect(

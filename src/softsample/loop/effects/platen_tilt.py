@@ -10,7 +10,8 @@ def _elastic(specimen: Specimen, mixture: float, travel: Array, values: Values) 
     if specimen.mode != "compression":
         return np.zeros_like(travel)
     change = specimen.elastic.change_per_mu
-    edge, corner = change("platen_tilt", travel), change("platen_tilt_corner", travel)
+    edge = change("platen_tilt", mixture, travel)
+    corner = change("platen_tilt_corner", mixture, travel)
     return values["tilt_deg"] * (edge + values["corner"] * (corner - edge))
 
 

@@ -7,7 +7,7 @@ from softsample.loop.specimen import Specimen
 def _elastic(specimen: Specimen, mixture: float, travel: Array, values: Values) -> Array:
     change = specimen.elastic.change_per_mu
     x = (0.49 - values["nu"]) / 0.02
-    once, twice = change("poisson_0.47", travel), change("poisson_0.45", travel)
+    once, twice = change("poisson_0.47", mixture, travel), change("poisson_0.45", mixture, travel)
     return x * (2.0 - x) * once + 0.5 * x * (x - 1.0) * twice
 
 

@@ -5,17 +5,18 @@ from softsample.loop.specimen import Specimen
 
 
 def _elastic(specimen: Specimen, mixture: float, travel: Array, values: Values) -> Array:
-    return values["share"] * specimen.elastic.change_per_mu("real_geometry", travel)
+    return values["share"] * specimen.elastic.change_per_mu("real_geometry", mixture, travel)
 
 
 EFFECT = Effect(
     name="real_geometry",
     title="Real geometry instead of the cuboid",
-    parameters=(Parameter("share", "1", 0.0, 1.5, 1.0),),
+    parameters=(Parameter("share", "1", 0.95, 1.05, 1.0),),
     tier="M",
     source="Arzemanzadeh, Miller, Wittek: the study; own runs on both geometries",
     signature="compression: late and growing contact; all modes: smaller glued area",
     confused_with=("late_contact", "platen_tilt", "partial_bond"),
     experiment="image the sample and mesh its surface",
+    idealised=True,
     elastic=_elastic,
 )

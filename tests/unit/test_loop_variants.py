@@ -1,0 +1,77 @@
+"""Changes of the model, simulated at one mixture, at all others."""
+
+import numpy as np
+import pytest
+
+import laboratory
+from softsample.calibration.curves import CurveFamily
+from softsample.loop.specimen import Elastic
+from softsample.loop.variants import for_all_mixtures
+
+THERE = 0.6
+ANOTHER = 0.85
+
+
+@pytest.fixture(scope="module")
+def family():
+    return laboratory.elastic("compression").family
+
+
+def carried(family, change, name="poisson_0.47"):
+    """Change at another mixture than that at which it was simulated."""
+    return for_all_mixtures({name: change}, family, THERE)[name].curve(ANOTHER)
+
+
+def along(family):
+    return family.displacement / family.displacement[-1]
+
+
+def test_a_change_that_is_a_part_of_the_force_stays_that_part(family):
+    part = -0.05 - 0.2 * along(family) ** 2
+    there, another = family.curve(THERE), family.curve(ANOTHER)
+    np.testing.assert_allclose(
+        carried(family, part * there), part * another, atol=1e-9 * another.max()
+    )
+    assert np.abs(part * (another - there)).max() > 0.05 * np.abs(part * there).max()
+
+
+def test_terms_of_the_solid_go_with_their_part_of_the_modulus_and_fibres_stay(family):
+    change = 0.1 * family.curve(THERE)
+    for name, factor in {
+        "alpha1": ANOTHER / THERE,
+        "alpha2": (1.0 - ANOTHER) / (1.0 - THERE),
+        "fibres_z": 1.0,
+    }.items():
+        np.testing.assert_allclose(
+            carried(family, change, name), factor * change, atol=1e-9 * change.max()
+        )
+
+
+def test_the_grain_of_the_mesh_is_smoothed_away(family):
+    """A force that jumps by 2 % whenever a node meets the platen, as on a mesh of 1 mm."""
+    smooth = -0.2 * along(family) ** 2 * family.curve(THERE)
+    grain = 0.02 * family.curve(THERE) * np.random.default_rng(4).choice([-1, 1], len(smooth))
+    left = for_all_mixtures({"x": smooth + grain}, family, THERE)["x"].curve(THERE) - smooth
+    assert np.linalg.norm(left) < 0.35 * np.linalg.norm(grain)
+
+
+def test_two_families_differ_at_every_mixture(family):
+    travel = np.linspace(0.0, 1.2 * family.displacement[-1], 301)
+    softer = CurveFamily(
+        family.fractions,
+        travel,
+        np.stack([0.8 * np.interp(travel, family.displacement, family.curve(r)) for r in
+                  family.fractions]),
+    )  # fmt: skip
+    less = softer.less(family)
+    np.testing.assert_allclose(
+        less.curve(THERE), -0.2 * family.curve(THERE), atol=2e-3 * family.curve(THERE).max()
+    )
+    elastic = Elastic(family, {"real_geometry": less}, contact=True)
+    there = np.array([0.5, 1.0]) * family.displacement[-1]
+    for r in (THERE, ANOTHER):
+        np.testing.assert_allclose(
+            elastic.change_per_mu("real_geometry", r, there),
+            -0.2 * family.force_per_mu(r, there),
+            rtol=5e-3,
+        )

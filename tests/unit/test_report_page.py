@@ -72,6 +72,12 @@ def test_a_table_leaves_out_empty_columns_and_obeys_no_tag():
     assert '<td class="number">−1.5</td>' in shown
 
 
+def test_only_a_table_of_many_columns_is_wide():
+    columns = {f"c{n}": [1.0] for n in range(11)}
+    assert '<table class="wide">' in table(pd.DataFrame(columns))
+    assert "wide" not in table(pd.DataFrame(columns).assign(c10=np.nan))  # left out
+
+
 def test_markdown_goes_below_the_sections_and_takes_its_pictures_in(tmp_path):
     Image.new("RGB", (4, 3), "red").save(tmp_path / "a.png")
     text = "# Verdict\n\n| a |\n| --- |\n| <i>x</i> |\n\n![how](a.png)\n"

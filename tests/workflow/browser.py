@@ -150,6 +150,11 @@ class Browser:
         data = self.call("Page.captureScreenshot", format="png")["data"]
         path.write_bytes(base64.b64decode(data))
 
+    def printed(self) -> bytes:
+        """The page as a PDF, on paper as the page asks for it."""
+        options = {"printBackground": True, "preferCSSPageSize": True}
+        return base64.b64decode(self.call("Page.printToPDF", timeout_s=300.0, **options)["data"])
+
     @property
     def outward(self):
         """Requests that leave the machine."""

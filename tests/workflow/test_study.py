@@ -252,6 +252,28 @@ def test_the_report_holds_methods_settings_hashes_and_verdicts(study):
     assert len(page) < 30e6
 
 
+@pytest.mark.skipif(CHROMIUM is None, reason="Chromium is not installed")
+def test_the_report_is_printed_on_pages_wide_tables_across(study, tmp_path):
+    results, _ = study
+    with Browser(tmp_path) as browser:
+        browser.open(results / "report.html")
+        pdf = browser.printed()
+        assert browser.run("document.querySelectorAll('table.wide').length") > 0
+        assert browser.run("[...document.querySelectorAll('details')].every(part => part.open)")
+        browser.call("Emulation.setEmulatedMedia", media="print")
+        for tables, paper_mm in (("table.wide", 297 - 2 * 12), ("table:not(.wide)", 210 - 2 * 16)):
+            width = round(paper_mm / 25.4 * 96)
+            size = {"width": width, "height": 900, "deviceScaleFactor": 1, "mobile": True}
+            browser.call("Emulation.setDeviceMetricsOverride", **size)
+            widths = f"[...document.querySelectorAll('{tables}')].map(t => t.offsetWidth)"
+            assert max(browser.run(widths)) <= width
+    boxes = re.findall(rb"/MediaBox \[0 0 ([\d.]+) ([\d.]+)\]", pdf)
+    across = [float(width) > float(height) for width, height in boxes]
+    assert any(across)
+    assert 10 < len(boxes) < 100
+    assert not all(across)
+
+
 PIXELS = """(() => {
     const canvas = document.querySelector('.viewer[data-sample=B] canvas');
     return canvas.toDataURL();

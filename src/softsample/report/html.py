@@ -21,6 +21,9 @@ from softsample.report.page import MISSING
 WEBP_QUALITY = 86
 """Of embedded pictures: at a fifth of a PNG's size, text and contours stay crisp."""
 
+WIDE = 10
+"""A table of more columns is printed on a page of its own across."""
+
 UNITS = {
     "pa": "Pa", "mm": "mm", "mm2": "mm²", "mm3": "mm³", "N": "N", "s": "s", "hz": "Hz",
     "deg": "°", "percent": "%", "points": "points",
@@ -105,7 +108,8 @@ def table(frame: pd.DataFrame) -> Markup:
         "<tr>{}</tr>\n".format("".join(map(_cell, row)))
         for row in frame.itertuples(index=False, name=None)
     )
-    return Markup(f"<table><thead><tr>{head}</tr></thead><tbody>\n{body}</tbody></table>")
+    kind = ' class="wide"' if len(frame.columns) > WIDE else ""
+    return Markup(f"<table{kind}><thead><tr>{head}</tr></thead><tbody>\n{body}</tbody></table>")
 
 
 def download(path: Path) -> Markup:

@@ -75,7 +75,7 @@ def test_make_knows_what_the_pages_tell_it(command):
 def test_the_workflow_plans_what_the_pages_ask_for(command, tmp_path):
     """With places for those that the reader fills in; what it then does, the studies test."""
     (tmp_path / "my.yaml").write_text("mesh:\n  element_size_mm: 1.0\n")
-    assert "--cores" in command
+    assert "--cores" in command or "profiles/slurm" in command  # which says how many jobs
     places = {
         "PATH/samples.tsv": "resources/cohort/samples.tsv",
         "results=DIR": f"results={tmp_path}/DIR",
@@ -122,6 +122,13 @@ def test_links_lead_to_files_that_are_there(page):
     for link in re.findall(r"\]\(([^)#\s]+)[^)]*\)", page.read_text(encoding="utf-8")):
         if not re.match(r"https?:|mailto:", link) and not link.startswith("generated/"):
             assert (page.parent / link).exists(), link
+
+
+def test_every_page_is_on_the_site():
+    index = (ROOT / "docs/index.md").read_text(encoding="utf-8")
+    trees = re.findall(r"```{toctree}(.*?)```", index, re.S)
+    listed = {page for tree in trees for page in tree.split()}
+    assert {path.stem for path in (ROOT / "docs").glob("*.md")} - {"index"} <= listed
 
 
 def test_the_reference_names_every_setting_with_its_default():

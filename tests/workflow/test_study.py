@@ -227,9 +227,8 @@ def test_the_run_told_of_each_job_and_of_the_results(study):
     assert sum(bool(left) for _, left, _ in lines) > 0.9 * planned
     for group, fit in load(results, "results.json")["groups"].items():
         mu = fit["calibration"]["real"]["ogden2"]["moduli"]["mu"]["value_pa"]
-        assert re.search(
-            rf"^{group} +{mu:.0f} \(\d+ to \d+\) .* %  {fit['verdict']['verdict']}", printed, re.M
-        )
+        verdict = fit["verdict"]["verdict"]
+        assert re.search(rf"^{group} +{mu:.0f} \(\d+ to \d+\) .* % +{verdict}", printed, re.M)
     assert f"All tables and figures: {results}/report.html" in printed
 
 

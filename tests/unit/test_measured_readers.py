@@ -55,7 +55,7 @@ def test_phantom_is_pushed_and_pushes_back(tmp_path):
     assert test.record.force[-1] == pytest.approx(-19.635)  # N
     assert test.strain[-1] == pytest.approx(-0.1)
     assert test.table["displacement_mm"].iloc[-1] == pytest.approx(-3.0)
-    assert ecoflex.load_cell(tmp_path / "data/EF99_0T/EF99_0T_A3.csv") == "1kN"
+    assert ecoflex.load_cells(tmp_path) == {"EF99_0T_A3": "1kN"}
 
 
 def test_phantom_in_another_unit_is_refused(tmp_path):

@@ -53,7 +53,7 @@ def check_files(root: Path, rows: pd.DataFrame) -> None:
             )
 
 
-def files_of(root: Path, catalogue: pd.DataFrame, name: str) -> Sequence[str]:
+def set_files(root: Path, catalogue: pd.DataFrame, name: str) -> Sequence[str]:
     """Paths of the files of one set."""
     files = catalogue.loc[catalogue["set"] == name, "file"]
     return [str(root / name / file) for file in files]

@@ -17,6 +17,9 @@ UNSTATED = (
 )
 LISTED = ("File", "Folder", "diameter_mm", "start_height_mm", "approximate_gel_touch_point")
 
+FREE = 0.6
+"""Part of the way to the bench on which the chuck surely touches nothing."""
+
 
 def read(folder: Path) -> list[Measurement]:
     """The gels that the listing names, from the lowest concentration on."""
@@ -53,10 +56,39 @@ def read_trace(path: Path) -> pd.DataFrame:
 
 def stiffness(trace: pd.DataFrame, force_g: float) -> float:
     """Slope of a run on its way down [N/m] beyond a force [g]: of the bench, where no gel lies."""
-    down = trace.iloc[: int(trace["mm"].to_numpy().argmax()) + 1]
+    down = _way_down(trace)
     pressed = down[down["g"] > force_g]
     slope, _ = np.polyfit(MM * pressed["mm"], GRAM_FORCE * pressed["g"], 1)
     return float(slope)
+
+
+def _way_down(trace: pd.DataFrame) -> pd.DataFrame:
+    return trace.iloc[: int(trace["mm"].to_numpy().argmax()) + 1]
+
+
+def evidence(folder: Path) -> dict[str, float]:
+    """What the runs without a gel say of the machine; the loop never sees it.
+
+    Returns
+    -------
+    dict
+        `bench_mm_per_N`: compliance of frame and cell, from the chuck on the bare bench;
+        `free_mN`, `free_mN_per_s`: mean and trend of the force on the chuck in free travel
+        before it meets the bench (compression positive); `no_gel_mN`: mean in the run
+        without gel.
+    """
+    bench = read_trace(folder / "frame_stiffness.tab")
+    free = _way_down(bench)
+    free = free[free["mm"] < FREE * bench["mm"].max()]
+    trend, _ = np.polyfit(free["sec"], free["g"], 1)
+    no_gel = read_trace(folder / "controlNoGel.tab")
+    mN = 1e3 * GRAM_FORCE
+    return {
+        "bench_mm_per_N": 1e3 / stiffness(bench, 50.0),
+        "free_mN": mN * float(free["g"].mean()),
+        "free_mN_per_s": mN * float(trend),
+        "no_gel_mN": mN * float(no_gel["g"].mean()),
+    }
 
 
 def _listing(path: Path) -> list[dict[str, str]]:

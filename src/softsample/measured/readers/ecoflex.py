@@ -46,9 +46,12 @@ def read_file(path: Path) -> Measurement:
     return Measurement(path.stem, group, specimen[0], "compression", shape, record)
 
 
-def load_cell(path: Path) -> str:
-    """Capacity of the load cell as the header has it, `1kN` or `10kN`."""
-    return _stated(path, lines_of(path), r"Load cell: *(\w+)")
+def load_cells(folder: Path) -> dict[str, str]:
+    """Capacity of each record's load cell as its header has it, `1kN` or `10kN`."""
+    return {
+        path.stem: _stated(path, lines_of(path), r"Load cell: *(\w+)")
+        for path in sorted((folder / "data").glob("*/*.csv"))
+    }
 
 
 def _shape(path: Path, header: list[str]) -> Shape:

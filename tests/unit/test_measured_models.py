@@ -77,9 +77,9 @@ def test_finite_elements_without_friction_are_the_closed_form():
     sticking, free = (models[key_of(kind, test, "force")] for kind in settings.kinds)
     travel = np.array([0.5e-3, 1e-3, 2e-3])
     stuck, slid = sticking.force_per_mu(0.5, travel), free.force_per_mu(0.5, travel)
-    half = stuck + sticking.change_per_mu("platen_slip", travel)
+    half = stuck + sticking.change_per_mu("platen_slip", 0.5, travel)
     assert np.all((slid < half) & (half < stuck))
-    back = slid - free.change_per_mu("platen_slip", travel)  # from the closed form to sticking
+    back = slid - free.change_per_mu("platen_slip", 0.5, travel)  # from the closed form to sticking
     np.testing.assert_allclose(back, stuck, rtol=1e-3)
 
     mesh = mesh_cuboid(0.01, 0.01, 0.01, 0.002)

@@ -69,7 +69,7 @@ def _exponents(effect: Effect, alpha: tuple[float, float]) -> Effect:
 
     def elastic(specimen: Specimen, mixture: float, travel: Array, values: Values) -> Array:
         changes = [
-            (values[name] - a) / step * specimen.elastic.change_per_mu(name, travel)
+            (values[name] - a) / step * specimen.elastic.change_per_mu(name, mixture, travel)
             for name, a in zip(names, alpha, strict=True)
         ]
         return changes[0] + changes[1]

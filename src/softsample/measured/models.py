@@ -184,10 +184,12 @@ def elastics(table: pd.DataFrame) -> dict[Key, Elastic]:
         )
         kind, shape, mode, channel = map(str, key)
         found[kind, shape, mode, channel] = Elastic(family, curves, contact=mode == "compression")
-    for (kind, shape, mode, channel), elastic in found.items():
+    for (kind, shape, mode, channel), elastic in list(found.items()):
         sticking = found.get(("bonded", shape, mode, channel))
         if kind == "homogeneous" and mode == "compression" and sticking is not None:
-            elastic.variants["platen_slip"] = _slip(elastic.family, sticking.family)
+            slip = _slip(elastic.family, sticking.family)
+            changed = replace(elastic, variants={**elastic.variants, "platen_slip": slip})
+            found[kind, shape, mode, channel] = changed
     return found
 
 

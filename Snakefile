@@ -38,6 +38,7 @@ rule all:
         "<results>/report.html",
         "<results>/results.json",
         "<results>/checks/passed.json",
+        "<results>/tables/costs.csv",
     message:
         "Study complete: {config[results]}"
 

@@ -9,15 +9,14 @@ import resource
 import subprocess
 import sys
 import tempfile
-from collections.abc import Iterable
 from dataclasses import asdict, dataclass
 from pathlib import Path
 
 import pandas as pd
 
-from softsample.errors import InputError
 from softsample.io import read_samples, write_json
-from softsample.workflow import FINISHED, versions
+from softsample.costs import job_costs
+from softsample.workflow import versions
 
 ROOT = Path(__file__).resolve().parents[1]
 TABLE = ROOT / "resources/cohort/samples.tsv"
@@ -28,8 +27,6 @@ SAMPLES = 1000
 CORES = (2, 64, 1024)
 CORES_OF_ANIMAL = 4
 """Cores that the cluster's profile gives to the jobs of one animal."""
-
-COST = re.compile(re.escape(FINISHED) + r"([\d.]+) s of CPU, at most (\d+) MB")
 
 
 @dataclass(frozen=True)
@@ -46,9 +43,7 @@ class Study:
     @classmethod
     def of_logs(cls, logs: Path, table: pd.DataFrame) -> "Study":
         """Costs that the jobs of a table of samples noted at the end of their logs."""
-        found = pd.DataFrame(_costs(logs), columns=["kind", "own", "cpu_s", "mb"])
-        if found.empty:
-            raise InputError(f"{logs}: no costs of jobs; run the study first (make run)")
+        found = job_costs(logs)
         own, samples = found[found["own"]], len(table)
         return cls(
             samples,
@@ -56,16 +51,8 @@ class Study:
             len(own) / samples,
             own["cpu_s"].sum() / samples,
             found.loc[~found["own"], "cpu_s"].sum(),
-            found.groupby("kind")["mb"].max().sort_values(ascending=False).to_dict(),
+            found.groupby("kind")["peak_mb"].max().sort_values(ascending=False).to_dict(),
         )
-
-
-def _costs(logs: Path) -> Iterable[tuple[str, bool, float, int]]:
-    """Kind of job, whether it is of one sample or animal, CPU time [s] and memory [MB]."""
-    for path in logs.rglob("*.log"):
-        if match := COST.search(path.read_text(encoding="utf-8", errors="replace")):
-            kind = path.relative_to(logs).with_suffix("").parts[0]
-            yield kind, path.parent != logs, float(match[1]), int(match[2])
 
 
 @dataclass(frozen=True)

@@ -57,8 +57,8 @@ def test_no_result_is_typed_into_a_template(template):
 
 @pytest.mark.skipif(not (OURS / "scoring/recovery.csv").is_file(), reason="no study was run here")
 def test_the_tables_are_those_of_the_study_that_was_run_here():
-    """A newer study than the page: run make docs."""
-    for path in sorted(DATA.glob("*.csv")):
+    """A newer study than the page: run make docs. What the jobs cost differs from run to run."""
+    for path in sorted(set(DATA.glob("*.csv")) - {DATA / "costs.csv"}):
         for folder in ("tables", "scoring"):
             source = OURS / folder / path.name
             if source.is_file():

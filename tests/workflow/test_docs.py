@@ -96,11 +96,10 @@ def test_results_are_shown_as_the_pages_say(command, tmp_path):
     mesh = "tests/data/reference/mesh/compression_h1.vtu"
     words = shlex.split(command.replace("results/mesh/C3/real.vtu", mesh).replace("FILE", mesh))
     words += ["-o", str(tmp_path / "mesh.png")] if "show" in words else []
-    if words[3:] == ["check", "DIR"]:
-        run([sys.executable, "-m", "softsample", "new", str(tmp_path / "lab")])
-        words[-1] = str(tmp_path / "lab")
-    if words[3:] == ["new", "DIR"]:
-        words[-1] = str(tmp_path / "lab")
+    if words[3] in ("new", "check"):  # of a study anywhere
+        words[-1] = str(tmp_path / "study")
+    if words[3] == "check":
+        run([sys.executable, "-m", "softsample", "new", words[-1]])
     assert run([sys.executable, *words[1:]])
 
 

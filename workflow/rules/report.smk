@@ -533,3 +533,17 @@ rule results:
         "Numbers of the study: {output.document}"
     script:
         "../scripts/results.py"
+
+
+rule table_costs:
+    input:
+        finished=[*tables(), *figures(), "<results>/report.html", "<results>/checks/passed.json"],
+        code=library("workflow/scripts/table_costs.py"),
+    output:
+        table="<results>/tables/costs.csv",
+    log:
+        "<logs>/costs.log",
+    message:
+        "Table of what the jobs cost"
+    script:
+        "../scripts/table_costs.py"

@@ -10,6 +10,7 @@ rule reproduction:
             *(name for name in tables() if name.endswith(".csv")),
             *(name for name in geometry_results() if name.endswith(".csv")),
             *(f"<results>/extended/{name}" for name in EXTENDED if name.endswith(".csv")),
+            "<results>/tables/costs.csv",
             "<results>/scoring/recovery.csv",
             "<results>/scoring/element_type.csv",
         ],

@@ -1,0 +1,78 @@
+"""Where the time of a study goes, from what its jobs noted at the end of their logs."""
+
+import re
+from pathlib import Path
+
+import pandas as pd
+
+from softsample.errors import InputError
+from softsample.io import PathLike
+from softsample.workflow import FINISHED
+
+COST = re.compile(re.escape(FINISHED) + r"([\d.]+) s of CPU, at most (\d+) MB")
+
+
+def job_costs(logs: PathLike) -> pd.DataFrame:
+    """Costs of all jobs of a study that came through.
+
+    Parameters
+    ----------
+    logs
+        Folder of the logs; jobs of one sample or animal log in folders, those of the whole study
+        beside them.
+
+    Returns
+    -------
+    pandas.DataFrame
+        Columns `kind` (of job), `own` (whether it is of one sample or animal), `cpu_s`, `peak_mb`.
+
+    Raises
+    ------
+    InputError
+        If no log tells a cost.
+    """
+    rows = [
+        (
+            path.relative_to(logs).with_suffix("").parts[0],
+            path.parent != Path(logs),
+            *found.groups(),
+        )
+        for path in sorted(Path(logs).rglob("*.log"))
+        if (found := COST.search(path.read_text(encoding="utf-8", errors="replace")))
+    ]
+    if not rows:
+        raise InputError(f"{logs}: no costs of jobs; run the study first (make run)")
+    table = pd.DataFrame(rows, columns=["kind", "own", "cpu_s", "peak_mb"])
+    return table.astype({"cpu_s": float, "peak_mb": int})
+
+
+def cost_table(logs: PathLike) -> pd.DataFrame:
+    """CPU time and memory by kind of job, most costly first, with their sum in the last row.
+
+    Snakemake's own time is not in it. Columns: `kind`, `jobs`, `cpu_s` (all jobs together),
+    `cpu_s_largest` (of one job), `share_percent` (of all), `peak_mb`. Errors as in `job_costs`.
+    """
+    jobs = job_costs(logs)
+    table = (
+        jobs.groupby("kind")
+        .agg(
+            jobs=("cpu_s", "size"),
+            cpu_s=("cpu_s", "sum"),
+            cpu_s_largest=("cpu_s", "max"),
+            peak_mb=("peak_mb", "max"),
+        )
+        .sort_values("cpu_s", ascending=False)
+        .reset_index()
+    )
+    total = pd.DataFrame(
+        {
+            "kind": ["all"],
+            "jobs": [len(jobs)],
+            "cpu_s": [table["cpu_s"].sum()],
+            "cpu_s_largest": [table["cpu_s_largest"].max()],
+            "peak_mb": [table["peak_mb"].max()],
+        }
+    )
+    table = pd.concat([table, total], ignore_index=True)
+    table.insert(4, "share_percent", 100.0 * table["cpu_s"] / total["cpu_s"][0])
+    return table

@@ -1,0 +1,27 @@
+import pytest
+
+from softsample.errors import InputError
+from softsample.costs import cost_table, job_costs
+from softsample.workflow import FINISHED
+
+
+def log(path, cpu_s, mb):
+    path.parent.mkdir(parents=True, exist_ok=True)
+    path.write_text(f"... {FINISHED}{cpu_s} s of CPU, at most {mb} MB of memory\n")
+
+
+def test_costs_are_summed_by_kind_and_failed_jobs_left_out(tmp_path):
+    log(tmp_path / "mesh/T1_real.log", 12.0, 300)
+    log(tmp_path / "mesh/C1_real.log", 20.0, 400)
+    log(tmp_path / "figure2.log", 8.0, 200)
+    (tmp_path / "mesh/S1_real.log").write_text("failed")
+    assert job_costs(tmp_path)["own"].tolist() == [False, True, True]
+    rows = cost_table(tmp_path).set_index("kind")
+    assert rows.index.tolist() == ["mesh", "figure2", "all"]
+    assert rows.loc["mesh"].tolist() == [2, 32.0, 20.0, 80.0, 400]
+    assert rows.loc["all"].tolist() == [3, 40.0, 20.0, 100.0, 400]
+
+
+def test_a_study_that_has_not_run_is_refused(tmp_path):
+    with pytest.raises(InputError, match="no costs of jobs; run the study first"):
+        job_costs(tmp_path)

@@ -1,11 +1,16 @@
 """Writes docs/blindlab.md from the blind laboratory: python benchmarks/blind_page.py."""
 
+import json
+from collections.abc import Iterator, Mapping
 from pathlib import Path
+from typing import Any
 
 from softsample.blindlab.faults import EFFECTS, SCALES, STRANGERS, Kind
 from softsample.blindlab.records import DESIGNS, HOLD, MU_PA, REST, SLOW, SPEED, WHITE
 
-PAGE = Path(__file__).parents[1] / "docs/blindlab.md"
+DOCS = Path(__file__).parents[1] / "docs"
+PAGE = DOCS / "blindlab.md"
+SCORE = DOCS / "data/blind/score.json"
 HEAD = f"""# The blind laboratory
 
 Written by `benchmarks/blind_page.py` from `softsample.blindlab`; edit the files there.
@@ -49,12 +54,97 @@ NEXT = {
 }
 
 
+BARS: dict[str, tuple[str, float, float]] = {
+    "1 false alarms": ("<=", 0.05, 0.05),
+    "2 effects with power": (">=", 23, 18),
+    "3 class correct when noticed": (">=", 0.95, 0.92),
+    "4 exact effect first": (">=", 0.85, 0.75),
+    "5 confidently wrong": ("<=", 0.03, 0.05),
+    "6 out of library: unknown or none": (">=", 0.85, 0.60),
+    "7 called unknown": ("<=", 0.08, 0.12),
+    "8 pairs: both classes": (">=", 0.85, 0.75),
+    "8 pairs: at least one": (">=", 0.97, 0.95),
+    "8 pairs: wrong extra": ("<=", 0.06, 0.10),
+    "9 held-out error removed": (">=", 0.80, 0.60),
+    "10 held-out worse by 5 %": ("<=", 0.02, 0.04),
+    "11 white RMS after": ("<=", 1.1, 1.3),
+    "12 bias of mu removed": (">=", 0.80, 0.60),
+    "13 cover of mu": (">=", 0.85, 0.80),
+    "13 cover of effects": (">=", 0.85, 0.80),
+    "14 error of the size": ("<=", 0.10, 0.20),
+    "16 stated confidence less hits": ("<=", 0.05, 0.08),
+}
+"""Goals of LOOP, without floor and with one of 1 %."""
+
+SCORED = """
+## Score
+
+Written from [data/blind/score.json](data/blind/score.json): design B, nominal sizes, seeds that no
+development saw. {judged} of the {planned} experiments were judged, drawn by lot from the plan.
+In brackets the one-sided 95 % bound. Counts of effects are out of 25.
+
+| goal | bar | noise only | n | bar | floor 1 % | n |
+|---|---|---|---|---|---|---|"""
+
+PER_EFFECT = """
+Noticed and wrongly named, by effect:
+
+| effect | noticed | wrong | noticed, floor 1 % | wrong, floor 1 % |
+|---|---|---|---|---|"""
+
+CONFUSION = """
+![What was planted against what was answered](figures/blind/confusion.png)
+"""
+
+Rows = Mapping[tuple[str, float], Mapping[str, Any]]
+
+
 def page() -> str:
     """The whole page."""
     lines = [HEAD, *_table(EFFECTS)]
     for title, (kinds, words) in NEXT.items():
         lines += ["", title, "", words, "", *_table(kinds)]
+    if SCORE.exists():
+        lines += _score(json.loads(SCORE.read_text(encoding="utf-8")))
     return "\n".join(lines) + "\n"
+
+
+def _score(found: Mapping[str, Any]) -> Iterator[str]:
+    """Goals beside their bars, then every effect."""
+    rows: Rows = {(row["goal"], row["floor_percent"]): row for row in found["score"]}
+    yield SCORED.format(**found["experiments"])
+    for goal, (sign, *bars) in BARS.items():
+        cells = [
+            f"{sign} {_shown(goal, bar)} | {_judged(goal, sign, bar, rows[goal, floor])}"
+            for floor, bar in zip((0.0, 1.0), bars, strict=True)
+        ]
+        yield f"| {goal.lstrip('0123456789 ')} | {' | '.join(cells)} |"
+    yield PER_EFFECT
+    for name in EFFECTS:
+        cells = [
+            _shown(goal, rows[f"{goal} {name}", floor]["value"])
+            for floor in (0.0, 1.0)
+            for goal in ("2 power", "5 wrong")
+        ]
+        yield f"| `{name}` | {' | '.join(cells)} |"
+    yield CONFUSION.rstrip()
+
+
+def _judged(goal: str, sign: str, bar: float, row: Mapping[str, Any]) -> str:
+    """Value with its bound, bold where it misses the bar."""
+    if row["value"] is None:
+        return "– | 0"
+    met = row["value"] <= bar if sign == "<=" else row["value"] >= bar
+    value = _shown(goal, row["value"])
+    bound = "" if row["bound"] is None else f" ({_shown(goal, row['bound'])})"
+    return f"{value if met else f'**{value}**'}{bound} | {row['n']}"
+
+
+def _shown(goal: str, value: float) -> str:
+    """Shares in percent."""
+    if goal in ("2 effects with power", "11 white RMS after"):
+        return f"{value:.3g}"
+    return f"{100.0 * value:.0f} %"
 
 
 def _table(kinds: dict[str, Kind]) -> list[str]:

@@ -11,12 +11,17 @@ with logged_to(snakemake):
     files = snakemake.input
     planted = opened(read_json(files.planted), read_json(files.seal), sha256(files.planted))
     answers = {int(k): a for file in files.answers for k, a in read_json(file).items()}
-    cases = [Case(what, answers[k]) for k, what in enumerate(planted)]
+    cases = [Case(planted[k], answers[k]) for k in sorted(answers)]
     table = confusion(cases)
     write_table(snakemake.output.confusion, table)
     with written_aside(snakemake.output.figure) as aside:
         save(confusion_figure(table), aside)
     write_json(
         snakemake.output.score,
-        {"score": score(cases), "seal": read_json(files.seal), "provenance": provenance(snakemake)},
+        {
+            "score": score(cases),
+            "experiments": {"planned": len(planted), "judged": len(cases)},
+            "seal": read_json(files.seal),
+            "provenance": provenance(snakemake),
+        },
     )

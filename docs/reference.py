@@ -23,7 +23,7 @@ SIGNS = {"minimum": "≥", "exclusiveMinimum": ">", "maximum": "≤", "exclusive
 
 
 def write_reference(root: Path, folder: Path) -> None:
-    """Write a page of Markdown for each schema and one for the command line."""
+    """Write a page of Markdown for each schema, one for the command line and one for the code."""
     folder.mkdir(exist_ok=True)
     defaults = yaml.safe_load((root / "config/config.yaml").read_text(encoding="utf-8"))
     for name, (title, about) in PAGES.items():
@@ -34,6 +34,7 @@ def write_reference(root: Path, folder: Path) -> None:
         (folder / f"{name}.md").write_text("\n".join(page), encoding="utf-8")
     page = ["# Command line", "", *command_pages(command_line())]
     (folder / "commands.md").write_text("\n".join(page), encoding="utf-8")
+    (folder / "code.md").write_text("\n".join(code_page(root / "src")), encoding="utf-8")
 
 
 def schema_table(schema: Schema, defaults: Schema | None = None) -> list[str]:
@@ -71,6 +72,17 @@ def command_pages(parser: argparse.ArgumentParser) -> Iterator[str]:
         if isinstance(action, argparse._SubParsersAction):
             for name, command in action.choices.items():
                 yield from [f"## {name}", "", "```text", command.format_help().rstrip(), "```", ""]
+
+
+def code_page(sources: Path) -> Iterator[str]:
+    """Every module, described by its docstrings on a page of its own."""
+    yield from ["# Code", "", "Shapes, units, errors and sources are in the descriptions.", ""]
+    yield from ["```{eval-rst}", ".. autosummary::", "   :toctree: code", ""]
+    for path in sorted(sources.rglob("*.py")):
+        parts = path.relative_to(sources).with_suffix("").parts
+        if parts[-1] not in ("__init__", "__main__"):
+            yield f"   {'.'.join(parts)}"
+    yield from ["```", ""]
 
 
 def _referred(part: Schema, whole: Schema) -> Schema:

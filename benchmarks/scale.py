@@ -14,8 +14,8 @@ from pathlib import Path
 
 import pandas as pd
 
-from softsample.io import read_samples, write_json
 from softsample.costs import job_costs
+from softsample.io import read_samples, write_json
 from softsample.workflow import versions
 
 ROOT = Path(__file__).resolve().parents[1]

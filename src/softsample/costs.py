@@ -1,18 +1,18 @@
 """Where the time of a study goes, from what its jobs noted at the end of their logs."""
 
+import os
 import re
 from pathlib import Path
 
 import pandas as pd
 
 from softsample.errors import InputError
-from softsample.io import PathLike
 from softsample.workflow import FINISHED
 
 COST = re.compile(re.escape(FINISHED) + r"([\d.]+) s of CPU, at most (\d+) MB")
 
 
-def job_costs(logs: PathLike) -> pd.DataFrame:
+def job_costs(logs: str | os.PathLike[str]) -> pd.DataFrame:
     """Costs of all jobs of a study that came through.
 
     Parameters
@@ -46,7 +46,7 @@ def job_costs(logs: PathLike) -> pd.DataFrame:
     return table.astype({"cpu_s": float, "peak_mb": int})
 
 
-def cost_table(logs: PathLike) -> pd.DataFrame:
+def cost_table(logs: str | os.PathLike[str]) -> pd.DataFrame:
     """CPU time and memory by kind of job, most costly first, with their sum in the last row.
 
     Snakemake's own time is not in it. Columns: `kind`, `jobs`, `cpu_s` (all jobs together),

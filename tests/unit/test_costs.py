@@ -1,7 +1,7 @@
 import pytest
 
-from softsample.errors import InputError
 from softsample.costs import cost_table, job_costs
+from softsample.errors import InputError
 from softsample.workflow import FINISHED
 
 

@@ -2,8 +2,8 @@
 
 from pathlib import Path
 
-from softsample.io import write_table
 from softsample.costs import cost_table
+from softsample.io import write_table
 from softsample.workflow import logged_to
 
 with logged_to(snakemake):

@@ -22,7 +22,7 @@ export NUMBA_CACHE_DIR ?= $(CURDIR)/.numba/$(shell cat src/softsample/fem/*.py |
 unexport VIRTUAL_ENV
 
 .PHONY: help env run quick new-study add-sample check-study study extended docs site test test-long check bench bench-solver bench-imaging bench-scale verify undeclared blind blind-full \
-	format clean clean-env
+	measured measured-docs format clean clean-env
 
 help:
 	@echo "make run        the study: every sample at 0.5 mm, tables, figures, results/report.html"
@@ -44,6 +44,8 @@ help:
 	echo "make undeclared records with undeclared effects, from image to scored verdict: results/undeclared/"
 	echo "make blind      the loop on records with undeclared effects, scored: results/blind/"
 	echo "make blind-full the same at four sizes and three designs (hours): results/blind-full/"
+	echo "make measured   the loop on records of others, if they are there: results/measured/"
+	echo "make measured-docs  the same, and docs/measured.md as it came out"
 	echo "make format     let ruff and snakefmt rewrite the sources"
 	echo "make clean      remove results (clean-env: the environment)"
 
@@ -158,6 +160,14 @@ blind: $(stamp)
 
 blind-full: $(stamp)
 	$(bin)/snakemake --cores $(CORES) blind_full --configfile config/blind.yaml
+
+measured: $(stamp)
+	$(bin)/snakemake --cores $(CORES) measured --configfile config/measured.yaml
+
+measured-docs: measured
+	rm -rf docs/data/measured
+	cp -R results/measured/docs/. docs/
+	find docs '(' -name .snakemake_timestamp -o -name '.*.sha256' ')' -delete
 
 bench-imaging: $(stamp)
 	$(bin)/python benchmarks/imaging.py results/bench/imaging.json

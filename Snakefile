@@ -26,6 +26,11 @@ if "blind" in config:
     include: "workflow/rules/blind.smk"
 
 
+if "measured" in config:
+
+    include: "workflow/rules/measured.smk"
+
+
 report: "workflow/report/workflow.rst"
 
 

@@ -102,3 +102,8 @@ def test_a_zero_is_named_with_its_size_and_reason():
     assert "cell was not at its zero" in odd[(tests[7].name, FORCE), "why"]
     assert odd[(tests[40].name, TRAVEL), "size"] == pytest.approx(0.8, abs=4 * SCATTER_MM)
     assert odd[(tests[40].name, TRAVEL), "class"] == "displacement_zero|late_contact"
+
+
+def test_records_without_a_load_cell_are_passed_over():
+    table = odd_zeros(siblings(1)[:5], {})
+    assert len(table[table["found"]].drop(columns="found")) == 0

@@ -66,7 +66,7 @@ def odd_zeros(tests: Sequence[Measurement], cells: Mapping[str, str]) -> pd.Data
             why = WHY[effect] if found else ""
             rows.append((test.name, effect, members, sizes[test.name], unit, sigmas, found, why))
     names = ("record", "effect", "class", "size", "unit", "sigmas", "found", "why")
-    return pd.DataFrame(rows, columns=list(names))
+    return pd.DataFrame(rows, columns=list(names)).astype({"found": bool})
 
 
 def _force_at_zero(test: Measurement) -> float:

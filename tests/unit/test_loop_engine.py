@@ -16,6 +16,7 @@ from softsample.loop.noise import NoiseSettings, Whitener, covariance, measure_n
 from softsample.loop.page import page
 from softsample.loop.resample import resampled, stretches
 from softsample.loop.screen import family_wise, null_threshold, penalty, signatures
+from softsample.loop.select import explained_alike
 from softsample.loop.specimen import Specimen, blocks
 
 SETTINGS = NoiseSettings()
@@ -259,6 +260,13 @@ def test_a_size_that_cannot_be_negative_gains_nothing_from_the_opposite(problem)
     there = signature.columns[:, 0]
     assert signature.gain(there) == pytest.approx(there @ there)
     assert signature.gain(-there) == 0.0
+
+
+def test_an_effect_that_explains_nothing_is_like_no_other(problem):
+    plain = problem.fit_material()
+    other = replace(plain, white=plain.white + 1.0)
+    assert explained_alike(plain, other, other) == pytest.approx(1.0)
+    assert explained_alike(plain, plain, other) == 0.0
 
 
 def test_the_report_has_the_keys_of_the_design(found):

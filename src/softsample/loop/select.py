@@ -192,7 +192,7 @@ def _round(
         return Step(threshold, candidates, None)
     best = min(acceptable, key=lambda c: not c.fit.model.effects[-1].idealised)
     candidates = [
-        Candidate(c.name, c.fit, c.gain, c.evidence, _cosine(current, c.fit, best.fit))
+        Candidate(c.name, c.fit, c.gain, c.evidence, explained_alike(current, c.fit, best.fit))
         for c in candidates
     ]
     members = [best.name] + [
@@ -254,10 +254,11 @@ def _small(effect: Effect) -> dict[str, float]:
     return {p.name: p.neutral + 0.01 * nominal_step(p) for p in effect.sizes}
 
 
-def _cosine(current: Fit, one: Fit, other: Fit) -> float:
-    """Between two explanations of the same residual."""
+def explained_alike(current: Fit, one: Fit, other: Fit) -> float:
+    """Cosine between two explanations of the same residual; 0 if one of them explains nothing."""
     a, b = current.white - one.white, current.white - other.white
-    return float(a @ b / np.sqrt((a @ a) * (b @ b)))
+    lengths = np.sqrt((a @ a) * (b @ b))
+    return float(a @ b / lengths) if lengths > 0.0 else 0.0
 
 
 def _pruned(problem: Problem, fit: Fit, settings: SelectionSettings) -> Fit:

@@ -158,7 +158,8 @@ class Chosen:
 class Fitted:
     model: object
     state: object
-    at_bound: tuple = ()
+    at_bound: tuple
+    covariance: np.ndarray
 
 
 @dataclass
@@ -167,7 +168,7 @@ class Values:
     names: tuple = field(default=())
 
 
-def judged(before, after, value=0.1, at_bound=()):
+def judged(before, after, value=0.1, at_bound=(), spread=0.1):
     errors = [
         {f"fold_{k}": {"shear": Error(e, e, 1.0)} for k, e in enumerate(part)}
         for part in (before, after)
@@ -177,13 +178,16 @@ def judged(before, after, value=0.1, at_bound=()):
         effect = library()["platen_slip"]
         parameters = ((effect, effect.parameters[0]),)
 
-    fit = Fitted(Model, Values({"platen_slip": {"share": value}}), at_bound)
+    fit = Fitted(
+        Model, Values({"platen_slip": {"share": value}}), at_bound, np.diag([spread**2, 1.0])
+    )
     return supported(Found(*errors, Chosen(fit)))
 
 
-def test_effects_need_every_fold_and_a_size_within_its_range():
+def test_effects_need_every_fold_a_size_within_its_range_and_a_modulus():
     assert judged((0.1, 0.2), (0.05, 0.1))
     assert not judged((0.1, 0.2), (0.05, 0.19))  # one fold hardly better
     assert not judged((), ())  # no fold, no support
     assert not judged((0.1,), (0.05,), value=1.0, at_bound=("platen_slip.share",))
     assert judged((0.1,), (0.05,), value=0.0, at_bound=("platen_slip.share",))  # absent, no harm
+    assert not judged((0.1,), (0.05,), spread=1.0)  # the modulus may be anything

@@ -16,6 +16,9 @@ from softsample.measured.effects import fitted_library
 from softsample.measured.models import Key, key_of
 from softsample.measured.split import Case, Part
 
+OPEN_MODULUS = float(np.log(2.0))
+"""Standard deviation of log(mu) above which a fit leaves the modulus open: a factor of two."""
+
 MOST_SAMPLES = 4000
 """Longer records are averaged over groups of samples before anything else."""
 
@@ -153,15 +156,17 @@ def supported(found: Diagnosis) -> bool:
     """Whether the fitted part supports the effects that explain it.
 
     Every fold of it has to be predicted better with them than without by the part `LEAST_FALL`,
-    and no size may have been driven to the end of its plausible range, where the form does not
-    hold.
+    no size may have been driven to the end of its plausible range, where the form does not hold,
+    and the modulus has to stay known: with effects that can stand for all of it, anything fits.
     """
     before, after = (
         {fold: _root_mean_square(tests) for fold, tests in errors.items()}
         for errors in (found.held_out_before, found.held_out_after)
     )
     better = all(after[fold] < (1.0 - LEAST_FALL) * before[fold] for fold in before)
-    return bool(before) and better and not _driven_to_an_end(found.selection.final)
+    final = found.selection.final
+    known = np.sqrt(final.covariance[0, 0]) < OPEN_MODULUS
+    return bool(before) and better and bool(known) and not _driven_to_an_end(final)
 
 
 def _driven_to_an_end(fit: Fit) -> bool:

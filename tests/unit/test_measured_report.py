@@ -3,6 +3,7 @@
 import pandas as pd
 
 from softsample.report.measured import (
+    channel_table,
     effect_table,
     evidence_table,
     set_page,
@@ -25,6 +26,7 @@ def group(name, verdict, before, after, effects=(), withheld=()):
         "record_group": name, "model": "bonded", "verdict": verdict, "effects": list(effects),
         "withheld": list(withheld), "held_out_before_percent": before,
         "held_out_after_percent": after, "records": 3,
+        "held_out_by": {"shear": {"before_percent": before, "after_percent": after}},
     }  # fmt: skip
 
 
@@ -57,6 +59,13 @@ def test_effects_come_with_size_interval_and_experiment():
     assert row["experiment"] == "scan the top"
     assert evidence_table([VERDICT])["value"].tolist() == [0.06]
     assert unstated_table([VERDICT])["unstated"].tolist() == ["friction"]
+
+
+def test_each_mode_has_its_own_error():
+    table = channel_table([VERDICT])
+    assert table["channel"].tolist() == ["shear"] * 3
+    assert table["before_percent"].tolist() == [1.0, 9.0, 30.0]
+    assert table["after_percent"].tolist() == [1.0, 4.0, 30.0]
 
 
 def test_the_page_says_the_unknown_first_and_what_was_withheld():

@@ -4,6 +4,7 @@ from pathlib import Path
 
 from softsample.io import read_json, read_table, write_table, write_text
 from softsample.report.measured import (
+    channel_table,
     effect_table,
     evidence_table,
     setting_table,
@@ -22,6 +23,7 @@ with logged_to(snakemake):
     tables = {
         "summary": summary_table(verdicts),
         "effects": effect_table(verdicts),
+        "channels": channel_table(verdicts),
         "evidence": evidence_table(verdicts),
         "unstated": unstated_table(verdicts),
         "zeros": zero_table(zeros),

@@ -68,6 +68,24 @@ def effect_table(verdicts: Verdicts) -> pd.DataFrame:
     return pd.DataFrame(rows, columns=list(EFFECTS))
 
 
+def channel_table(verdicts: Verdicts) -> pd.DataFrame:
+    """Held-out error of each mode or channel that was held out apart: what predicts what.
+
+    Returns
+    -------
+    DataFrame
+        `set`, `record_group`, `channel`, `before_percent`, `after_percent` (RMS in % of the peak).
+    """
+    rows = [
+        (verdict["set"], _name(group), channel, error["before_percent"], error["after_percent"])
+        for verdict in verdicts
+        for group in verdict["groups"]
+        for channel, error in group["held_out_by"].items()
+    ]
+    names = ("set", "record_group", "channel", "before_percent", "after_percent")
+    return pd.DataFrame(rows, columns=list(names))
+
+
 def evidence_table(verdicts: Verdicts) -> pd.DataFrame:
     """What runs without a sample say: `set`, `quantity` (unit in its name), `value`."""
     rows = [

@@ -17,6 +17,8 @@ import yaml
 from browser import CHROMIUM, Browser
 from jsonschema import Draft202012Validator
 
+from softsample.loop.confirm import SIMULATED
+
 ROOT = Path(__file__).resolve().parents[2]
 
 
@@ -136,6 +138,20 @@ def test_effects_of_the_geometry_are_found_on_demand(study):
     prescribed = pd.read_csv(results / "tables/prescribed.csv").set_index(["sample", "geometry"])
     assert prescribed["agrees_2_percent_strain"].loc[:, "ideal"].min() > 0.1
     assert prescribed["agrees_2_percent_strain"].loc[:, "real"].max() == 0.0
+
+
+def test_effects_of_a_verdict_are_run_at_their_sizes_on_demand(study):
+    results, run = study
+    run("verdicts")
+    target = results / "tables/confirmation.csv"
+    run(str(target))
+    table = pd.read_csv(target)
+    ranked = load(results, "loop/AB/verdict.json")["path"][0]["candidates"]
+    wanted = [c["name"] for c in ranked if c["name"] in SIMULATED and c["evidence"] > 0.0][:3]
+    assert wanted
+    assert table.loc[table["group"] == "AB", "effect"].tolist() == wanted
+    assert (table["confirmed"] == (table["evidence_confirmed"] >= table["threshold"])).all()
+    assert (table["difference_percent"] > 0.0).all()
 
 
 def test_a_study_of_one_shear_sample_has_its_tables_and_no_others(study, tmp_path):

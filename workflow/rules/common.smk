@@ -275,7 +275,9 @@ def calibration_of(sample, geometry, kind):
 
 def of_members(pattern):
     """Input function: a file for every sample of the group."""
-    return lambda wildcards: expand(pattern, sample=GROUPS[wildcards.group])
+    return lambda wildcards: expand(
+        pattern, sample=GROUPS[wildcards.group], **dict(wildcards.items())
+    )
 
 
 def everything_of(sample):

@@ -8,6 +8,7 @@ rule extended:
         "<results>/extended/common_exponents.csv",
         expand("<results>/extended/exponents.{kind}", kind=FORMATS),
         geometry_results(),
+        "<results>/tables/confirmation.csv",
     message:
         "Extended study complete: {input}"
 

@@ -110,3 +110,60 @@ rule verdicts:
         "<results>/tables/loop.csv",
     message:
         "Verdicts of all groups"
+
+
+# On demand: the effects that a verdict ranks first, run in the solver at the sizes that were found.
+use rule variants as simulate_sizes with:
+    input:
+        distance="<results>/segmentation/{sample}_distance.nii.gz",
+        segmentation="<results>/segmentation/{sample}.json",
+        cuboid="<results>/cuboid/{sample}.json",
+        record="<results>/records/{sample}.csv",
+        fit=optimum("json"),
+        verdict=lambda wildcards: VERDICTS[SAMPLES[wildcards.sample]["group"], wildcards.geometry],
+        code=library("workflow/scripts/variants.py"),
+    output:
+        changes="<results>/loop/confirmation/runs/{sample}_{geometry}.csv",
+    log:
+        "<logs>/simulate_sizes/{sample}_{geometry}.log",
+    benchmark:
+        "<benchmarks>/simulate_sizes/{sample}_{geometry}.tsv"
+    message:
+        "Effects at their sizes: {wildcards.sample}, {wildcards.geometry} geometry"
+
+
+rule confirm_verdict:
+    input:
+        curves=of_members("<results>/curves/{sample}/{geometry}/ogden2.csv"),
+        variants=of_members("<results>/loop/variants/{sample}_{geometry}.csv"),
+        runs=of_members("<results>/loop/confirmation/runs/{sample}_{geometry}.csv"),
+        fit="<results>/calibration/{group}/{geometry}/ogden2.json",
+        records=of_members("<results>/records/{sample}.csv"),
+        verdict=lambda wildcards: VERDICTS[wildcards.group, wildcards.geometry],
+        code=library("workflow/scripts/confirm_verdict.py"),
+    output:
+        table="<results>/loop/confirmation/{group}_{geometry}.csv",
+    log:
+        "<logs>/confirm_verdict/{group}_{geometry}.log",
+    params:
+        samples=lambda wildcards: GROUPS[wildcards.group],
+        modes=lambda wildcards: [SAMPLES[name]["mode"] for name in GROUPS[wildcards.group]],
+        loop=config["loop"],
+    message:
+        "Confirm the verdict: group {wildcards.group}, {wildcards.geometry} geometry"
+    script:
+        "../scripts/confirm_verdict.py"
+
+
+rule table_confirmation:
+    input:
+        groups=expand("<results>/loop/confirmation/{group}_real.csv", group=GROUPS),
+        code=library("workflow/scripts/table_confirmation.py"),
+    output:
+        table="<results>/tables/confirmation.csv",
+    log:
+        "<logs>/confirmation.log",
+    message:
+        "Table of confirmed effects: {output}"
+    script:
+        "../scripts/table_confirmation.py"

@@ -1,6 +1,5 @@
 """Trace what the calibrated model leaves over to the effect that it lacks (rule `diagnose`)."""
 
-from softsample.calibration.curves import CurveFamily
 from softsample.figures.loop import loop_figure
 from softsample.figures.style import save
 from softsample.io import read_json, read_record, read_table, write_json, write_text, written_aside
@@ -8,8 +7,7 @@ from softsample.loop.diagnose import LoopSettings, diagnose, report
 from softsample.loop.noise import NoiseSettings
 from softsample.loop.page import page
 from softsample.loop.select import SelectionSettings
-from softsample.loop.specimen import Elastic, Specimen
-from softsample.loop.variants import for_all_mixtures, read_changes
+from softsample.loop.variants import specimen_of_tables
 from softsample.workflow import logged_to, provenance
 
 with logged_to(snakemake):
@@ -18,16 +16,18 @@ with logged_to(snakemake):
         NoiseSettings(**given.loop["noise"]), SelectionSettings(**given.loop["selection"])
     )
     mixture = read_json(files.fit)["mu1_fraction"]
-    specimens = []
-    for k, (name, mode) in enumerate(zip(given.samples, given.modes, strict=True)):
-        family = CurveFamily.of_table(read_table(files.curves[k]), mode)
-        changes = read_changes(read_table(files.variants[k]), family, mode)
-        variants = for_all_mixtures(changes, family, mixture)
-        if files.get("real"):
-            real = CurveFamily.of_table(read_table(files.real[k]), mode)
-            variants["real_geometry"] = real.less(family)
-        elastic = Elastic(family, variants, contact=mode == "compression")
-        specimens.append(Specimen.of_record(name, mode, read_record(files.records[k]), elastic))
+    specimens = [
+        specimen_of_tables(
+            name,
+            mode,
+            read_record(files.records[k]),
+            read_table(files.curves[k]),
+            [read_table(files.variants[k])],
+            mixture,
+            read_table(files.real[k]) if files.get("real") else None,
+        )
+        for k, (name, mode) in enumerate(zip(given.samples, given.modes, strict=True))
+    ]
     found = diagnose(specimens, settings)
     verdict = report(found, settings)
     write_json(snakemake.output.verdict, {**verdict, "provenance": provenance(snakemake)})

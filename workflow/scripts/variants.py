@@ -1,10 +1,11 @@
-"""What each change of the model does to a sample's force (rule `variants`)."""
+"""What changes of the model do to a sample's force (rules `variants`, `simulate_sizes`)."""
 
 from softsample.calibration.curves import MeasuredCurve
 from softsample.constitutive.ogden import OgdenMaterial
 from softsample.fem.boundary import ContactSettings
 from softsample.fem.explicit import SolverSettings
 from softsample.io import read_distance, read_json, read_record, write_table
+from softsample.loop.confirm import at_size, simulate_sizes, sizes_to_confirm
 from softsample.loop.variants import VariantSettings, coarse_sample, simulate_variants
 from softsample.meshing.hexahedral import MeshSettings
 from softsample.meshing.sample import mesh_ideal, mesh_real
@@ -34,16 +35,22 @@ with logged_to(snakemake):
             edges[0] + 2.0 * shift, edges[1] + 2.0 * shift, edges[2] + shift, size
         ),
     }
-    displacement, changes = simulate_variants(
-        coarse_sample(meshers[snakemake.wildcards.geometry], given.mode, settings),
+    mesh_shifted, mode = meshers[snakemake.wildcards.geometry], given.mode
+    test = (
         OgdenMaterial.of_fit(read_json(files.fit)),
-        MeasuredCurve.of_record(read_record(files.record), given.mode).travel,
+        MeasuredCurve.of_record(read_record(files.record), mode).travel,
         ContactSettings(**given.contact),
         SolverSettings(**given.solver),
         settings,
-        progress_bar(),
     )
-    sign = travel_sign(given.mode)
+    if files.get("verdict"):
+        sizes = sizes_to_confirm(read_json(files.verdict))
+        displacement, changes = simulate_sizes(mesh_shifted, mode, *test, sizes)
+        changes = {at_size(name): change for name, change in changes.items()}
+    else:
+        sample = coarse_sample(mesh_shifted, mode, settings)
+        displacement, changes = simulate_variants(sample, *test, progress_bar())
+    sign = travel_sign(mode)
     write_table(
         snakemake.output.changes,
         {

@@ -204,7 +204,13 @@ def report(diagnosis: Diagnosis, settings: LoopSettings) -> dict[str, Any]:
                 "threshold": step.threshold,
                 "chosen": step.chosen.name if step.chosen else None,
                 "candidates": [
-                    {"name": c.name, "gain": c.gain, "evidence": c.evidence, "cosine": c.cosine}
+                    {
+                        "name": c.name,
+                        "gain": c.gain,
+                        "evidence": c.evidence,
+                        "cosine": c.cosine,
+                        "values": c.fit.state.values[c.name],
+                    }
                     for c in step.candidates
                 ],
             }

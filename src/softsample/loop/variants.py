@@ -1,6 +1,6 @@
 """How the elastic force changes with the model: one run of the changed model per effect."""
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import partial
 
@@ -13,6 +13,7 @@ from softsample.constitutive.ogden import Fibres, OgdenMaterial
 from softsample.fem.boundary import Boundary, ContactSettings, mode_boundary, platen_boundary
 from softsample.fem.explicit import ExplicitModel, Run, SolverSettings
 from softsample.fem.family import find_pace
+from softsample.loop.specimen import Elastic, Specimen
 from softsample.meshing.bond import partial_bond
 from softsample.meshing.mesh import HexMesh
 from softsample.meshing.sample import SampleMesh
@@ -88,6 +89,40 @@ def coarse_sample(
         np.flatnonzero(shifted.point_data["glued"]),
         mode,
     )
+
+
+def specimen_of_tables(
+    name: str,
+    mode: str,
+    record: pd.DataFrame,
+    curves: pd.DataFrame,
+    changes: Sequence[pd.DataFrame],
+    mixture: float,
+    real: pd.DataFrame | None = None,
+) -> Specimen:
+    """A test with its model, from the files of the workflow.
+
+    Parameters
+    ----------
+    name, mode : str
+        Sample and mode of its test.
+    record, curves : DataFrame
+        Its record and its curve family, as the workflow writes them.
+    changes : sequence of DataFrame
+        Its changes by variants.
+    mixture : float
+        mu1 / mu at which the changes were simulated.
+    real : DataFrame, optional
+        Curve family of the real geometry, if the model is the cuboid.
+    """
+    family = CurveFamily.of_table(curves, mode)
+    variants: dict[str, CurveFamily | Array] = {}
+    for table in changes:
+        variants |= for_all_mixtures(read_changes(table, family, mode), family, mixture)
+    if real is not None:
+        variants["real_geometry"] = CurveFamily.of_table(real, mode).less(family)
+    elastic = Elastic(family, variants, contact=mode == "compression")
+    return Specimen.of_record(name, mode, record, elastic)
 
 
 def read_changes(table: pd.DataFrame, family: CurveFamily, mode: str) -> dict[str, Array]:
@@ -194,14 +229,14 @@ def simulate_variants(
 
     todo: dict[str, Callable[[], Array]] = {
         name: lambda changed=changed: force(model, changed, boundary)  # type: ignore[misc]
-        for name, changed in _materials(material, settings).items()
+        for name, changed in changed_materials(material, settings).items()
     }
     todo["boundary_shift"] = lambda: force(
         shifted,
         material,
         mode_boundary(sample.shifted, sample.mode, sample.shifted_glued, contact),
     )
-    for name, boundaries in _boundaries(sample, contact, settings).items():
+    for name, boundaries in changed_boundaries(sample, contact, settings).items():
         todo[name] = lambda held=boundaries: np.mean(  # type: ignore[misc]
             [force(model, material, b) for b in held], axis=0
         )
@@ -218,8 +253,10 @@ def wanted_force(run: Run, normal: bool) -> Array:
     return np.asarray(run.force_vector[:, 2]) if normal else run.force
 
 
-def _materials(material: OgdenMaterial, settings: VariantSettings) -> dict[str, OgdenMaterial]:
-    """Materials that differ in one thing."""
+def changed_materials(
+    material: OgdenMaterial, settings: VariantSettings
+) -> dict[str, OgdenMaterial]:
+    """Materials that differ in one thing, by the name of the variant."""
     (first, second), k1 = material.alpha, settings.fibre_ratio * material.shear_modulus
     return {
         "poisson_0.47": replace(material, poisson_ratio=0.47),
@@ -231,10 +268,10 @@ def _materials(material: OgdenMaterial, settings: VariantSettings) -> dict[str, 
     }
 
 
-def _boundaries(
+def changed_boundaries(
     sample: Sample, contact: ContactSettings, settings: VariantSettings
 ) -> dict[str, list[Boundary]]:
-    """Boundary conditions that differ in one thing; the force is the mean over a list."""
+    """Boundary conditions that differ in one thing, by variant; the force is the mean of a list."""
     if sample.mode != "compression":
         kept = partial(partial_bond, sample.mesh, sample.glued, 1.0 - settings.missing_bond)
         sides = {"x": ((1.0, 0.0), (-1.0, 0.0)), "y": ((0.0, 1.0), (0.0, -1.0))}

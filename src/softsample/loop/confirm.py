@@ -1,0 +1,243 @@
+"""Confirmation: the best effects, run in the solver at the sizes that were found.
+
+A verdict scales the change of one run per effect linearly. Here the changed model itself is run,
+its force takes the place of the scaled one, and the material is fitted again.
+"""
+
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import replace
+from typing import Any
+
+import numpy as np
+import pandas as pd
+from numpy.typing import NDArray
+
+from softsample.constitutive.ogden import OgdenMaterial
+from softsample.fem.boundary import Boundary, ContactSettings, mode_boundary
+from softsample.fem.explicit import ExplicitModel, SolverSettings
+from softsample.fem.family import find_pace
+from softsample.loop.diagnose import LoopSettings, pose
+from softsample.loop.effects import library
+from softsample.loop.effects.base import Effect, Values
+from softsample.loop.fit import Fit
+from softsample.loop.model import Model, State
+from softsample.loop.screen import penalty
+from softsample.loop.specimen import Specimen
+from softsample.loop.variants import (
+    MARGIN,
+    Sample,
+    VariantSettings,
+    changed_boundaries,
+    changed_materials,
+)
+from softsample.meshing.sample import SampleMesh
+
+Array = NDArray[np.float64]
+Runs = list[tuple[float, OgdenMaterial, Boundary]]
+Sizes = Mapping[str, Values]
+
+MOST = 3
+"""Effects that are confirmed."""
+
+SIMULATED = (
+    "poisson_ratio", "ogden_exponents", "anisotropy", "boundary_shift", "partial_bond",
+    "platen_tilt",
+)  # fmt: skip
+"""Effects whose sizes are those of a model. Slip is a share of a run that there is already."""
+
+COLUMNS = (
+    "effect", "sizes", "threshold", "evidence", "evidence_confirmed", "confirmed", "mu_pa",
+    "mu_confirmed_pa", "difference_percent",
+)  # fmt: skip
+
+
+def sizes_to_confirm(verdict: Mapping[str, Any]) -> dict[str, Values]:
+    """Sizes of the best effects of the first round that change the solver's model."""
+    first = verdict["path"][0]["candidates"] if verdict["path"] else []
+    best = [c for c in first if c["name"] in SIMULATED and c["evidence"] > 0.0]
+    return {c["name"]: c["values"] for c in best[:MOST]}
+
+
+def simulate_sizes(
+    mesh_shifted: Callable[[float], SampleMesh],
+    mode: str,
+    material: OgdenMaterial,
+    travel: float,
+    contact: ContactSettings,
+    solver: SolverSettings,
+    settings: VariantSettings,
+    sizes: Sizes,
+) -> tuple[Array, dict[str, Array]]:
+    """Change of the force per modulus by each effect at its size.
+
+    Parameters
+    ----------
+    mesh_shifted : callable
+        Meshes the sample with its surface moved out by a length [m].
+    mode : str
+        Of its test.
+    material : OgdenMaterial
+        Two-term material at the optimum; its modulus only sets the scale.
+    travel : float
+        Travel of the record [m].
+    contact, solver, settings
+        As of the config.
+    sizes : mapping
+        Values of the parameters by effect.
+
+    Returns
+    -------
+    displacement : (n,) float64
+        Travels [m].
+    changes : dict of (n,) float64
+        Change of the force along the travel per shear modulus [m2] by effect, of those alone that
+        act in this mode.
+    """
+    reach = MARGIN * travel
+
+    def test_of(shift: float) -> tuple[ExplicitModel, Sample]:
+        made = mesh_shifted(shift)
+        glued = np.flatnonzero(made.point_data["glued"])
+        return ExplicitModel(made.mesh, solver), Sample(made.mesh, made.mesh, glued, glued, mode)
+
+    model, sample = test_of(0.0)
+    held = mode_boundary(sample.mesh, mode, sample.glued, contact)
+    pace = find_pace(
+        lambda t: model.run(material, held, reach, loading_time=t),
+        solver.loading_time_s,
+        solver.curve_error_percent,
+    )
+    changes = {}
+    for name, values in sizes.items():
+        if mode not in library()[name].modes:
+            continue
+        if name == "boundary_shift":
+            on, there = test_of(1e-3 * values["shift_mm"])
+            runs = [(1.0, material, mode_boundary(there.mesh, mode, there.glued, contact))]
+        else:
+            on, runs = model, _runs(name, values, sample, material, held, contact, settings)
+        change = sum(
+            weight
+            * (on.run(of, hold, reach, loading_time=pace.loading_time).force - pace.run.force)
+            for weight, of, hold in runs
+        )
+        changes[name] = np.asarray(change / material.shear_modulus)
+    return pace.run.displacement, changes
+
+
+def _runs(
+    name: str,
+    values: Values,
+    sample: Sample,
+    material: OgdenMaterial,
+    held: Boundary,
+    contact: ContactSettings,
+    settings: VariantSettings,
+) -> Runs:
+    """Weights, materials and boundaries of the runs that make up an effect at its sizes."""
+    if name == "poisson_ratio":
+        return [(1.0, replace(material, poisson_ratio=values["nu"]), held)]
+    if name == "ogden_exponents":
+        return [(1.0, replace(material, alpha=(values["alpha1"], values["alpha2"])), held)]
+    if name == "anisotropy":
+        fibres = {axis: values[f"k1_along_{axis}"] for axis in "xz"}
+        return [
+            (
+                1.0,
+                changed_materials(material, replace(settings, fibre_ratio=k))[f"fibres_{a}"],
+                held,
+            )
+            for a, k in fibres.items()
+            if k > 0.0
+        ]
+    if name == "partial_bond":
+        steps, share = replace(settings, missing_bond=values["missing"]), values["along"]
+        weights = {"partial_bond_x": 1.0 - share, "partial_bond_y": share}
+    else:
+        steps, share = replace(settings, tilt_deg=values["tilt_deg"]), values["corner"]
+        weights = {"platen_tilt": 1.0 - share, "platen_tilt_corner": share}
+    boundaries = changed_boundaries(sample, contact, steps)
+    return [
+        (weight / len(boundaries[variant]), material, boundary)
+        for variant, weight in weights.items()
+        for boundary in boundaries[variant]
+        if weight > 0.0
+    ]
+
+
+def confirmations(
+    specimens: Sequence[Specimen], sizes: Sizes, threshold: float, settings: LoopSettings
+) -> pd.DataFrame:
+    """Evidence of effects whose change was scaled, and of the same ones simulated at their sizes.
+
+    Parameters
+    ----------
+    specimens : sequence of Specimen
+        Tests of a group. Their models have the simulated changes as variants named `at_size`
+        and the effect, see `at_size`.
+    sizes : mapping
+        Values of the parameters by effect.
+    threshold : float
+        Evidence that the round of the selection asked for.
+    settings : LoopSettings
+        Those of the verdict.
+
+    Returns
+    -------
+    DataFrame
+        One row an effect: `sizes`; `threshold`; `evidence` and `evidence_confirmed`, less the
+        penalty for the parameters; whether the latter passes; `mu_pa` and `mu_confirmed_pa`;
+        `difference_percent`, the largest one of the predicted forces [% of the peak of the test].
+    """
+    problem, _ = pose(specimens, settings.noise)
+    base = problem.fit_material()
+    rows = []
+    for name, values in sizes.items():
+        effect = library()[name]
+        scaled = _fitted(problem.fit, effect, base, values)
+        stand_in = replace(effect, parameters=(), elastic=_simulated(name))
+        run = _fitted(problem.fit, stand_in, scaled, {})
+        same_material = replace(scaled.state, values={name: {}})
+        apart = [
+            np.abs(a - b).max() / np.abs(specimen.force).max()
+            for a, b, specimen in zip(
+                problem.predicted(scaled.model, scaled.state),
+                problem.predicted(run.model, same_material),
+                problem.specimens,
+                strict=True,
+            )
+        ]
+        evidence, confirmed = (
+            base.cost - fit.cost - penalty(effect, len(base.white)) for fit in (scaled, run)
+        )
+        rows.append(
+            (
+                name,
+                "; ".join(f"{key} {value:.4g}" for key, value in values.items()),
+                threshold,
+                evidence,
+                confirmed,
+                bool(confirmed >= threshold),
+                scaled.state.material.mu,
+                run.state.material.mu,
+                100.0 * max(apart),
+            )
+        )
+    return pd.DataFrame(rows, columns=list(COLUMNS))
+
+
+def at_size(name: str) -> str:
+    """Name of the variant that is an effect simulated at its size."""
+    return f"at_size_{name}"
+
+
+def _simulated(name: str) -> Callable[[Specimen, float, Array, Values], Array]:
+    return lambda specimen, mixture, travel, values: specimen.elastic.change_per_mu(
+        at_size(name), mixture, travel
+    )
+
+
+def _fitted(fit: Callable[[Model, State], Fit], effect: Effect, start: Fit, values: Values) -> Fit:
+    """Joint fit of material and one effect from some sizes."""
+    state = State(start.state.material, {effect.name: values}, start.state.contact_zero)
+    return fit(Model((effect,)), state)

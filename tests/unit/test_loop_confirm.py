@@ -1,0 +1,96 @@
+"""Effects run at the sizes that a verdict found, in place of scaled changes."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+import laboratory
+from softsample.constitutive.ogden import OgdenMaterial
+from softsample.fem.boundary import ContactSettings
+from softsample.fem.explicit import SolverSettings
+from softsample.loop.confirm import at_size, confirmations, simulate_sizes, sizes_to_confirm
+from softsample.loop.diagnose import LoopSettings
+from softsample.loop.variants import VariantSettings, coarse_sample, simulate_variants
+from softsample.meshing.sample import mesh_ideal
+
+MM = 1e-3
+STEPS = {
+    "poisson_ratio": ({"nu": 0.47}, "poisson_0.47"),
+    "ogden_exponents": ({"alpha1": -6.0, "alpha2": 16.0}, "alpha1"),
+    "anisotropy": ({"k1_along_x": 0.0, "k1_along_z": 0.1}, "fibres_z"),
+    "boundary_shift": ({"shift_mm": 0.1}, "boundary_shift"),
+    "partial_bond": ({"missing": 0.125, "along": 1.0}, "partial_bond_y"),
+    "platen_tilt": ({"tilt_deg": 1.0, "corner": 0.0}, "platen_tilt"),
+}
+"""Sizes that are the steps of the variants, and the variants that they are."""
+
+
+@pytest.mark.parametrize("mode", ["tension", "compression"])
+def test_an_effect_at_the_step_of_a_variant_is_that_variant(mode):
+    def mesh_shifted(shift):
+        return mesh_ideal(8 * MM + 2 * shift, 6 * MM + 2 * shift, 7 * MM + shift, 1.5 * MM)
+
+    settings = VariantSettings()
+    test = (
+        OgdenMaterial((600.0, 400.0), (-8.0, 16.0), 0.49),
+        1.0 * MM,
+        ContactSettings(),
+        SolverSettings(loading_time_s=0.05),
+        settings,
+    )
+    travel, variants = simulate_variants(coarse_sample(mesh_shifted, mode, settings), *test)
+    sizes = {name: values for name, (values, _) in STEPS.items()}
+    there, changes = simulate_sizes(mesh_shifted, mode, *test, sizes)
+    np.testing.assert_array_equal(there, travel)
+    left_out = {"compression": "partial_bond", "tension": "platen_tilt"}[mode]
+    assert set(changes) == set(STEPS) - {left_out}
+    for name, change in changes.items():
+        assert np.abs(change).max() > 0.0
+        np.testing.assert_allclose(change, variants[STEPS[name][1]], rtol=1e-12)
+
+
+def confirmed(factor):
+    """Table for a softer, more compressible tissue, whose run gives so many times that change."""
+    specimens = []
+    for specimen in laboratory.Lab(seed=5).specimens():
+        known, r = specimen.elastic.variants, laboratory.MIXTURE
+        missing = specimen.elastic.change_per_mu("poisson_0.47", r, specimen.travel)
+        run = {at_size("poisson_ratio"): factor * known["poisson_0.47"]}
+        specimens.append(
+            replace(
+                specimen,
+                force=specimen.force + laboratory.MU * missing,
+                elastic=replace(specimen.elastic, variants={**known, **run}),
+            )
+        )
+    sizes = {"poisson_ratio": {"nu": 0.47}}
+    (row,) = confirmations(specimens, sizes, 12.0, LoopSettings()).to_dict("records")
+    return row
+
+
+def test_what_the_run_repeats_is_confirmed_and_what_it_does_not_is_refused():
+    same, other = confirmed(1.0), confirmed(0.0)
+    assert same["evidence"] == pytest.approx(other["evidence"])
+    assert same["evidence_confirmed"] == pytest.approx(same["evidence"], abs=2.0)
+    assert same["confirmed"]
+    assert same["mu_confirmed_pa"] == pytest.approx(same["mu_pa"], rel=0.01)
+    assert other["evidence_confirmed"] < 0.0
+    assert not other["confirmed"]
+    assert other["difference_percent"] > 5.0 > same["difference_percent"]
+
+
+def test_the_best_of_the_first_round_that_change_the_model_are_confirmed():
+    def candidate(name, evidence):
+        return {"name": name, "evidence": evidence, "values": {"size": evidence}}
+
+    ranked = [
+        candidate("force_offset", 90.0),
+        candidate("poisson_ratio", 80.0),
+        candidate("platen_tilt", 70.0),
+        candidate("anisotropy", 60.0),
+        candidate("boundary_shift", 50.0),
+    ]
+    verdict = {"path": [{"candidates": ranked}, {"candidates": []}]}
+    assert list(sizes_to_confirm(verdict)) == ["poisson_ratio", "platen_tilt", "anisotropy"]
+    assert sizes_to_confirm({"path": []}) == {}

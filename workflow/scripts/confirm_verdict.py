@@ -1,0 +1,37 @@
+"""Evidence of a verdict's effects, run at their sizes (rule `confirm_verdict`)."""
+
+from softsample.io import read_json, read_record, read_table, write_table
+from softsample.loop.confirm import confirmations, sizes_to_confirm
+from softsample.loop.diagnose import LoopSettings
+from softsample.loop.noise import NoiseSettings
+from softsample.loop.select import SelectionSettings
+from softsample.loop.variants import specimen_of_tables
+from softsample.workflow import logged_to
+
+with logged_to(snakemake):
+    given, files = snakemake.params, snakemake.input
+    verdict = read_json(files.verdict)
+    mixture = read_json(files.fit)["mu1_fraction"]
+    specimens = [
+        specimen_of_tables(
+            name,
+            mode,
+            read_record(files.records[k]),
+            read_table(files.curves[k]),
+            [read_table(files.variants[k]), read_table(files.runs[k])],
+            mixture,
+        )
+        for k, (name, mode) in enumerate(zip(given.samples, given.modes, strict=True))
+    ]
+    table = confirmations(
+        specimens,
+        sizes_to_confirm(verdict),
+        verdict["path"][0]["threshold"],
+        LoopSettings(
+            NoiseSettings(**given.loop["noise"]), SelectionSettings(**given.loop["selection"])
+        ),
+    )
+    group, geometry = snakemake.wildcards.group, snakemake.wildcards.geometry
+    table.insert(0, "geometry", geometry)
+    table.insert(0, "group", group)
+    write_table(snakemake.output.table, table)

@@ -36,9 +36,10 @@ with logged_to(snakemake):
         ),
     }
     mesh_shifted, mode = meshers[snakemake.wildcards.geometry], given.mode
+    travel = MeasuredCurve.of_record(read_record(files.record), mode).travel
     test = (
         OgdenMaterial.of_fit(read_json(files.fit)),
-        MeasuredCurve.of_record(read_record(files.record), mode).travel,
+        travel,
         ContactSettings(**given.contact),
         SolverSettings(**given.solver),
         settings,
@@ -49,7 +50,7 @@ with logged_to(snakemake):
         changes = {at_size(name): change for name, change in changes.items()}
     else:
         sample = coarse_sample(mesh_shifted, mode, settings)
-        displacement, changes = simulate_variants(sample, *test, progress_bar())
+        displacement, changes = simulate_variants(sample, *test, progress_bar(), turn=travel)
     sign = travel_sign(mode)
     write_table(
         snakemake.output.changes,

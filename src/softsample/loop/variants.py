@@ -17,7 +17,7 @@ from softsample.loop.specimen import Elastic, Specimen
 from softsample.meshing.bond import partial_bond
 from softsample.meshing.mesh import HexMesh
 from softsample.meshing.sample import SampleMesh
-from softsample.protocol import travel_sign
+from softsample.protocol import History, travel_sign
 
 Array = NDArray[np.float64]
 
@@ -29,6 +29,10 @@ DEGREE = 5
 
 MARGIN = 1.05
 """Runs go this much further than the record, for effects that shift the travel."""
+
+CYCLE_PACE = 4.0
+"""Loading time of a run that comes back, over that of the others. Its loop is a small difference of
+two large forces: at their pace a fifth of it was inertia, at a quarter of it 2 %."""
 
 
 @dataclass(frozen=True)
@@ -47,6 +51,8 @@ class VariantSettings:
         Part of the glued area that is taken off: the mean of the sides that face x, and of y.
     shift_mm : float
         Shift of the surface [mm].
+    friction : float
+        Coefficient of the run whose platen goes back, about that of brain on metal.
     """
 
     exponent: float = 2.0
@@ -54,6 +60,7 @@ class VariantSettings:
     tilt_deg: float = 1.0
     missing_bond: float = 0.125
     shift_mm: float = 0.1
+    friction: float = 0.1
 
 
 @dataclass(frozen=True, eq=False)
@@ -189,6 +196,7 @@ def simulate_variants(
     settings: VariantSettings,
     progress: Callable[[str, float], None] | None = None,
     normal: bool = False,
+    turn: float | None = None,
 ) -> tuple[Array, Mapping[str, Array]]:
     """Change of the force per modulus by each variant of the model.
 
@@ -206,6 +214,9 @@ def simulate_variants(
         Told what is computed and the finished part.
     normal : bool
         Whether the force along z is wanted instead of that along the travel.
+    turn : float, optional
+        Where the platen turns in the run that comes back [m]: where the family ends that the
+        changes are for; by default the end of the travels.
 
     Returns
     -------
@@ -213,6 +224,7 @@ def simulate_variants(
         Travels [m].
     changes : dict of (n,) float64
         Change of the force along the travel per shear modulus [m2]; names as the effects use them.
+        `platen_friction_loop` is what the force with friction is more on the way back.
     """
     model, shifted = ExplicitModel(sample.mesh, solver), ExplicitModel(sample.shifted, solver)
     boundary = mode_boundary(sample.mesh, sample.mode, sample.glued, contact)
@@ -245,7 +257,37 @@ def simulate_variants(
         if progress is not None:
             progress(name, done / len(todo))
         changes[name] = (run() - base) / material.shear_modulus
-    return pace.run.displacement, changes
+    grid = pace.run.displacement
+    if sample.mode == "compression":
+        rubbing = platen_boundary(sample.mesh, replace(contact, friction=settings.friction))
+        cycle = model.run(
+            material,
+            rubbing,
+            History(np.array([0.0, 1.0, 2.0]), np.array([0.0, turn or reach, 0.0])),
+            loading_time=CYCLE_PACE * pace.loading_time,
+        )
+        friction = _cycle_changes(cycle.displacement, wanted_force(cycle, normal), grid, base)
+        changes |= {name: change / material.shear_modulus for name, change in friction.items()}
+    return grid, changes
+
+
+def _cycle_changes(cycle: Array, force: Array, travel: Array, stuck: Array) -> dict[str, Array]:
+    """Changes (n,) [N] by friction while loading, and from there to the way back.
+
+    Parameters
+    ----------
+    cycle, force : (m,) float64
+        Travel [m] and force of a run with friction, there and back in equal steps.
+    travel, stuck : (n,) float64
+        Travel [m] and force of the run that sticks; changes do not go on beyond the turn.
+    """
+    turn = len(cycle) // 2
+    loading = cycle[: turn + 1]
+    there, back = force[: turn + 1], force[turn:][::-1]
+    return {
+        "platen_friction": np.interp(travel, loading, there - np.interp(loading, travel, stuck)),
+        "platen_friction_loop": np.interp(travel, loading, back - there),
+    }
 
 
 def wanted_force(run: Run, normal: bool) -> Array:

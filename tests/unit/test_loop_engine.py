@@ -16,7 +16,7 @@ from softsample.loop.noise import NoiseSettings, Whitener, covariance, measure_n
 from softsample.loop.page import page
 from softsample.loop.resample import resampled, stretches
 from softsample.loop.screen import family_wise, null_threshold, penalty, signatures
-from softsample.loop.select import explained_alike
+from softsample.loop.select import explained_alike, select
 from softsample.loop.specimen import Specimen, blocks
 
 SETTINGS = NoiseSettings()
@@ -260,6 +260,12 @@ def test_a_size_that_cannot_be_negative_gains_nothing_from_the_opposite(problem)
     there = signature.columns[:, 0]
     assert signature.gain(there) == pytest.approx(there @ there)
     assert signature.gain(-there) == 0.0
+
+
+def test_an_effect_that_the_model_has_no_curve_for_is_no_candidate(problem):
+    effects = [library()[name] for name in ("real_geometry", "force_offset")]
+    step, *_ = select(problem, effects, LoopSettings().selection).steps
+    assert "real_geometry" not in {candidate.name for candidate in step.candidates}
 
 
 def test_an_effect_that_explains_nothing_is_like_no_other(problem):

@@ -71,7 +71,7 @@ class Problem:
     contact_zero_mm : float
         Standard deviation of where compression begins [mm].
     start : Material, optional
-        From which fits of the plain model set out; none: from several.
+        From which fits of the plain model set out too.
     """
 
     def __init__(
@@ -183,6 +183,7 @@ class Problem:
         )
 
     def fit_material(self) -> Fit:
-        """The plain model."""
-        first, *others = map(State, [self.start] if self.start else STARTS)
+        """The plain model, from all starts: what only finds a better one explains nothing."""
+        known = [self.start] if self.start else []
+        first, *others = map(State, [*known, *STARTS])
         return self.fit(Model(), first, others)

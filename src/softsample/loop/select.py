@@ -178,7 +178,8 @@ def _round(
     best_gain = max((gain for gain, _ in ranked), default=0.0)
     for place, (gain, signature) in enumerate(ranked):
         promising = place < settings.refits and gain >= PROMISING * max(best_gain, threshold)
-        if not promising and not signature.effect.idealised:
+        shown = signature.strength >= LEAST_SIGNATURE
+        if not shown or not (promising or signature.effect.idealised):
             continue
         fit = _joint(problem, current, signature)
         doubting = problem.doubting(fit, settings.form_doubt, settings.form_time_s)

@@ -18,14 +18,17 @@ import machines
 ROOT = Path(__file__).resolve().parents[2]
 
 # the environment of this run stands for the one that make would build from the lock
-BUILT = [f"VENV={sys.prefix}", "stamp=LICENSE"]
+BUILT = (f"VENV={sys.prefix}", "stamp=LICENSE")
+
+pytestmark = pytest.mark.skipif(
+    not (shutil.which("git") and shutil.which("make") and (ROOT / ".git").exists()),
+    reason="a clone needs git, make and a repository",
+)
 
 
 @pytest.fixture
 def clone(tmp_path):
     """What a clone would hold, with a space in its path: no results, no caches."""
-    if not (shutil.which("git") and shutil.which("make") and (ROOT / ".git").exists()):
-        pytest.skip("a clone needs git, make and a repository")
     listed = ["git", "ls-files", "-z", "--cached", "--others", "--exclude-standard"]
     files = subprocess.run(listed, cwd=ROOT, capture_output=True, text=True, check=True).stdout
     folder = tmp_path / "fresh clone"
@@ -38,12 +41,20 @@ def clone(tmp_path):
     return folder
 
 
-def run(clone, command):
-    """Run a command as printed; returns what it prints."""
+@pytest.fixture
+def committed(tmp_path):
+    """A clone of the last commit, with nothing in it that is not committed."""
+    folder = tmp_path / "fresh clone"
+    subprocess.run(["git", "clone", "--quiet", ROOT, folder], check=True)
+    return folder
+
+
+def run(clone, command, given=BUILT):
+    """Run a command as printed, make with the variables given; returns what it prints."""
     words = shlex.split(command)
     environment = {k: v for k, v in os.environ.items() if k not in ("PYTHONPATH", "MAKEFLAGS")}
     done = subprocess.run(
-        [*words, *BUILT] if words[0] == "make" else words,
+        [*words, *given] if words[0] == "make" else words,
         cwd=clone,
         env={**environment, "NO_COLOR": "1"},
         stdout=subprocess.PIPE,
@@ -60,16 +71,16 @@ def next_command(told, target):
     return next(line for line in told.splitlines() if line.strip().startswith(f"make {target} "))
 
 
-def up_to_the_check(clone):
+def up_to_the_check(clone, given=BUILT):
     """Three commands, each as the one before tells it; returns what the check says."""
     nibabel.save(nibabel.Nifti1Image(*toy.image(2)), clone.parent / "S7.nii.gz")
     machines.write(clone.parent / "UniVert 7.csv", machines.univert(*toy.record("shear", 2)))
-    told = run(clone, "make new-study DIR='../my lab µ'")
+    told = run(clone, "make new-study DIR='../my lab µ'", given)
     add = next_command(told, "add-sample")
     own = {"scan.nii.gz": "../S7.nii.gz", "test.csv": "'../UniVert 7.csv'", "compression": "shear"}
     for example, value in own.items():
         add = add.replace(example, value)
-    return run(clone, next_command(run(clone, add), "check-study"))
+    return run(clone, next_command(run(clone, add, given), "check-study"), given)
 
 
 def test_three_commands_bring_a_newcomer_to_a_plan_of_the_study(clone):
@@ -91,7 +102,24 @@ def test_three_commands_bring_a_newcomer_to_a_plan_of_the_study(clone):
 @pytest.mark.long
 def test_the_fourth_command_makes_the_report_of_the_sample(clone):
     study = next_command(up_to_the_check(clone), "study")
-    told = run(clone, study.replace("quick.yaml", "test.yaml"))
+    has_its_report(clone, run(clone, study.replace("quick.yaml", "test.yaml")))
+
+
+@pytest.mark.long
+def test_four_commands_from_a_clone_with_an_environment_of_its_own(committed):
+    """As a newcomer does it: make builds the environment, which takes a network and minutes.
+
+    SOFTSAMPLE_NEWCOMER_VENV names a folder where it is built, or found from the last time.
+    """
+    kept = os.environ.get("SOFTSAMPLE_NEWCOMER_VENV")
+    given = (f"VENV={kept}",) if kept else ()
+    study = next_command(up_to_the_check(committed, given), "study")
+    has_its_report(committed, run(committed, study, given))
+    assert (Path(kept or committed / ".venv") / "bin/snakemake").exists()
+
+
+def has_its_report(clone, told):
+    """Whether the study of the sample came through, and its report is where make says."""
     results = clone.parent / "my lab µ/results"
     assert "Report: ../my lab µ/results/report.html" in told
     page = (results / "report.html").read_text(encoding="utf-8")

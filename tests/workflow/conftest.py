@@ -94,6 +94,8 @@ class Project:
         self.table = toy.write_study(self.study)
         self.results = folder / "out"
         self.printed = folder / "printed.txt"
+        self.python = sys.executable
+        self.config_file = "config/test.yaml"
         self.cores = "2"
         self.runs = []
 
@@ -101,8 +103,8 @@ class Project:
         """Snakemake command line on the toy study."""
         settings = (f"samples={self.table}", f"results={self.results}", *config)
         return [
-            *(sys.executable, "-m", "snakemake", *arguments, "--cores", self.cores),
-            *("--configfile", "config/test.yaml", "--config", *settings),
+            *(self.python, "-m", "snakemake", *arguments, "--cores", self.cores),
+            *("--configfile", self.config_file, "--config", *settings),
         ]
 
     def environment(self, **more: str) -> dict[str, str]:

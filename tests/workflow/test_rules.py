@@ -161,6 +161,13 @@ def edit(path):
     path.write_text(path.read_text() + "# edited\n")
 
 
+def test_the_environment_may_lie_in_a_folder_with_a_space(project):
+    (project.folder / "my tools").symlink_to(sys.prefix)
+    project.python = str(project.folder / "my tools/bin/python")
+    status, text = project.run(str(project.results / "inputs/A.json"))
+    assert status == 0, text
+
+
 def test_a_bad_sample_stops_itself_alone(project):
     record = project.study / "A.csv"
     lines = record.read_text().splitlines()

@@ -2,6 +2,7 @@
 
 import ast
 import os
+import shlex
 import sys
 import time
 from functools import cache
@@ -12,6 +13,8 @@ ROOT = Path(workflow.basedir)
 SOURCES = str(ROOT / "src")
 if SOURCES not in sys.path:
     sys.path.insert(0, SOURCES)
+# Snakemake puts the path of its Python into commands as it is, where a space would split it
+sys.executable = shlex.quote(sys.executable)
 search_path = [SOURCES, *filter(None, os.environ.get("PYTHONPATH", "").split(os.pathsep))]
 os.environ.update(PYTHONPATH=os.pathsep.join(dict.fromkeys(search_path)))
 

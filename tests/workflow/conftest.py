@@ -47,7 +47,7 @@ def contents(results):
         else path.read_bytes()
         for path in files
         if not (name := str(path.relative_to(results))).startswith(("logs", "benchmarks"))
-        and not name.endswith(".json.sha256")
+        and not name.endswith((".json.sha256", "costs.csv", "costs.csv.sha256"))
     }
 
 

@@ -38,7 +38,7 @@ help:
 	echo "make test-long  also the tests that take minutes each"
 	echo "make check      ruff, snakefmt, mypy, snakemake --lint"
 	echo "make bench      speed of the solver on this machine, into results/bench/"
-	echo "make bench-scale  what 1,000 samples take on 2, 64 and 1,024 cores, by the study in results/"
+	echo "make bench-scale  what 1,000 samples take on 2, 64 and 1,024 cores, by the study in results/: docs/cluster.md"
 	echo "make verify     the solver against exact solutions and other solvers: docs/verification.md"
 	echo "make bench-imaging  accuracy of segmentation and mesh on made-up images: docs/accuracy.md"
 	echo "make undeclared records with undeclared effects, from image to scored verdict: results/undeclared/"
@@ -175,6 +175,7 @@ bench-imaging: $(stamp)
 
 bench-scale: $(stamp)
 	$(bin)/python benchmarks/scale.py results results/bench/scale.json
+	$(bin)/python benchmarks/scale_page.py results/bench/scale.json
 
 format: $(stamp)
 	$(bin)/ruff check --fix .

@@ -15,7 +15,7 @@ from pathlib import Path
 import pandas as pd
 
 from softsample.costs import job_costs
-from softsample.io import read_samples, write_json
+from softsample.io import read_json, read_samples, write_json
 from softsample.workflow import versions
 
 ROOT = Path(__file__).resolve().parents[1]
@@ -31,26 +31,35 @@ CORES_OF_ANIMAL = 4
 
 @dataclass(frozen=True)
 class Study:
-    """Costs of a finished study; jobs of samples log in folders, those of the whole beside them."""
+    """Costs of a finished study; jobs of samples log in folders, those of the whole beside them.
+
+    What the cheapest of the latter takes is taken for the start of each, whatever it then does.
+    """
 
     samples: int
+    element_size_mm: float
     samples_per_animal: float
     jobs_per_sample: float
     cpu_s_per_sample: float
     cpu_s_of_tables: float
+    start_s_of_tables: float
     largest_mb: dict[str, int]
 
     @classmethod
-    def of_logs(cls, logs: Path, table: pd.DataFrame) -> "Study":
-        """Costs that the jobs of a table of samples noted at the end of their logs."""
-        found = job_costs(logs)
-        own, samples = found[found["own"]], len(table)
+    def of_results(cls, results: Path) -> "Study":
+        """Costs that the jobs of a finished study noted at the end of their logs."""
+        found = job_costs(results / "logs")
+        table = pd.DataFrame(read_json(results / "results.json")["samples"]).T
+        mesh = read_json(next(results.glob("mesh/*/real.json")))
+        own, of_all, samples = found[found["own"]], found[~found["own"]], len(table)
         return cls(
             samples,
+            mesh["provenance"]["settings"]["mesh"]["element_size_mm"],
             samples / table["group"].nunique(),
             len(own) / samples,
             own["cpu_s"].sum() / samples,
-            found.loc[~found["own"], "cpu_s"].sum(),
+            of_all["cpu_s"].sum(),
+            len(of_all) * of_all["cpu_s"].min(),
             found.groupby("kind")["peak_mb"].max().sort_values(ascending=False).to_dict(),
         )
 
@@ -72,7 +81,7 @@ class Planning:
         with tempfile.TemporaryDirectory() as folder:
             tables = [_copies(TABLE, copies, Path(folder, str(copies))) for copies in COPIES]
             (few, short), (many, long) = (_dry_run(table) for table in tables)
-            first = read_samples(tables[0])["sample"][0]
+            first = read_samples(tables[0])["sample"].iloc[0]
             (_, start), (_, late_start) = (
                 _dry_run(table, f"inputs/{first}.json") for table in tables
             )
@@ -121,16 +130,18 @@ def hours(study: Study, planning: Planning, cores: int) -> dict[str, float]:
     """Hours that `SAMPLES` samples take on so many cores, and what they are made of.
 
     On one machine the jobs share the cores. On a cluster each job starts a Snakemake of its own
-    first, and the last animal may begin when all others end. Planning and the tables are serial.
+    first, and the last animal may begin when all others end. Planning and the tables are serial;
+    all that the tables take beyond their start is taken to grow with the samples.
     """
     cluster = cores > CORES[0]
     start = planning.start_s + SAMPLES * planning.start_s_per_sample if cluster else 0.0
     per_sample = study.cpu_s_per_sample + start * study.jobs_per_sample
+    growing = study.cpu_s_of_tables - study.start_s_of_tables
     seconds = {
         "planning": planning.fixed_s + planning.per_job_s * SAMPLES * study.jobs_per_sample,
         "samples": SAMPLES * per_sample / cores,
         "last_animal": cluster * study.samples_per_animal * per_sample / CORES_OF_ANIMAL,
-        "tables": study.cpu_s_of_tables * SAMPLES / study.samples,
+        "tables": study.start_s_of_tables + growing * SAMPLES / study.samples,
     }
     parts = {f"{name}_h": value / 3600.0 for name, value in seconds.items()}
     return {"cores": cores, "total_h": sum(parts.values()), **parts}
@@ -139,7 +150,7 @@ def hours(study: Study, planning: Planning, cores: int) -> dict[str, float]:
 def main() -> None:
     """Measure, print and write."""
     results, target = sys.argv[1:]
-    study = Study.of_logs(Path(results, "logs"), read_samples(TABLE))
+    study = Study.of_results(Path(results))
     planning = Planning.measured()
     estimates = [hours(study, planning, cores) for cores in CORES]
     print(pd.Series(asdict(study)).drop("largest_mb").to_string())

@@ -71,10 +71,22 @@ def next_command(told, target):
     return next(line for line in told.splitlines() if line.strip().startswith(f"make {target} "))
 
 
+def write_toy(folder):
+    """Image and record of a newcomer: a toy, too small for the limits of quick.yaml."""
+    nibabel.save(nibabel.Nifti1Image(*toy.image(2)), folder / "S7.nii.gz")
+    machines.write(folder / "UniVert 7.csv", machines.univert(*toy.record("shear", 2)))
+
+
+def write_sample_of_the_cohort(folder):
+    """Image and record of a newcomer: a sample as large as real ones are."""
+    cohort = ROOT / "resources/cohort"
+    shutil.copy(cohort / "images/S1.nii.gz", folder / "S7.nii.gz")
+    record = pd.read_csv(cohort / "records/S1.csv", comment="#").to_numpy().T
+    machines.write(folder / "UniVert 7.csv", machines.univert(*record))
+
+
 def up_to_the_check(clone, given=BUILT):
     """Three commands, each as the one before tells it; returns what the check says."""
-    nibabel.save(nibabel.Nifti1Image(*toy.image(2)), clone.parent / "S7.nii.gz")
-    machines.write(clone.parent / "UniVert 7.csv", machines.univert(*toy.record("shear", 2)))
     told = run(clone, "make new-study DIR='../my lab µ'", given)
     add = next_command(told, "add-sample")
     own = {"scan.nii.gz": "../S7.nii.gz", "test.csv": "'../UniVert 7.csv'", "compression": "shear"}
@@ -84,6 +96,7 @@ def up_to_the_check(clone, given=BUILT):
 
 
 def test_three_commands_bring_a_newcomer_to_a_plan_of_the_study(clone):
+    write_toy(clone.parent)
     told = up_to_the_check(clone)
     assert "record ../my lab µ/UniVert 7.csv: CellScale UniVert" in told
     assert "No fault found; samples: 1" in told
@@ -101,6 +114,7 @@ def test_three_commands_bring_a_newcomer_to_a_plan_of_the_study(clone):
 
 @pytest.mark.long
 def test_the_fourth_command_makes_the_report_of_the_sample(clone):
+    write_toy(clone.parent)
     study = next_command(up_to_the_check(clone), "study")
     has_its_report(clone, run(clone, study.replace("quick.yaml", "test.yaml")))
 
@@ -111,6 +125,7 @@ def test_four_commands_from_a_clone_with_an_environment_of_its_own(committed):
 
     SOFTSAMPLE_NEWCOMER_VENV names a folder where it is built, or found from the last time.
     """
+    write_sample_of_the_cohort(committed.parent)
     kept = os.environ.get("SOFTSAMPLE_NEWCOMER_VENV")
     given = (f"VENV={kept}",) if kept else ()
     study = next_command(up_to_the_check(committed, given), "study")

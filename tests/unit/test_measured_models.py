@@ -1,6 +1,6 @@
 """Models of ideal shapes, splits and support: against other ways to the same numbers."""
 
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 
 import numpy as np
 import pytest
@@ -10,6 +10,7 @@ from softsample.fem.boundary import ContactSettings, mode_boundary
 from softsample.fem.explicit import ExplicitModel, SolverSettings
 from softsample.loop.effects import library
 from softsample.loop.errors import Error
+from softsample.loop.model import Material
 from softsample.measured.effects import OF_TIME, fitted_library
 from softsample.measured.homogeneous import force_per_mu, normal_per_mu
 from softsample.measured.measurement import Measurement, cuboid, cylinder, untimed
@@ -165,10 +166,10 @@ class Fitted:
 @dataclass
 class Values:
     values: dict
-    names: tuple = field(default=())
+    material: Material
 
 
-def judged(before, after, value=0.1, at_bound=(), spread=0.1):
+def judged(before, after, value=0.1, at_bound=(), spread=0.1, mixture=0.5):
     errors = [
         {f"fold_{k}": {"shear": Error(e, e, 1.0)} for k, e in enumerate(part)}
         for part in (before, after)
@@ -179,7 +180,10 @@ def judged(before, after, value=0.1, at_bound=(), spread=0.1):
         parameters = ((effect, effect.parameters[0]),)
 
     fit = Fitted(
-        Model, Values({"platen_slip": {"share": value}}), at_bound, np.diag([spread**2, 1.0])
+        Model,
+        Values({"platen_slip": {"share": value}}, Material(1000.0, mixture)),
+        at_bound,
+        np.diag([spread**2, 1.0]),
     )
     return supported(Found(*errors, Chosen(fit)))
 
@@ -191,3 +195,4 @@ def test_effects_need_every_fold_a_size_within_its_range_and_a_modulus():
     assert not judged((0.1,), (0.05,), value=1.0, at_bound=("platen_slip.share",))
     assert judged((0.1,), (0.05,), value=0.0, at_bound=("platen_slip.share",))  # absent, no harm
     assert not judged((0.1,), (0.05,), spread=1.0)  # the modulus may be anything
+    assert not judged((0.1,), (0.05,), mixture=0.98)  # nor is the mixture known

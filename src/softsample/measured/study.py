@@ -11,6 +11,7 @@ from softsample.loop.diagnose import Diagnosis, LoopSettings, diagnose, report
 from softsample.loop.effects.base import Effect
 from softsample.loop.errors import Error, informed
 from softsample.loop.fit import Fit
+from softsample.loop.model import MIXTURE
 from softsample.loop.specimen import Elastic, Specimen
 from softsample.measured.effects import fitted_library
 from softsample.measured.models import Key, key_of
@@ -18,6 +19,9 @@ from softsample.measured.split import Case, Part
 
 OPEN_MODULUS = float(np.log(2.0))
 """Standard deviation of log(mu) above which a fit leaves the modulus open: a factor of two."""
+
+AT_END = 1e-3
+"""A mixture this close to an end of its range is at it."""
 
 MOST_SAMPLES = 4000
 """Longer records are averaged over groups of samples before anything else."""
@@ -165,8 +169,14 @@ def supported(found: Diagnosis) -> bool:
     )
     better = all(after[fold] < (1.0 - LEAST_FALL) * before[fold] for fold in before)
     final = found.selection.final
-    known = np.sqrt(final.covariance[0, 0]) < OPEN_MODULUS
-    return bool(before) and better and bool(known) and not _driven_to_an_end(final)
+    return bool(before) and better and _material_known(final) and not _driven_to_an_end(final)
+
+
+def _material_known(fit: Fit) -> bool:
+    """Whether the modulus is known and the mixture is not at an end of its range."""
+    low, high = MIXTURE
+    inside = low + AT_END < fit.state.material.mixture < high - AT_END
+    return bool(inside and np.sqrt(fit.covariance[0, 0]) < OPEN_MODULUS)
 
 
 def _driven_to_an_end(fit: Fit) -> bool:

@@ -10,21 +10,34 @@ import pytest
 import blind_page
 from softsample.blindlab import records
 from softsample.blindlab.bodies import MODES, Body
+from softsample.blindlab.curves import SLIP_BACK, planted_curves
 from softsample.blindlab.faults import EFFECTS, KINDS, Fault, Trial
 from softsample.blindlab.plan import GROUPS, Benches, Experiment, Extent, plan
 from softsample.blindlab.score import Case, confusion, median, opened, score, share
 from softsample.errors import InputError
+from softsample.fem.explicit import SolverSettings
 from softsample.io import read_json, write_json
 
 ROOT = Path(__file__).resolve().parents[2]
 BODY = Body(1, False, 23.0, 20.0, 13.0, 0.7, 0.3)
-CHANGED = {"tilt", "shape", "strip", "slip", "poisson", "larger", "third_term", "fibres"}
+CHANGED = {
+    "tilt",
+    "shape",
+    "strip",
+    "slip",
+    SLIP_BACK,
+    "poisson",
+    "larger",
+    "third_term",
+    "fibres",
+}
 MU = 1000.0
 
 
 def straight_curves():
-    """30 mm2 of force over modulus for each millimetre; changed models have a tenth less."""
+    """Force over modulus [mm2] is 30 for each millimetre, a tenth less if changed, less on return."""
     travel = np.linspace(0.0, 8.0, 33)
+    slope = {"plain": 30.0, SLIP_BACK: 24.0}
     return pd.concat(
         pd.DataFrame(
             {
@@ -32,7 +45,7 @@ def straight_curves():
                 "size": 1.0,
                 "mode": mode,
                 "displacement_mm": travel,
-                "area_mm2": (30.0 if curve == "plain" else 27.0) * travel,
+                "area_mm2": slope.get(curve, 27.0) * travel,
             }
         )
         for curve in ("plain", *CHANGED, "inclusion")
@@ -45,7 +58,8 @@ def made(name, size=1.0, mode="compression"):
     fault = KINDS[name].make(np.random.default_rng(3), BODY, size)
     curves = straight_curves()
     elastic = {m: records._curve(BODY, curves, [fault], m, 1.0) for m in MODES}
-    test = records._test(BODY, mode, MU, elastic, "B", records.SPEED)
+    loop = records._loop(curves, 1.0)
+    test = records._test(BODY, mode, MU, elastic, loop, "B", records.SPEED)
     return fault, test, records._force(test, [fault])
 
 
@@ -280,9 +294,33 @@ def test_the_page_is_the_laboratory():
         assert f"`{name}`" in page
 
 
+def test_a_sample_that_slips_gives_back_less():
+    _, test, force = made("platen_slip")
+    inside = test.travel > 0.1
+    slope = force[inside] / (1e-6 * MU * test.travel[inside])
+    returning = test.comes_back[inside]
+    np.testing.assert_allclose(slope[~returning], 27.0, rtol=1e-9)
+    np.testing.assert_allclose(slope[returning], 24.0, rtol=1e-9)
+    assert 0.05 < returning.mean() < 0.5
+    *_, tilted = made("platen_tilt")  # without a curve of its own, the way back is the way there
+    np.testing.assert_allclose(tilted[inside], 27e-6 * MU * test.travel[inside], rtol=1e-9)
+
+
+def test_friction_takes_work_from_the_laboratory_s_own_cycle():
+    curves = planted_curves(BODY, [1.0], 3.0, SolverSettings(loading_time_s=0.2))
+    slip = curves[curves["mode"] == "compression"].set_index("curve")
+    there, back = (slip.loc[name, "area_mm2"].to_numpy() for name in ("slip", SLIP_BACK))
+    travel = slip.loc["slip", "displacement_mm"].to_numpy()
+    within = travel <= BODY.stroke("compression")
+    lost = np.trapezoid((there - back)[within], travel[within])
+    assert 0.0 < lost < 0.2 * np.trapezoid(there[within], travel[within])
+    turn = np.interp(BODY.stroke("compression"), travel, there - back)
+    assert abs(turn) < 0.01 * there.max()
+
+
 def test_compression_only_pushes():
-    test = Trial("compression", np.arange(3.0), np.arange(3.0), 2.0, 13.0, MU,
-                {"compression": lambda u: 30.0 * u})  # fmt: skip
+    curve = {"compression": lambda u: 30.0 * u}
+    test = Trial("compression", np.arange(3.0), np.arange(3.0), 2.0, 13.0, MU, curve)
     assert test.elastic(np.array([-1.0, 0.0, 1.0])).tolist() == [0.0, 0.0, pytest.approx(0.03)]
     nothing = Fault("nothing")
     assert nothing.travel(test, test.travel) is test.travel

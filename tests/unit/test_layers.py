@@ -31,7 +31,16 @@ ALLOWED = {
     "checks": {"errors", "fem", "meshing"},
     "scoring": {"errors", "calibration"},
     "report": {"errors"},
-    "blindlab": {"errors", "calibration", "constitutive", "fem", "loop", "meshing", "phantom"},
+    "blindlab": {
+        "errors",
+        "calibration",
+        "constitutive",
+        "fem",
+        "loop",
+        "meshing",
+        "phantom",
+        "protocol",
+    },
     "measured": {
         "errors",
         "calibration",

@@ -11,11 +11,12 @@ from numpy.typing import NDArray
 from softsample.blindlab.bodies import ALPHA, MODES, POISSON, Body
 from softsample.constitutive.ogden import Fibres, OgdenMaterial, unit_modulus
 from softsample.fem.boundary import Boundary, ContactSettings, mode_boundary, platen_boundary
-from softsample.fem.explicit import ExplicitModel, SolverSettings
+from softsample.fem.explicit import ExplicitModel, Run, SolverSettings
 from softsample.meshing.bond import partial_bond
 from softsample.meshing.sample import SampleMesh, mesh_ideal, mesh_real
 from softsample.phantom.draw import random_cuboid
 from softsample.phantom.shapes import signed_distance
+from softsample.protocol import History
 
 Array = NDArray[np.float64]
 Curve = tuple[str, float, str, Array, Array]
@@ -23,6 +24,8 @@ Curve = tuple[str, float, str, Array, Array]
 MM = 1e-3
 MODULUS = 1000.0  # Pa, of the runs
 MARGIN = 1.08  # runs go on beyond the stroke, for shifts of the travel
+SLOWER = 4.0  # a run that comes back, for its loop is a small difference
+SLIP_BACK = "slip_back"  # the curve of the slippery platen on its way back
 GRID = 0.5  # mm, of signed distances
 PRELOAD = 1.0  # mm
 
@@ -118,11 +121,28 @@ def _cuboid_runs(
             for name, held in _boundaries(body, mesh, mode, size).items():
                 run = model.run(tissue(body), held, reach)
                 yield name, size, mode, run.displacement, run.force
+                if name == "slip":
+                    back = _way_back(model, body, held, mode, solver)
+                    yield SLIP_BACK, size, mode, run.displacement, run.force + back(run)
             for name, make in _meshes(body, mesh, size_mm, size, solver).items():
                 changed, on = make()
                 held = mode_boundary(on.mesh, mode, glued(on), ContactSettings())
                 run = changed.run(tissue(body), held, reach)
                 yield name, size, mode, run.displacement, run.force
+
+
+def _way_back(
+    model: ExplicitModel, body: Body, held: Boundary, mode: str, solver: SolverSettings
+) -> Callable[[Run], Array]:
+    """What the force is more on the way back, on the travels of a run; friction turns round."""
+    stroke = MM * body.stroke(mode)
+    there_and_back = History(np.array([0.0, 1.0, 2.0]), np.array([0.0, stroke, 0.0]))
+    cycle = model.run(
+        tissue(body), held, there_and_back, loading_time=SLOWER * solver.loading_time_s
+    )
+    turn = len(cycle.displacement) // 2
+    loop = cycle.force[turn:][::-1] - cycle.force[: turn + 1]
+    return lambda run: np.interp(run.displacement, cycle.displacement[: turn + 1], loop)
 
 
 def _materials(body: Body, size: float) -> dict[str, OgdenMaterial]:

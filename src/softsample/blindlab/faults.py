@@ -42,6 +42,8 @@ class Trial:
         Shear modulus of the tissue [Pa].
     curves : mapping
         Force over modulus [mm2] as a function of travel [mm], by mode.
+    loop : callable
+        What a slipping sample's force over modulus is more on the way back, in compression.
     """
 
     mode: str
@@ -51,11 +53,18 @@ class Trial:
     height: float
     mu: float
     curves: Mapping[str, Curve]
+    loop: Curve = np.zeros_like
 
     @property
     def sign(self) -> float:
         """-1 in compression."""
         return -1.0 if self.mode == "compression" else 1.0
+
+    @property
+    def comes_back(self) -> NDArray[np.bool_]:
+        """Whether the platen is on its way back, (n,)."""
+        last = len(self.travel) - 1 - int(np.argmax(self.travel[::-1]))
+        return np.arange(len(self.travel)) > last
 
     def elastic(self, travel: Array) -> Array:
         """Elastic force along the travel [N]; compression only pushes."""
@@ -383,6 +392,17 @@ def _of_curve(name: str, curve: str, sizes: Callable[[float], Mapping[str, float
     return lambda random, body, size: Fault(name, sizes(size), curve=curve)
 
 
+def _slip(random: Random, body: Body, size: float) -> Fault:
+    """Friction turns round with the platen."""
+
+    def tissue(test: Trial, force: Array) -> Array:
+        if test.mode != "compression":
+            return force
+        return force + np.where(test.comes_back, 1e-6 * test.mu * test.loop(test.travel), 0.0)
+
+    return Fault("platen_slip", curve="slip", tissue=tissue)
+
+
 @dataclass(frozen=True)
 class Kind:
     """A kind of fault, as the page of the laboratory describes it.
@@ -453,10 +473,10 @@ EFFECTS: dict[str, Kind] = {
     ),
     "bond_peel": Kind(_peeling, "Progressive peel", "10 % at peak", "sin^4 of the furthest travel"),
     "platen_slip": Kind(
-        _of_curve("platen_slip", "slip", lambda s: {}),
+        _slip,
         "Friction / slip instead of no-slip",
         "coefficient 0.25",
-        "own run with Coulomb friction",
+        "own run with Coulomb friction, there and back",
     ),
     "machine_compliance": Kind(
         _compliance, "Machine + cell compliance", "0.05 mm/N", "spring in series, solved"

@@ -10,6 +10,7 @@ from scipy.interpolate import PchipInterpolator
 from scipy.signal import lfilter
 
 from softsample.blindlab.bodies import MODES, Body
+from softsample.blindlab.curves import SLIP_BACK
 from softsample.blindlab.faults import Curve, Fault, Trial
 
 Array = NDArray[np.float64]
@@ -67,11 +68,12 @@ def make_records(
         Of this experiment.
     """
     elastic = {mode: _curve(body, curves, faults, mode, size) for mode in MODES}
+    loop = _loop(curves, size)
     records = []
     for mode in MODES:
         wave = _smooth(random)
         for speed in DESIGNS[design]:
-            test = _test(body, mode, mu, elastic, design, SPEED * speed)
+            test = _test(body, mode, mu, elastic, loop, design, SPEED * speed)
             force = _force(test, faults)
             moved = np.clip(test.travel / (0.02 * test.stroke), 0.0, 1.0)
             error = 0.01 * floor_percent * np.abs(force).max()
@@ -98,8 +100,24 @@ def _curve(
     return PchipInterpolator(travel, area, extrapolate=True)
 
 
+def _loop(curves: pd.DataFrame, size: float) -> Curve:
+    """What a slipping sample's force over modulus is more on the way back."""
+    of_size = curves[(curves["mode"] == "compression") & (curves["size"] == size)]
+    there, back = (of_size[of_size["curve"] == name] for name in ("slip", SLIP_BACK))
+    if back.empty:
+        return np.zeros_like
+    more = back["area_mm2"].to_numpy() - there["area_mm2"].to_numpy()
+    return PchipInterpolator(there["displacement_mm"].to_numpy(), more, extrapolate=True)
+
+
 def _test(
-    body: Body, mode: str, mu: float, elastic: Mapping[str, Curve], design: str, speed: float
+    body: Body,
+    mode: str,
+    mu: float,
+    elastic: Mapping[str, Curve],
+    loop: Curve,
+    design: str,
+    speed: float,
 ) -> Trial:
     """The platen's travel on the laboratory's clock."""
     stroke = body.stroke(mode)
@@ -109,7 +127,9 @@ def _test(
         knots = [0.0, REST, REST + way, REST + way + HOLD, REST + 2.0 * way + HOLD]
         heights = [0.0, 0.0, stroke, stroke, 0.0]
     time = np.arange(0.0, knots[-1], 1.0 / RATE / FINER)
-    return Trial(mode, time, np.interp(time, knots, heights), stroke, body.height, mu, elastic)
+    return Trial(
+        mode, time, np.interp(time, knots, heights), stroke, body.height, mu, elastic, loop
+    )
 
 
 def _force(test: Trial, faults: Sequence[Fault]) -> Array:

@@ -35,7 +35,7 @@ MU = 1000.0
 
 
 def straight_curves():
-    """Force over modulus [mm2] is 30 for each millimetre, a tenth less if changed, less on return."""
+    """Force over modulus is 30 mm2 a millimetre, a tenth less if changed, less on return."""
     travel = np.linspace(0.0, 8.0, 33)
     slope = {"plain": 30.0, SLIP_BACK: 24.0}
     return pd.concat(

@@ -83,6 +83,8 @@ Written from [data/blind/score.json](data/blind/score.json): design B, nominal s
 development saw. {judged} of the {planned} experiments were judged, drawn by lot from the plan.
 In brackets the one-sided 95 % bound. Counts of effects are out of 25.
 
+{remark}
+
 | goal | bar | noise only | n | bar | floor 1 % | n |
 |---|---|---|---|---|---|---|"""
 
@@ -112,7 +114,7 @@ def page() -> str:
 def _score(found: Mapping[str, Any]) -> Iterator[str]:
     """Goals beside their bars, then every effect."""
     rows: Rows = {(row["goal"], row["floor_percent"]): row for row in found["score"]}
-    yield SCORED.format(**found["experiments"])
+    yield SCORED.format(remark=found.get("remark", ""), **found["experiments"])
     for goal, (sign, *bars) in BARS.items():
         cells = [
             f"{sign} {_shown(goal, bar)} | {_judged(goal, sign, bar, rows[goal, floor])}"

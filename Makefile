@@ -129,7 +129,7 @@ extended: $(stamp)
 	$(bin)/snakemake --cores $(CORES) extended
 
 test: $(stamp)
-	$(bin)/python -m pytest -m "not long" -n $(CORES) --dist loadfile
+	$(bin)/python -m pytest -m "not long" -n $(CORES) --dist loadfile --no-loadscope-reorder
 	NUMBA_DISABLE_JIT=1 $(bin)/python -m pytest -q -m nojit tests/verification
 
 test-long: $(stamp)

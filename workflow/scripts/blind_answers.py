@@ -6,8 +6,6 @@ from softsample.blindlab.models import calibrated
 from softsample.blindlab.plan import Benches, Extent, plan
 from softsample.io import read_table, write_json
 from softsample.loop.diagnose import LoopSettings
-from softsample.loop.noise import NoiseSettings
-from softsample.loop.select import SelectionSettings
 from softsample.workflow import logged_to, progress_bar
 
 with logged_to(snakemake):
@@ -17,9 +15,7 @@ with logged_to(snakemake):
         name: elastics(read_table(file), calibrated(Body.named(name)))
         for name, file in zip(given.names, files.models, strict=True)
     }
-    loop = LoopSettings(
-        NoiseSettings(**given.loop["noise"]), SelectionSettings(**given.loop["selection"])
-    )
+    loop = LoopSettings.of_config(given.loop)
     resolution, benches = Resolution(**given.noise), Benches(**given.bodies)
     part = plan(Extent(**given.extent))[given.part :: given.parts]
     tell, answers = progress_bar(), {}

@@ -3,8 +3,6 @@
 from softsample.io import read_json, read_record, read_table, write_table
 from softsample.loop.confirm import confirmations, sizes_to_confirm
 from softsample.loop.diagnose import LoopSettings
-from softsample.loop.noise import NoiseSettings
-from softsample.loop.select import SelectionSettings
 from softsample.loop.variants import specimen_of_tables
 from softsample.workflow import logged_to
 
@@ -27,9 +25,7 @@ with logged_to(snakemake):
         specimens,
         sizes_to_confirm(verdict),
         verdict["path"][0]["threshold"],
-        LoopSettings(
-            NoiseSettings(**given.loop["noise"]), SelectionSettings(**given.loop["selection"])
-        ),
+        LoopSettings.of_config(given.loop),
     )
     group, geometry = snakemake.wildcards.group, snakemake.wildcards.geometry
     table.insert(0, "geometry", geometry)

@@ -4,17 +4,13 @@ from softsample.figures.loop import loop_figure
 from softsample.figures.style import save
 from softsample.io import read_json, read_record, read_table, write_json, write_text, written_aside
 from softsample.loop.diagnose import LoopSettings, diagnose, report
-from softsample.loop.noise import NoiseSettings
 from softsample.loop.page import page
-from softsample.loop.select import SelectionSettings
 from softsample.loop.variants import specimen_of_tables
 from softsample.workflow import logged_to, provenance
 
 with logged_to(snakemake):
     given, files = snakemake.params, snakemake.input
-    settings = LoopSettings(
-        NoiseSettings(**given.loop["noise"]), SelectionSettings(**given.loop["selection"])
-    )
+    settings = LoopSettings.of_config(given.loop)
     mixture = read_json(files.fit)["mu1_fraction"]
     specimens = [
         specimen_of_tables(

@@ -4,8 +4,6 @@ from pathlib import Path
 
 from softsample.io import read_table, write_json, write_table
 from softsample.loop.diagnose import LoopSettings
-from softsample.loop.noise import NoiseSettings
-from softsample.loop.select import SelectionSettings
 from softsample.measured.models import elastics
 from softsample.measured.readers import READERS
 from softsample.measured.siblings import odd_zeros
@@ -16,10 +14,7 @@ from softsample.workflow import logged_to, progress_bar, provenance
 with logged_to(snakemake):
     given, name = snakemake.params, snakemake.wildcards.set
     keys, reader, folder = given.settings, READERS[name], Path(given.root, name)
-    settings = LoopSettings(
-        NoiseSettings(**{**given.loop["noise"], **given.noise, **keys["noise"]}),
-        SelectionSettings(**given.loop["selection"]),
-    )
+    settings = LoopSettings.of_config(given.loop, {**given.noise, **keys["noise"]})
     models = elastics(read_table(snakemake.input.models, text_columns=("curve",)))
     tests = reader.read(folder)
     cases = split(

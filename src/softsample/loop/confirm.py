@@ -15,7 +15,6 @@ from numpy.typing import NDArray
 from softsample.constitutive.ogden import OgdenMaterial
 from softsample.fem.boundary import Boundary, ContactSettings, mode_boundary
 from softsample.fem.explicit import ExplicitModel, SolverSettings
-from softsample.fem.family import find_pace
 from softsample.loop.diagnose import LoopSettings, pose
 from softsample.loop.effects import library
 from softsample.loop.effects.base import Effect, Values
@@ -29,6 +28,7 @@ from softsample.loop.variants import (
     VariantSettings,
     changed_boundaries,
     changed_materials,
+    paced,
 )
 from softsample.meshing.sample import SampleMesh
 
@@ -102,11 +102,7 @@ def simulate_sizes(
 
     model, sample = test_of(0.0)
     held = mode_boundary(sample.mesh, mode, sample.glued, contact)
-    pace = find_pace(
-        lambda t: model.run(material, held, reach, loading_time=t),
-        solver.loading_time_s,
-        solver.curve_error_percent,
-    )
+    pace = paced(model, material, held, reach)
     changes = {}
     for name, values in sizes.items():
         if mode not in library()[name].modes:

@@ -2,7 +2,7 @@
 
 from collections.abc import Mapping, Sequence
 from dataclasses import asdict, dataclass, field
-from typing import Any
+from typing import Any, Self
 
 import numpy as np
 from numpy.typing import NDArray
@@ -41,6 +41,16 @@ class LoopSettings:
 
     noise: NoiseSettings = field(default_factory=NoiseSettings)
     selection: SelectionSettings = field(default_factory=SelectionSettings)
+
+    @classmethod
+    def of_config(
+        cls, loop: Mapping[str, Mapping[str, Any]], noise: Mapping[str, Any] | None = None
+    ) -> Self:
+        """From the config's section `loop`; `noise` has what differs there."""
+        return cls(
+            NoiseSettings(**{**loop["noise"], **(noise or {})}),
+            SelectionSettings(**loop["selection"]),
+        )
 
 
 @dataclass(frozen=True)

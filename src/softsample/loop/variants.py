@@ -12,7 +12,7 @@ from softsample.calibration.curves import CurveFamily
 from softsample.constitutive.ogden import Fibres, OgdenMaterial
 from softsample.fem.boundary import Boundary, ContactSettings, mode_boundary, platen_boundary
 from softsample.fem.explicit import ExplicitModel, Run, SolverSettings
-from softsample.fem.family import find_pace
+from softsample.fem.family import Pace, find_pace
 from softsample.loop.specimen import Elastic, Specimen
 from softsample.meshing.bond import partial_bond
 from softsample.meshing.mesh import HexMesh
@@ -229,11 +229,7 @@ def simulate_variants(
     model, shifted = ExplicitModel(sample.mesh, solver), ExplicitModel(sample.shifted, solver)
     boundary = mode_boundary(sample.mesh, sample.mode, sample.glued, contact)
     reach = MARGIN * travel
-    pace = find_pace(
-        lambda t: model.run(material, boundary, reach, loading_time=t),
-        solver.loading_time_s,
-        solver.curve_error_percent,
-    )
+    pace = paced(model, material, boundary, reach)
     base = wanted_force(pace.run, normal)
 
     def force(on: ExplicitModel, of: OgdenMaterial, held: Boundary) -> Array:
@@ -288,6 +284,15 @@ def _cycle_changes(cycle: Array, force: Array, travel: Array, stuck: Array) -> d
         "platen_friction": np.interp(travel, loading, there - np.interp(loading, travel, stuck)),
         "platen_friction_loop": np.interp(travel, loading, back - there),
     }
+
+
+def paced(model: ExplicitModel, material: OgdenMaterial, boundary: Boundary, reach: float) -> Pace:
+    """Loading time at which the model's curve to a travel [m] is as good as its settings ask."""
+    return find_pace(
+        lambda t: model.run(material, boundary, reach, loading_time=t),
+        model.settings.loading_time_s,
+        model.settings.curve_error_percent,
+    )
 
 
 def wanted_force(run: Run, normal: bool) -> Array:

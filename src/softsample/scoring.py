@@ -9,7 +9,8 @@ from typing import Any
 import numpy as np
 import pandas as pd
 
-from softsample.calibration.curves import CurveFamily, MeasuredCurve
+from softsample.calibration.curves import CurveFamily
+from softsample.calibration.measured import MeasuredCurve
 from softsample.calibration.slsqp import CalibrationSettings, fit_ogden
 
 Truth = Mapping[str, Any]

@@ -1,6 +1,7 @@
 """What every rule's script shares: logging to the rule's log and the record of provenance."""
 
 import ctypes
+import gc
 import hashlib
 import json
 import logging
@@ -73,6 +74,7 @@ def logged_to(job: Job) -> Iterator[None]:
     try:
         with _logging_to(path), _dying_with_parent(), _of_whole_files(job):
             yield
+            gc.freeze()  # the process ends: what it holds need not be searched for cycles first
     except Exception as error:
         print(f"{path.stem}: {_reason(error)}\n  (details: {path})", file=sys.stderr)
         raise SystemExit(1) from error

@@ -8,7 +8,7 @@ import numpy as np
 import pandas as pd
 import pytest
 
-from softsample.calibration.curves import CurveFamily, MeasuredCurve
+from softsample.calibration.curves import CurveFamily
 from softsample.calibration.direct import SimulatedCurves
 from softsample.calibration.exponents import (
     ExponentFamily,
@@ -17,6 +17,7 @@ from softsample.calibration.exponents import (
     exponent_report,
     profile_table,
 )
+from softsample.calibration.measured import MeasuredCurve
 from softsample.calibration.slsqp import CalibrationSettings, fit_ogden
 from softsample.calibration.uncertainty import Uncertainty, UncertaintySettings
 from softsample.constitutive.ogden import nominal_stress, unit_modulus

@@ -4,7 +4,8 @@ import numpy as np
 import pandas as pd
 import pytest
 
-from softsample.calibration.curves import CurveFamily, MeasuredCurve
+from softsample.calibration.curves import CurveFamily
+from softsample.calibration.measured import MeasuredCurve
 from softsample.calibration.slsqp import CalibrationSettings
 from softsample.scoring import (
     against_truth_mesh,

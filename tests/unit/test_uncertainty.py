@@ -5,8 +5,9 @@ import json
 import numpy as np
 import pytest
 
-from softsample.calibration.curves import CurveFamily, MeasuredCurve
+from softsample.calibration.curves import CurveFamily
 from softsample.calibration.likelihood import MODULI, moduli
+from softsample.calibration.measured import MeasuredCurve
 from softsample.calibration.profile import normal_quantile, profile, profile_interval
 from softsample.calibration.slsqp import CalibrationSettings, fit_ogden
 from softsample.calibration.uncertainty import (

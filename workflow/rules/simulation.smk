@@ -69,6 +69,7 @@ rule sensitivity:
         record="<results>/records/{sample}.csv",
         family="<results>/curves/{sample}/{geometry}/ogden2.json",
         fit=optimum("json"),
+        optimum="<results>/fields/{sample}/{geometry}.csv",
         code=library("workflow/scripts/sensitivity.py"),
     output:
         report="<results>/sensitivity/{sample}/{geometry}.json",

@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from softsample.calibration.curves import MeasuredCurve
+from softsample.calibration.measured import MeasuredCurve
 from softsample.constitutive.ogden import OgdenMaterial
 from softsample.fem.setup import set_up
 from softsample.io import (

@@ -2,13 +2,14 @@
 
 import pandas as pd
 
-from softsample.calibration.curves import CurveFamily, MeasuredCurve
+from softsample.calibration.curves import CurveFamily
 from softsample.calibration.exponents import (
     ExponentFamily,
     common_exponents,
     exponent_report,
     profile_table,
 )
+from softsample.calibration.measured import MeasuredCurve
 from softsample.calibration.slsqp import CalibrationSettings, fit_ogden
 from softsample.calibration.uncertainty import Uncertainty, UncertaintySettings
 from softsample.io import MM, read_json, read_record, read_table, write_json, write_table

@@ -3,7 +3,7 @@
 import numpy as np
 import pandas as pd
 
-from softsample.calibration.curves import MeasuredCurve
+from softsample.calibration.measured import MeasuredCurve
 from softsample.constitutive.ogden import OgdenMaterial
 from softsample.fem.family import run_report
 from softsample.fem.fields import contact_report, max_principal_hencky_strain

@@ -2,8 +2,9 @@
 
 import numpy as np
 
-from softsample.calibration.curves import CurveFamily, MeasuredCurve
+from softsample.calibration.curves import CurveFamily
 from softsample.calibration.exponents import ExponentFamily
+from softsample.calibration.measured import MeasuredCurve
 from softsample.constitutive.ogden import unit_modulus
 from softsample.fem.setup import set_up
 from softsample.io import MM, read_json, read_mesh_with_data, read_record, read_table, write_json

@@ -4,7 +4,7 @@ import shutil
 
 import numpy as np
 
-from softsample.calibration.curves import MeasuredCurve
+from softsample.calibration.measured import MeasuredCurve
 from softsample.constitutive.ogden import OgdenMaterial
 from softsample.errors import InputError
 from softsample.export.abaqus import write_abaqus

@@ -1,6 +1,6 @@
 """Curves of a sample and its cuboid with features of the shape changed (rule `geometry_curves`)."""
 
-from softsample.calibration.curves import MeasuredCurve
+from softsample.calibration.measured import MeasuredCurve
 from softsample.fem.boundary import ContactSettings
 from softsample.fem.explicit import SolverSettings
 from softsample.fem.family import FamilySettings, family_fractions

@@ -1,6 +1,7 @@
 """Why moduli on the real geometry are off the sealed truth (rule `recovery`)."""
 
-from softsample.calibration.curves import CurveFamily, MeasuredCurve
+from softsample.calibration.curves import CurveFamily
+from softsample.calibration.measured import MeasuredCurve
 from softsample.calibration.slsqp import CalibrationSettings
 from softsample.io import read_json, read_record, read_table, write_table
 from softsample.scoring import (

@@ -1,6 +1,6 @@
 """Unit-modulus curves of one sample and geometry (rule `simulate`)."""
 
-from softsample.calibration.curves import MeasuredCurve
+from softsample.calibration.measured import MeasuredCurve
 from softsample.fem.family import FamilySettings, family_fractions, simulate_family
 from softsample.fem.setup import set_up
 from softsample.io import read_mesh_with_data, read_record, write_json, write_table

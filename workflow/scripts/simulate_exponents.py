@@ -1,6 +1,6 @@
 """Unit-modulus curves of one sample for free exponents (rule `simulate_exponents`)."""
 
-from softsample.calibration.curves import MeasuredCurve
+from softsample.calibration.measured import MeasuredCurve
 from softsample.fem.exponents import ExponentSettings, exponent_grid, simulate_exponents
 from softsample.fem.family import FamilySettings
 from softsample.fem.setup import set_up

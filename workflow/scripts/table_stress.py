@@ -1,6 +1,6 @@
 """Mean nominal stress against strain of each loading mode (rule `table_stress`)."""
 
-from softsample.calibration.curves import MeasuredCurve
+from softsample.calibration.measured import MeasuredCurve
 from softsample.io import MM, read_json, read_record, write_table
 from softsample.report.stress import nominal_curve, stress_strain_table
 from softsample.workflow import logged_to

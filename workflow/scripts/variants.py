@@ -1,6 +1,6 @@
 """What changes of the model do to a sample's force (rules `variants`, `simulate_sizes`)."""
 
-from softsample.calibration.curves import MeasuredCurve
+from softsample.calibration.measured import MeasuredCurve
 from softsample.constitutive.ogden import OgdenMaterial
 from softsample.fem.boundary import ContactSettings
 from softsample.fem.explicit import SolverSettings

@@ -9,7 +9,8 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.optimize import OptimizeResult, minimize
 
-from softsample.calibration.curves import Curves, MeasuredCurve
+from softsample.calibration.curves import Curves
+from softsample.calibration.measured import MeasuredCurve
 from softsample.errors import CalibrationError
 
 Array = NDArray[np.float64]

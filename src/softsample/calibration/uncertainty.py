@@ -19,8 +19,9 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from softsample.calibration.curves import Curves, MeasuredCurve, Scaled
+from softsample.calibration.curves import Curves, Scaled
 from softsample.calibration.likelihood import MODULI, AreaLikelihood, moduli
+from softsample.calibration.measured import MeasuredCurve
 from softsample.calibration.slsqp import AreaObjective, CalibrationSettings, Fit, Search
 
 Array = NDArray[np.float64]

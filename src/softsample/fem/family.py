@@ -73,10 +73,9 @@ class Pace:
     error_percent: float
 
 
-def curve_difference(run: Run, reference: Run) -> float:
-    """Largest difference of two force curves over the peak of the second."""
-    difference = np.abs(run.force - reference.force).max()
-    return float(difference / np.abs(reference.force).max())
+def curve_difference(force: Array, reference: Array) -> float:
+    """Largest difference of two curves of force over the peak of the second."""
+    return float(np.abs(force - reference).max() / np.abs(reference).max())
 
 
 def pace_error(fast: Run, slow: Run, ratio: float) -> float:
@@ -84,7 +83,7 @@ def pace_error(fast: Run, slow: Run, ratio: float) -> float:
 
     Errors fall with the square of the loading time, so that the slow run shares ``ratio^2`` of it.
     """
-    return 100.0 * curve_difference(fast, slow) / (1.0 - ratio**2)
+    return 100.0 * curve_difference(fast.force, slow.force) / (1.0 - ratio**2)
 
 
 def find_pace(simulate: Callable[[float], Run], shortest: float, wanted: float) -> Pace:

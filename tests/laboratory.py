@@ -51,6 +51,7 @@ CHANGES = {  # of the force over the modulus: factor of strain e, for the modes 
         "compression": (-0.02, 0.01),
         "shear": (-1e-3, 0.0),
     },
+    "pressed": {"shear": (0.03, 0.02)},
     "partial_bond_x": {"tension": (0.05, -0.02), "shear": (0.04, 0.03)},
     "partial_bond_y": {"tension": (0.05, -0.02), "shear": (0.06, 0.01)},
     "platen_tilt": {"compression": (0.1, -0.4)},

@@ -30,6 +30,7 @@ CHANGED = {
     "larger",
     "third_term",
     "fibres",
+    "pressed",
 }
 MU = 1000.0
 
@@ -316,6 +317,18 @@ def test_friction_takes_work_from_the_laboratory_s_own_cycle():
     assert 0.0 < lost < 0.2 * np.trapezoid(there[within], travel[within])
     turn = np.interp(BODY.stroke("compression"), travel, there - back)
     assert abs(turn) < 0.01 * there.max()
+
+
+def test_a_pressed_sample_is_sheared_from_there():
+    """Small pressure changes little, in proportion; none of it is in the axial tests' curves."""
+    curves = planted_curves(BODY, [0.5, 1.0], 3.0, SolverSettings(loading_time_s=0.2))
+    assert set(curves[curves["curve"] == "pressed"]["mode"]) == {"shear"}
+    shear = curves[curves["mode"] == "shear"].set_index(["curve", "size"])
+    plain = shear.loc[("plain", 0.0), "area_mm2"].to_numpy()
+    less, more = (shear.loc[("pressed", s), "area_mm2"].to_numpy() - plain for s in (0.5, 1.0))
+    late = plain > 0.3 * plain.max()
+    assert np.all(np.abs(more[late]) < 0.2 * plain[late])
+    assert np.linalg.norm(more[late]) == pytest.approx(2.0 * np.linalg.norm(less[late]), rel=0.3)
 
 
 def test_compression_only_pushes():

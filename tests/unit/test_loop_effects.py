@@ -9,7 +9,7 @@ import effects_page
 import laboratory
 from softsample.loop.effects import library
 from softsample.loop.effects.base import MODES
-from softsample.loop.history import relaxed
+from softsample.loop.history import drained, relaxed
 from softsample.loop.model import Material, Model, State
 
 EFFECTS = library()
@@ -92,6 +92,17 @@ def test_relaxation_is_the_convolution_of_the_modulus_with_the_growth_of_the_for
     decayed = tau * (time**2 - 2.0 * tau * time + 2.0 * tau**2 * -np.expm1(-time / tau))
     exact = time**3 - g * (time**3 - 3.0 * decayed)
     np.testing.assert_allclose(relaxed(time, time**3, g, tau), exact, atol=1e-4 * end**3)
+
+
+def test_drainage_begins_with_the_square_root_of_time():
+    """Against Terzaghi's law for small times, ``(4 / pi) sqrt(t / (pi tau))``; whole at the end."""
+    g, tau = 0.1, 300.0
+    time = np.linspace(0.0, 5.0 * tau, 150001)
+    lost = 1.0 - drained(time, np.ones_like(time), g, tau)
+    early = (time > 0.04 * tau) & (time < 0.2 * tau)
+    exact = g * 4.0 / np.pi * np.sqrt(time[early] / (np.pi * tau))
+    np.testing.assert_allclose(lost[early], exact, rtol=0.03)
+    assert lost[-1] == pytest.approx(g, rel=0.01)
 
 
 def test_relaxation_is_exact_for_a_ramp_whatever_the_step():

@@ -288,6 +288,25 @@ def test_elastic_sample_forgets_its_history(small):
     np.testing.assert_allclose(down[::-1], up, atol=3e-3 * peak)
 
 
+def test_pushed_then_sheared_is_sheared_then_pushed(small):
+    """The force of an elastic sample is that of its shape, on whichever way it got there."""
+    model, glued = ExplicitModel(small, SETTINGS), small.glued(0.0)
+    shear = glued_boundary(small, "shear", glued)
+    push = replace(shear, direction=np.array([0.0, 0.0, -1.0]))
+
+    def ended(first, travel, second, further):
+        there = model.run(MATERIAL, first, travel)
+        return model.run(MATERIAL, second, further, start=there.displacement_field)
+
+    one, other = ended(push, 0.3e-3, shear, 1e-3), ended(shear, 1e-3, push, 0.3e-3)
+    peak = np.abs(one.force_vector[-1]).max()
+    np.testing.assert_allclose(one.force_vector[-1], other.force_vector[-1], atol=5e-3 * peak)
+    assert one.force_vector[0, 2] < -0.1 * peak  # it begins compressed
+    assert other.force_vector[0, 0] > 0.1 * peak
+    assert one.energy["imbalance"] < 1e-3
+    assert other.energy["strain"] == pytest.approx(one.energy["strain"], rel=5e-3)
+
+
 def relaxing_stress(time, stretch, material):
     """Nominal stress history [Pa] of a uniaxial test, from the hereditary integral itself.
 

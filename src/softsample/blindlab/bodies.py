@@ -17,6 +17,9 @@ ALPHA = (-8.0, 16.0)
 
 POISSON = 0.49
 
+PRESSED = 0.28
+"""Compression that is left over from the pre-load where one is [mm]."""
+
 
 @dataclass(frozen=True)
 class Body:

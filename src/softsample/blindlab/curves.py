@@ -8,7 +8,7 @@ import numpy as np
 import pandas as pd
 from numpy.typing import NDArray
 
-from softsample.blindlab.bodies import ALPHA, MODES, POISSON, Body
+from softsample.blindlab.bodies import ALPHA, MODES, POISSON, PRESSED, Body
 from softsample.constitutive.ogden import Fibres, OgdenMaterial, unit_modulus
 from softsample.fem.boundary import Boundary, ContactSettings, mode_boundary, platen_boundary
 from softsample.fem.explicit import ExplicitModel, Run, SolverSettings
@@ -124,6 +124,9 @@ def _cuboid_runs(
                 if name == "slip":
                     back = _way_back(model, body, held, mode, solver)
                     yield SLIP_BACK, size, mode, run.displacement, run.force + back(run)
+            if mode == "shear":
+                run = _from_pressed(model, body, plain, reach, PRESSED * size, solver)
+                yield "pressed", size, mode, run.displacement, run.force
             for name, make in _meshes(body, mesh, size_mm, size, solver).items():
                 changed, on = make()
                 held = mode_boundary(on.mesh, mode, glued(on), ContactSettings())
@@ -143,6 +146,21 @@ def _way_back(
     turn = len(cycle.displacement) // 2
     loop = cycle.force[turn:][::-1] - cycle.force[: turn + 1]
     return lambda run: np.interp(run.displacement, cycle.displacement[: turn + 1], loop)
+
+
+def _from_pressed(
+    model: ExplicitModel,
+    body: Body,
+    held: Boundary,
+    reach: float,
+    depth: float,
+    solver: SolverSettings,
+) -> Run:
+    """Shear of a sample whose platen stays a depth [mm] below where it was glued."""
+    down = replace(held, direction=np.array([0.0, 0.0, -1.0]))
+    slow = SLOWER * solver.loading_time_s
+    start = model.run(tissue(body), down, MM * depth, loading_time=slow).displacement_field
+    return model.run(tissue(body), held, reach, start=start)
 
 
 def _materials(body: Body, size: float) -> dict[str, OgdenMaterial]:

@@ -14,7 +14,7 @@ from scipy.integrate import cumulative_trapezoid
 from scipy.signal import fftconvolve
 from scipy.special import erf
 
-from softsample.blindlab.bodies import MODES, Body
+from softsample.blindlab.bodies import MODES, PRESSED, Body
 
 Array = NDArray[np.float64]
 Random = np.random.Generator
@@ -230,16 +230,16 @@ def _gap(random: Random, body: Body, size: float) -> Fault:
 
 
 def _precompressed(random: Random, body: Body, size: float) -> Fault:
-    d = _about(random, 0.3 * size)
+    d = PRESSED * size
 
     def tissue(test: Trial, force: Array) -> Array:
-        if test.mode == "shear":  # a shorter, wider block
-            return force * (1.0 - d / test.height) ** -2
+        if test.mode == "shear":
+            return force
         start = d if test.mode == "compression" else -d
         pushed = test.elastic(test.travel + start)
         return force + pushed - test.elastic(np.array([start])) - test.elastic(test.travel)
 
-    return Fault("residual_precompression", {"d_mm": d}, tissue=tissue)
+    return Fault("residual_precompression", {"d_mm": d}, curve="pressed", tissue=tissue)
 
 
 # ---- the machine
@@ -441,8 +441,8 @@ EFFECTS: dict[str, Kind] = {
     "residual_precompression": Kind(
         _precompressed,
         "Residual compression",
-        "0.3 mm",
-        "tension and compression curve joined; shear of the shorter, wider block",
+        f"{PRESSED} mm",
+        "own run of shear from there; tension and compression curve joined",
     ),
     "poroelastic_drainage": Kind(
         _drainage, "Poroelastic drainage", "g 0.1, 300 s", "consolidation series, axial tests"

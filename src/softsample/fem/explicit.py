@@ -289,6 +289,7 @@ class ExplicitModel:
         *,
         loading_time: float | None = None,
         gravity: Gravity | None = None,
+        start: Array | None = None,
         snapshots: Sequence[float] = (),
         spectral: bool | None = None,
         progress: Progress | None = None,
@@ -309,6 +310,9 @@ class ExplicitModel:
             that of the settings.
         gravity : Gravity, optional
             The sample's own weight.
+        start : (n_nodes, 3) float64, optional
+            Displacements [m] to start from, at rest: where an earlier run ended. The platens'
+            planes are where `boundary` has them.
         snapshots : sequence of float
             Times of the test [s] at which to keep the deformed shape; a single ramp lasts 1 s.
         spectral : bool, optional
@@ -328,6 +332,8 @@ class ExplicitModel:
         duration = float(pace) * (loading_time or self.settings.loading_time_s)
         schedule = Schedule(history, duration, duration if gravity else 0.0)
         march = _March(self, material, boundary, schedule, gravity, spectral)
+        if start is not None:
+            march.begin(start, self.internal_force(start, material, spectral)[1][:2].sum())
         with flushed_denormals():
             march.go(np.asarray(snapshots, float), progress)
         return march.result()
@@ -384,6 +390,11 @@ class _March:
         if gravity and gravity.settle_first:
             self._lift_platen()
         self._free()
+
+    def begin(self, displacement: Array, energy: float) -> None:
+        """Start from displacements (n_nodes, 3) [m] that hold an energy [J], at rest."""
+        self.motion.u[:, :3] = displacement
+        self.records.work = energy
 
     def _lift_platen(self) -> None:
         """Take the moving platen off while the sample settles."""

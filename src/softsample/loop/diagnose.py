@@ -11,7 +11,7 @@ from softsample.loop.effects import library
 from softsample.loop.effects.base import Effect
 from softsample.loop.errors import Error, errors, held_out
 from softsample.loop.fit import Fit, Problem
-from softsample.loop.model import FIXED, Material
+from softsample.loop.model import FIXED, Material, Model
 from softsample.loop.noise import (
     Noise,
     NoiseSettings,
@@ -155,7 +155,7 @@ def diagnose(
         problem,
         noises,
         selection,
-        _verdict(selection, settings, _pooled(after) - _pooled(before)),
+        _verdict(problem, selection, settings, _pooled(after) - _pooled(before)),
         before,
         after,
         held_out_before,
@@ -168,18 +168,32 @@ def _pooled(found: Errors) -> float:
     return float(np.mean([(parts["all"].rms / parts["all"].peak) ** 2 for parts in found.values()]))
 
 
-def _verdict(selection: Selection, settings: LoopSettings, growth: float) -> str:
+def _contribution(problem: Problem, fit: Fit) -> float:
+    """Mean square of what effects add to the forces, each test in parts of its peak."""
+    with_them = problem.predicted(fit.model, fit.state)
+    without = problem.predicted(Model(), fit.state)
+    return float(np.mean([
+        np.mean((a - b) ** 2) / specimen.peak**2
+        for a, b, specimen in zip(with_them, without, problem.specimens, strict=True)
+    ]))  # fmt: skip
+
+
+def _verdict(problem: Problem, selection: Selection, settings: LoopSettings, growth: float) -> str:
     """What is missing.
 
-    An explanation that leaves the records further off than the floor allows is none; `growth` is
-    what it adds to the mean square error, in parts of the peak.
+    An explanation that leaves the records further off than floor and doubt of its form allow is
+    none; `growth` is what it adds to the mean square error, in parts of the peak. Nor is one to
+    which the records ask for something more that no effect serves.
     """
     rules, noise = settings.selection, settings.noise
     n = len(selection.final.white)
     left, before = selection.final.cost, selection.base.cost
     if left / n > rules.unknown_ratio and left - n > rules.unknown_share * (before - n):
         return "unknown"
-    if growth > 1e-4 * (noise.floor_percent**2 + noise.scale_percent**2):
+    allowed = 1e-4 * (noise.floor_percent**2 + noise.scale_percent**2)
+    if growth > allowed + rules.form_doubt**2 * _contribution(problem, selection.final):
+        return "unknown"
+    if selection.unserved:
         return "unknown"
     return "explained" if selection.final.model.effects else "none"
 

@@ -130,6 +130,12 @@ class Selection:
     weak: list[str]
     signatures: dict[str, float]
 
+    @property
+    def unserved(self) -> bool:
+        """Whether the last round had evidence for more, and no effect that could be accepted."""
+        last = self.steps[-1]
+        return last.chosen is None and any(c.evidence >= last.threshold for c in last.candidates)
+
 
 def select(problem: Problem, effects: Sequence[Effect], settings: SelectionSettings) -> Selection:
     """Find the effects that the records ask for."""

@@ -19,6 +19,9 @@ Array = NDArray[np.float64]
 SMOOTHED_S = 2.0
 """Length of the cubics that smooth a force [s]."""
 
+CURVED = 0.2
+"""Last part of a curve whose bend goes on beyond its end."""
+
 FINER = 8
 """Points for each one of a simulated curve."""
 
@@ -71,12 +74,21 @@ class Elastic:
             return np.zeros_like(travel)
         return self._beyond(self._fine[1][variant].curve(mixture), travel)
 
+    @cached_property
+    def _parabola(self) -> Array:
+        """Slope and bend (2, n) at the end of a curve, from its last part, per point of it."""
+        before = self._fine[0].displacement - self._fine[0].displacement[-1]
+        late = before > CURVED * before[0]
+        return np.linalg.pinv(np.stack([late * before, late * before**2], axis=1))
+
     def _beyond(self, curve: Array, travel: Array) -> Array:
-        """Interpolation; beyond the ends straight on, or nothing before contact."""
+        """Interpolation; beyond the end on a parabola, before zero straight on, or no contact."""
         grid = self._fine[0].displacement
         inside = np.interp(travel, grid, curve)
-        last = (curve[-1] - curve[-2]) / (grid[-1] - grid[-2])
-        inside = inside + last * np.maximum(travel - grid[-1], 0.0)
+        beyond = np.maximum(travel - grid[-1], 0.0)
+        if beyond.any():
+            slope, bend = self._parabola @ (curve - curve[-1])
+            inside = inside + (slope + bend * beyond) * beyond
         if self.contact:
             return inside
         first = (curve[1] - curve[0]) / (grid[1] - grid[0])

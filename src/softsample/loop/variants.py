@@ -17,7 +17,7 @@ from softsample.loop.specimen import Elastic, Specimen
 from softsample.meshing.bond import partial_bond
 from softsample.meshing.mesh import HexMesh
 from softsample.meshing.sample import SampleMesh
-from softsample.protocol import History, travel_sign
+from softsample.protocol import DIRECTIONS, History, travel_sign
 
 Array = NDArray[np.float64]
 
@@ -33,6 +33,9 @@ MARGIN = 1.05
 CYCLE_PACE = 4.0
 """Loading time of a run that comes back, over that of the others. Its loop is a small difference of
 two large forces: at their pace a fifth of it was inertia, at a quarter of it 2 %."""
+
+PRESSED, PRESSED_ELSEWHERE = "pressed", "pressed_elsewhere"
+"""Shear of a sample that was compressed before, at the mixture of the others and at another one."""
 
 
 @dataclass(frozen=True)
@@ -53,6 +56,8 @@ class VariantSettings:
         Shift of the surface [mm].
     friction : float
         Coefficient of the run whose platen goes back, about that of brain on metal.
+    precompression_mm : float
+        Compression from which a glued sample is sheared [mm].
     """
 
     exponent: float = 2.0
@@ -61,6 +66,7 @@ class VariantSettings:
     missing_bond: float = 0.125
     shift_mm: float = 0.1
     friction: float = 0.1
+    precompression_mm: float = 0.3
 
 
 @dataclass(frozen=True, eq=False)
@@ -151,7 +157,8 @@ def for_all_mixtures(
 
     A changed term of the solid goes with its part of the modulus, and fibres are beside it; what
     changes shape, boundary or compressibility changes the force by the same part of it. That part
-    is smooth along the travel, while nodes of a coarse mesh meet the platen one by one.
+    is smooth along the travel, while nodes of a coarse mesh meet the platen one by one. Of a sample
+    that was compressed before, it is taken to be linear in the mixture.
 
     Parameters
     ----------
@@ -169,13 +176,19 @@ def for_all_mixtures(
         "alpha2": np.outer((1.0 - r) / (1.0 - mixture), there),
         **dict.fromkeys(("fibres_x", "fibres_z"), np.tile(there, (len(r), 1))),
     }
-    return {
-        name: CurveFamily(
-            r,
-            family.displacement,
-            follows.get(name, forces) * _smooth_part(family.displacement, change, there),
-        )
+    parts = {
+        name: _smooth_part(family.displacement, change, there)
         for name, change in changes.items()
+        if name != PRESSED_ELSEWHERE
+    }
+    if PRESSED_ELSEWHERE in changes:
+        other = elsewhere(mixture)
+        part = _smooth_part(family.displacement, changes[PRESSED_ELSEWHERE], family.curve(other))
+        slope = (part - parts[PRESSED]) / (other - mixture)
+        parts[PRESSED] = parts[PRESSED] + np.outer(r - mixture, slope)
+    return {
+        name: CurveFamily(r, family.displacement, follows.get(name, forces) * part)
+        for name, part in parts.items()
     }
 
 
@@ -264,7 +277,48 @@ def simulate_variants(
         )
         friction = _cycle_changes(cycle.displacement, wanted_force(cycle, normal), grid, base)
         changes |= {name: change / material.shear_modulus for name, change in friction.items()}
+    if sample.mode == "shear":
+        depth = 1e-3 * settings.precompression_mm
+        changes |= _pressed_changes(model, material, boundary, pace, depth, normal)
     return grid, changes
+
+
+def _pressed_changes(
+    model: ExplicitModel,
+    material: OgdenMaterial,
+    boundary: Boundary,
+    pace: Pace,
+    depth: float,
+    normal: bool,
+) -> dict[str, Array]:
+    """Change of the force per modulus of a glued sample that is held at a depth [m] meanwhile.
+
+    What it is depends on the exponents so much that it is simulated at another mixture as well.
+    """
+    down = replace(boundary, direction=np.array(DIRECTIONS["compression"]))
+    slow, there = CYCLE_PACE * pace.loading_time, float(pace.run.displacement[-1])
+    start = model.run(material, down, depth, loading_time=slow).displacement_field
+
+    def force(of: OgdenMaterial, place: Array | None) -> Array:
+        run = model.run(of, boundary, there, loading_time=pace.loading_time, start=place)
+        return wanted_force(run, normal)
+
+    modulus = material.shear_modulus
+    mixture = elsewhere(material.mu[0] / modulus)
+    another = replace(material, mu=(mixture * modulus, (1.0 - mixture) * modulus))
+    changes = {}
+    for name, of, base in (
+        (PRESSED, material, wanted_force(pace.run, normal)),
+        (PRESSED_ELSEWHERE, another, force(another, None)),
+    ):
+        pressed = force(of, start)
+        changes[name] = (pressed - pressed[0] - base) / modulus
+    return changes
+
+
+def elsewhere(mixture: float) -> float:
+    """A mixture that differs by a quarter."""
+    return mixture + (0.25 if mixture < 0.5 else -0.25)
 
 
 def _cycle_changes(cycle: Array, force: Array, travel: Array, stuck: Array) -> dict[str, Array]:

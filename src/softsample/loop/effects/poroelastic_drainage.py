@@ -1,14 +1,14 @@
 """Fluid leaves the compressed or stretched tissue, slowly; shear keeps its volume."""
 
 from softsample.loop.effects.base import Array, Effect, Parameter, Values
-from softsample.loop.history import relaxed
+from softsample.loop.history import drained
 from softsample.loop.specimen import Specimen
 
 
 def _tissue(specimen: Specimen, force: Array, travel: Array, values: Values) -> Array:
     if specimen.mode == "shear":
         return force
-    return relaxed(specimen.time, force, values["g"], values["tau_s"])
+    return drained(specimen.time, force, values["g"], values["tau_s"])
 
 
 EFFECT = Effect(

@@ -179,12 +179,13 @@ def test_random_kills_change_no_result(project, kills, names):
         project.run("--unlock", *targets)
         run = project.start(*targets)
         time.sleep(chance.uniform(start, min(8.0 * start, whole)))
-        victim, jobs = chance.choice(["Snakemake", "one job", "all"]), children(run.pid)
+        while not (jobs := children(run.pid)) and run.poll() is None:
+            time.sleep(0.02)
+        victim = chance.choice(["Snakemake", "one job", "all"])
+        hits += run.poll() is None
         if victim != "one job":
-            hits += run.poll() is None
             run.kill()
         for job in {"Snakemake": [], "one job": jobs[:1], "all": jobs}[victim]:
-            hits += victim == "one job"
             kill(job)
         if victim == "one job" and chance.random() < 0.5:
             run.terminate()

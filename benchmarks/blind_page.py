@@ -80,13 +80,16 @@ SCORED = """
 ## Score
 
 Written from [data/blind/score.json](data/blind/score.json): design B, nominal sizes, seeds that no
-development saw. {judged} of the {planned} experiments were judged, drawn by lot from the plan.
-In brackets the one-sided 95 % bound. Counts of effects are out of 25.
-
-{remark}
+development saw. {judged} of the {planned} planned experiments were judged. In brackets the
+one-sided 95 % bound. Counts of effects are out of 25.
 
 | goal | bar | noise only | n | bar | floor 1 % | n |
 |---|---|---|---|---|---|---|"""
+
+WITHIN_REACH = """
+What is within reach: if an answer left the error that records without any effect leave, {} of the
+held-out error would be removed without a floor, {} with it. Of pairs whose effects are both noticed
+alone, both classes are named in {} without a floor ({} pairs), in {} with it ({} pairs)."""
 
 PER_EFFECT = """
 Noticed and wrongly named, by effect:
@@ -114,13 +117,24 @@ def page() -> str:
 def _score(found: Mapping[str, Any]) -> Iterator[str]:
     """Goals beside their bars, then every effect."""
     rows: Rows = {(row["goal"], row["floor_percent"]): row for row in found["score"]}
-    yield SCORED.format(remark=found.get("remark", ""), **found["experiments"])
+    yield SCORED.format(**found["experiments"])
     for goal, (sign, *bars) in BARS.items():
         cells = [
             f"{sign} {_shown(goal, bar)} | {_judged(goal, sign, bar, rows[goal, floor])}"
             for floor, bar in zip((0.0, 1.0), bars, strict=True)
         ]
         yield f"| {goal.lstrip('0123456789 ')} | {' | '.join(cells)} |"
+    left, able = (
+        [rows.get((goal, floor), {"value": None, "n": 0}) for floor in (0.0, 1.0)]
+        for goal in (
+            "9 if undisturbed records' error were left",
+            "8 pairs of effects with power: both classes",
+        )
+    )
+    yield WITHIN_REACH.format(
+        *(_shown("", row["value"]) for row in left),
+        *(cell for row in able for cell in (_shown("", row["value"]), row["n"])),
+    )
     yield PER_EFFECT
     for name in EFFECTS:
         cells = [
@@ -142,8 +156,10 @@ def _judged(goal: str, sign: str, bar: float, row: Mapping[str, Any]) -> str:
     return f"{value if met else f'**{value}**'}{bound} | {row['n']}"
 
 
-def _shown(goal: str, value: float) -> str:
+def _shown(goal: str, value: float | None) -> str:
     """Shares in percent."""
+    if value is None:
+        return "–"
     if goal in ("2 effects with power", "11 white RMS after"):
         return f"{value:.3g}"
     return f"{100.0 * value:.0f} %"

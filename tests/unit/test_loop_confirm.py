@@ -50,6 +50,25 @@ def test_an_effect_at_the_step_of_a_variant_is_that_variant(mode):
         np.testing.assert_allclose(change, variants[STEPS[name][1]], rtol=1e-12)
 
 
+@pytest.mark.parametrize("mode", ["tension", "compression"])
+def test_changes_are_for_the_steps_that_effects_know_whatever_the_settings(mode):
+    def mesh_shifted(shift):
+        return mesh_ideal(8 * MM + 2 * shift, 6 * MM + 2 * shift, 7 * MM + shift, 1.5 * MM)
+
+    default = VariantSettings()
+    half = VariantSettings(1.0, 0.05, 0.5, shift_mm=0.05)
+    solid, solver = OgdenMaterial((600.0, 400.0), (-8.0, 16.0), 0.49), SolverSettings()
+    (_, usual), (_, other) = (
+        simulate_variants(
+            coarse_sample(mesh_shifted, mode, steps), solid, MM, ContactSettings(), solver, steps
+        )
+        for steps in (default, half)
+    )
+    for name in ("alpha1", "alpha2", "fibres_x", "boundary_shift"):
+        ratio = np.linalg.norm(other[name]) / np.linalg.norm(usual[name])
+        assert 0.7 < ratio < 1.4, name  # a half without it
+
+
 def confirmed(factor):
     """Table for a softer, more compressible tissue, whose run gives so many times that change."""
     specimens = []

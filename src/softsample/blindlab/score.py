@@ -85,13 +85,16 @@ class Case:
         )
         return abs(before), abs(after)
 
-    def held_out_removed(self, folds: str = "") -> list[float]:
+    def held_out_removed(
+        self, folds: str = "", left: Mapping[str, float] | None = None
+    ) -> list[float]:
         """Part of the structured error on what each fold leaves out that the answer removes.
 
-        Of folds whose names begin with `folds`, where there is an error to be removed.
+        Of folds whose names begin with `folds`, where there is an error to be removed. `left` says
+        by fold what is left [% of peak] instead of the answer's error.
         """
         return [
-            1.0 - error["after"] / error["before"]
+            1.0 - (error["after"] if left is None else left[fold]) / error["before"]
             for fold, error in self.answer["held_out_percent"].items()
             if fold.startswith(folds) and error["before"] > LEAST_ERROR
         ]
@@ -151,9 +154,20 @@ def score(cases: Sequence[Case]) -> list[Row]:
         setting = dict(zip(("design", "floor_percent"), key, strict=True))
         rows += [{**row, **setting, "size": None} for row in _overall(group)]
         singles = [case for case in group if case.planted["kind"] == "effect"]
+        left = _left_undisturbed(group)
         for (size,), of_size in _by(singles, "size").items():
-            rows += [{**row, **setting, "size": size} for row in _effects(of_size)]
+            rows += [{**row, **setting, "size": size} for row in _effects(of_size, left)]
     return rows
+
+
+def _left_undisturbed(cases: Sequence[Case]) -> dict[str, float]:
+    """Held-out error of the plain model on records without effect: floor and noise, by fold."""
+    nulls = [c.answer["held_out_percent"] for c in cases if c.planted["kind"] == "null"]
+    folds = sorted({fold for errors in nulls for fold in errors})
+    return {
+        fold: float(np.median([errors[fold]["before"] for errors in nulls if fold in errors]))
+        for fold in folds
+    }
 
 
 def _by(cases: Sequence[Case], *keys: str) -> dict[tuple[Any, ...], list[Case]]:
@@ -214,8 +228,8 @@ def _strong(cases: Sequence[Case]) -> set[str]:
     }
 
 
-def _effects(cases: Sequence[Case]) -> Iterator[Row]:
-    """Goals on single effects of one size."""
+def _effects(cases: Sequence[Case], left: Mapping[str, float]) -> Iterator[Row]:
+    """Goals on single effects of one size; `left` is what undisturbed records leave, by fold."""
     for (names,), of_name in _by_names(cases).items():
         yield share(f"2 power {names}", [c.noticed for c in of_name], "lower")
     strong = _strong(cases)
@@ -238,6 +252,9 @@ def _effects(cases: Sequence[Case]) -> Iterator[Row]:
     yield median("members of a class", [float(len(c.classes[0])) for c in right], "upper")
     removed = [np.median(c.held_out_removed()) for c in right if c.held_out_removed()]
     yield median("9 held-out error removed", removed, "lower")
+    if left:
+        at_most = [np.median(c.held_out_removed("", left)) for c in right if c.held_out_removed()]
+        yield median("9 if undisturbed records' error were left", at_most, "upper")
     for kind in FOLDS:
         parts = [part for c in right for part in c.held_out_removed(kind)]
         yield median(f"9 of {kind}", parts, "lower")

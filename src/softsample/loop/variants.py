@@ -69,6 +69,22 @@ class VariantSettings:
     precompression_mm: float = 0.3
 
 
+STEPS = {
+    "alpha1": "exponent",
+    "alpha2": "exponent",
+    "fibres_x": "fibre_ratio",
+    "fibres_z": "fibre_ratio",
+    "platen_tilt": "tilt_deg",
+    "platen_tilt_corner": "tilt_deg",
+    "partial_bond_x": "missing_bond",
+    "partial_bond_y": "missing_bond",
+    "boundary_shift": "shift_mm",
+    PRESSED: "precompression_mm",
+    PRESSED_ELSEWHERE: "precompression_mm",
+}
+"""Which setting is the step of a variant, for those that have one."""
+
+
 @dataclass(frozen=True, eq=False)
 class Sample:
     """A sample on the loop's coarse mesh.
@@ -237,7 +253,7 @@ def simulate_variants(
         Travels [m].
     changes : dict of (n,) float64
         Change of the force along the travel per shear modulus [m2]; names as the effects use them.
-        `platen_friction_loop` is what the force with friction is more on the way back.
+        Where a setting is the step, they are for its default, which the effects know. `platen_friction_loop` is what the force with friction is more on the way back.
     """
     model, shifted = ExplicitModel(sample.mesh, solver), ExplicitModel(sample.shifted, solver)
     boundary = mode_boundary(sample.mesh, sample.mode, sample.glued, contact)
@@ -280,7 +296,13 @@ def simulate_variants(
     if sample.mode == "shear":
         depth = 1e-3 * settings.precompression_mm
         changes |= _pressed_changes(model, material, boundary, pace, depth, normal)
-    return grid, changes
+    return grid, {name: change * _to_default(name, settings) for name, change in changes.items()}
+
+
+def _to_default(variant: str, settings: VariantSettings) -> float:
+    """Default step of a variant over that of the settings."""
+    step = STEPS.get(variant)
+    return getattr(VariantSettings, step) / getattr(settings, step) if step else 1.0
 
 
 def _pressed_changes(

@@ -253,7 +253,8 @@ def simulate_variants(
         Travels [m].
     changes : dict of (n,) float64
         Change of the force along the travel per shear modulus [m2]; names as the effects use them.
-        Where a setting is the step, they are for its default, which the effects know. `platen_friction_loop` is what the force with friction is more on the way back.
+        Where a setting is the step, they are for its default, which the effects know.
+        `platen_friction_loop` is what the force with friction is more on the way back.
     """
     model, shifted = ExplicitModel(sample.mesh, solver), ExplicitModel(sample.shifted, solver)
     boundary = mode_boundary(sample.mesh, sample.mode, sample.glued, contact)

@@ -132,7 +132,8 @@ def covariance(specimen: Specimen, noise: Noise, model: Array, settings: NoiseSe
     total = noise.white**2 / noise.size * np.eye(len(time))
     total += noise.slow**2 * np.exp(-lag / settings.correlation_s)
     apart = np.subtract.outer(travel, travel) / specimen.reach
-    moved = 0.01 * specimen.peak * np.clip(travel / (0.02 * specimen.reach), 0.0, 1.0)
+    onset = np.clip(specimen.travel / (0.02 * specimen.reach), 0.0, 1.0)
+    moved = 0.01 * specimen.peak * blocks(onset, size)
     for percent, length in (
         (settings.floor_percent, settings.floor_length),
         (settings.fine_percent, settings.fine_length),

@@ -12,7 +12,7 @@ from softsample.loop.diagnose import LoopSettings, diagnose, pose, report
 from softsample.loop.effects import library
 from softsample.loop.errors import errors, folds, held_out
 from softsample.loop.model import Material, Model, Packing, State
-from softsample.loop.noise import NoiseSettings, Whitener, covariance, measure_noise
+from softsample.loop.noise import Noise, NoiseSettings, Whitener, covariance, measure_noise
 from softsample.loop.page import page
 from softsample.loop.resample import resampled, stretches
 from softsample.loop.screen import family_wise, null_threshold, penalty, signatures
@@ -102,6 +102,20 @@ def test_before_the_platen_moves_there_is_no_floor(perfect):
     hold = np.flatnonzero(blocks((specimen.phase == "hold").astype(float), 20) == 1.0)
     floor = np.sqrt((with_floor - without)[hold[0], hold[0]])
     assert floor == pytest.approx(0.01 * np.hypot(1.0, 0.3) * specimen.peak, rel=1e-6)
+
+
+def test_an_error_that_begins_with_the_travel_is_a_floor_also_where_it_bends(perfect):
+    """Drawn sample by sample, beside little noise: the onset of a mean is not the mean onset."""
+    settings = NoiseSettings(fine_percent=0.0, scale_percent=0.0)
+    for specimen in perfect:
+        measured = measure_noise(specimen, settings)
+        noise = Noise(0.1 * measured.white, 0.1 * measured.slow, measured.size)
+        nothing = np.zeros(len(specimen.force) // noise.size)
+        matrix = covariance(specimen, noise, nothing, settings)
+        onset = np.clip(specimen.travel / (0.02 * specimen.reach), 0.0, 1.0)
+        error = 0.01 * specimen.peak * onset * np.cos(specimen.travel / specimen.reach)
+        white = Whitener(matrix, 1)(blocks(error, noise.size))
+        assert white @ white < 5.0
 
 
 def test_a_state_goes_into_a_vector_and_back():

@@ -195,7 +195,7 @@ def _round(
         candidates.append(Candidate(signature.effect.name, fit, gain, evidence))
     candidates.sort(key=lambda c: c.evidence, reverse=True)
     acceptable = [c for c in candidates if _acceptable(c, current, threshold)]
-    if not acceptable or acceptable[0] is not candidates[0]:
+    if not acceptable:
         return Step(threshold, candidates, None)
     best = min(acceptable, key=lambda c: not c.fit.model.effects[-1].idealised)
     candidates = [

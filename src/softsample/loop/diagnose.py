@@ -183,7 +183,7 @@ def _verdict(problem: Problem, selection: Selection, settings: LoopSettings, gro
 
     An explanation that leaves the records further off than floor and doubt of its form allow is
     none; `growth` is what it adds to the mean square error, in parts of the peak. Nor is one to
-    which the records ask for something more that no effect serves.
+    which the records ask loudly for something more that no effect serves.
     """
     rules, noise = settings.selection, settings.noise
     n = len(selection.final.white)
@@ -193,7 +193,7 @@ def _verdict(problem: Problem, selection: Selection, settings: LoopSettings, gro
     allowed = 1e-4 * (noise.floor_percent**2 + noise.scale_percent**2)
     if growth > allowed + rules.form_doubt**2 * _contribution(problem, selection.final):
         return "unknown"
-    if selection.unserved:
+    if selection.unserved and left / n > rules.unserved_ratio:
         return "unknown"
     return "explained" if selection.final.model.effects else "none"
 

@@ -48,6 +48,8 @@ class SelectionSettings:
     form_doubt, form_time_s : float
         Error in the form of an effect that has been chosen, as a part of its contribution, and
         its correlation time [s]; what comes after has to explain more than that.
+    unserved_ratio : float
+        White mean square above which evidence for more that no effect serves is called unknown.
     unknown_ratio, unknown_share : float
         The rest is called unknown if its white mean square is above the first and more than the
         second of the sum of squares beyond noise is left.
@@ -62,6 +64,7 @@ class SelectionSettings:
     class_cosine: float = 0.95
     form_doubt: float = 0.05
     form_time_s: float = 20.0
+    unserved_ratio: float = 2.0
     unknown_ratio: float = 1.25
     unknown_share: float = 0.3
 

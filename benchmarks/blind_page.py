@@ -80,8 +80,8 @@ SCORED = """
 ## Score
 
 Written from [data/blind/score.json](data/blind/score.json): design B, nominal sizes, seeds that no
-development saw. {judged} of the {planned} planned experiments were judged. In brackets the
-one-sided 95 % bound. Counts of effects are out of 25.
+development saw. {judged} of the {planned} experiments were judged; the plan is in random order. In
+brackets the one-sided 95 % bound. Counts of effects are out of 25.
 
 | goal | bar | noise only | n | bar | floor 1 % | n |
 |---|---|---|---|---|---|---|"""

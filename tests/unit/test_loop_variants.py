@@ -6,7 +6,12 @@ import pytest
 import laboratory
 from softsample.calibration.curves import CurveFamily
 from softsample.loop.specimen import Elastic
-from softsample.loop.variants import for_all_mixtures
+from softsample.loop.variants import (
+    PRESSED,
+    PRESSED_ELSEWHERE,
+    elsewhere,
+    for_all_mixtures,
+)
 
 THERE = 0.6
 ANOTHER = 0.85
@@ -45,6 +50,32 @@ def test_terms_of_the_solid_go_with_their_part_of_the_modulus_and_fibres_stay(fa
         np.testing.assert_allclose(
             carried(family, change, name), factor * change, atol=1e-9 * change.max()
         )
+
+
+def test_shear_of_a_compressed_sample_is_linear_in_the_mixture(family):
+    """From its parts of the force at two mixtures, as they were simulated."""
+    other = elsewhere(THERE)
+    parts = {PRESSED: (THERE, -0.03), PRESSED_ELSEWHERE: (other, -0.07)}
+    changes = {name: part * family.curve(r) for name, (r, part) in parts.items()}
+    found = for_all_mixtures(changes, family, THERE)
+    assert set(found) == {PRESSED}
+    expected = -0.03 + (ANOTHER - THERE) / (other - THERE) * -0.04
+    force = family.curve(ANOTHER)
+    np.testing.assert_allclose(
+        found[PRESSED].curve(ANOTHER), expected * force, atol=1e-6 * force.max()
+    )
+
+
+def test_a_curve_bends_on_beyond_its_end(family):
+    """As a parabola does; straight on would be off by more than a thousandth."""
+    travel = family.displacement
+    bent = CurveFamily(np.array([0.5]), travel, (3.0 * travel + 400.0 * travel**2)[None])
+    beyond = 1.1 * travel[-1]
+    np.testing.assert_allclose(
+        Elastic(bent).force_per_mu(0.5, np.array([beyond])),
+        3.0 * beyond + 400.0 * beyond**2,
+        rtol=1e-4,
+    )
 
 
 def test_the_grain_of_the_mesh_is_smoothed_away(family):

@@ -159,7 +159,7 @@ def diagnose(
         before,
         after,
         held_out_before,
-        held_out_before if same else held_out(problem, final, spread),
+        held_out_before if same else held_out(selection.problem, final, spread),
     )
 
 

@@ -111,6 +111,8 @@ class Selection:
 
     Parameters
     ----------
+    problem : Problem
+        The records, with room for error in the form of what was chosen.
     library : list of Effect
         What was chosen from.
     base, final : Fit
@@ -125,6 +127,7 @@ class Selection:
         Strength of each effect's signature at nominal size in the plain model.
     """
 
+    problem: Problem
     library: list[Effect]
     base: Fit
     final: Fit
@@ -166,7 +169,7 @@ def select(problem: Problem, effects: Sequence[Effect], settings: SelectionSetti
         chosen = problem.fit(step.chosen.fit.model, step.chosen.fit.state)
         current = _pruned(problem, chosen, settings)
         classes = {name: classes[name] for name in current.model.names}
-    return Selection(library, base, current, steps, classes, weak, strengths)
+    return Selection(problem, library, base, current, steps, classes, weak, strengths)
 
 
 def _round(

@@ -54,8 +54,8 @@ class VariantSettings:
         Part of the glued area that is taken off: the mean of the sides that face x, and of y.
     shift_mm : float
         Shift of the surface [mm].
-    friction : float
-        Coefficient of the run whose platen goes back, about that of brain on metal.
+    frictions : sequence of float
+        Coefficients of the runs whose platen goes back: rough, and about that of brain on metal.
     precompression_mm : float
         Compression from which a glued sample is sheared [mm].
     """
@@ -65,7 +65,7 @@ class VariantSettings:
     tilt_deg: float = 1.0
     missing_bond: float = 0.125
     shift_mm: float = 0.1
-    friction: float = 0.1
+    frictions: Sequence[float] = (0.3, 0.1)
     precompression_mm: float = 0.3
 
 
@@ -254,7 +254,7 @@ def simulate_variants(
     changes : dict of (n,) float64
         Change of the force along the travel per shear modulus [m2]; names as the effects use them.
         Where a setting is the step, they are for its default, which the effects know.
-        `platen_friction_loop` is what the force with friction is more on the way back.
+        `platen_friction_0.1_loop` is what the force with this friction is more on the way back.
     """
     model, shifted = ExplicitModel(sample.mesh, solver), ExplicitModel(sample.shifted, solver)
     boundary = mode_boundary(sample.mesh, sample.mode, sample.glued, contact)
@@ -285,15 +285,19 @@ def simulate_variants(
         changes[name] = (run() - base) / material.shear_modulus
     grid = pace.run.displacement
     if sample.mode == "compression":
-        rubbing = platen_boundary(sample.mesh, replace(contact, friction=settings.friction))
-        cycle = model.run(
-            material,
-            rubbing,
-            History(np.array([0.0, 1.0, 2.0]), np.array([0.0, turn or reach, 0.0])),
-            loading_time=CYCLE_PACE * pace.loading_time,
-        )
-        friction = _cycle_changes(cycle.displacement, wanted_force(cycle, normal), grid, base)
-        changes |= {name: change / material.shear_modulus for name, change in friction.items()}
+        there_and_back = History(np.array([0.0, 1.0, 2.0]), np.array([0.0, turn or reach, 0.0]))
+        for friction in settings.frictions:
+            cycle = model.run(
+                material,
+                platen_boundary(sample.mesh, replace(contact, friction=friction)),
+                there_and_back,
+                loading_time=CYCLE_PACE * pace.loading_time,
+            )
+            found = _cycle_changes(cycle.displacement, wanted_force(cycle, normal), grid, base)
+            changes |= {
+                f"platen_friction_{friction:g}{part}": change / material.shear_modulus
+                for part, change in zip(("", "_loop"), found, strict=True)
+            }
     if sample.mode == "shear":
         depth = 1e-3 * settings.precompression_mm
         changes |= _pressed_changes(model, material, boundary, pace, depth, normal)
@@ -344,7 +348,7 @@ def elsewhere(mixture: float) -> float:
     return mixture + (0.25 if mixture < 0.5 else -0.25)
 
 
-def _cycle_changes(cycle: Array, force: Array, travel: Array, stuck: Array) -> dict[str, Array]:
+def _cycle_changes(cycle: Array, force: Array, travel: Array, stuck: Array) -> tuple[Array, Array]:
     """Changes (n,) [N] by friction while loading, and from there to the way back.
 
     Parameters
@@ -357,10 +361,8 @@ def _cycle_changes(cycle: Array, force: Array, travel: Array, stuck: Array) -> d
     turn = len(cycle) // 2
     loading = cycle[: turn + 1]
     there, back = force[: turn + 1], force[turn:][::-1]
-    return {
-        "platen_friction": np.interp(travel, loading, there - np.interp(loading, travel, stuck)),
-        "platen_friction_loop": np.interp(travel, loading, back - there),
-    }
+    rubbing = there - np.interp(loading, travel, stuck)
+    return np.interp(travel, loading, rubbing), np.interp(travel, loading, back - there)
 
 
 def paced(model: ExplicitModel, material: OgdenMaterial, boundary: Boundary, reach: float) -> Pace:

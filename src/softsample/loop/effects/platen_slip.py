@@ -7,6 +7,9 @@ import numpy as np
 from softsample.loop.effects.base import Array, Effect, Parameter, Values
 from softsample.loop.specimen import Specimen
 
+LOOP = "_loop"
+"""Ends the names of runs with friction that come back: what their force is more on that way."""
+
 
 def _elastic(specimen: Specimen, mixture: float, travel: Array, values: Values) -> Array:
     slip = specimen.elastic.change_per_mu("platen_slip", mixture, travel)
@@ -16,24 +19,29 @@ def _elastic(specimen: Specimen, mixture: float, travel: Array, values: Values) 
 def _loop(specimen: Specimen, mixture: float, travel: Array, share: float) -> Array:
     """Change (n,) [m2] from loading to the way back.
 
-    Between the three runs, sticking, with friction, and without, it is linear in the share of the
-    slip: a sample that sticks does not rub, and sliding without friction costs nothing. The run
-    turns where the family ends; elsewhere the loop is the same part of the force at the turn, at
+    Between the runs, sticking, with more or less friction, and without, it is linear in the share
+    of the slip: a sample that sticks does not rub, and sliding without friction costs nothing. The
+    runs turn where the family ends; elsewhere a loop is the same part of the force at the turn, at
     the same part of the way.
     """
     elastic = specimen.elastic
-    if "platen_friction_loop" not in elastic.variants:
+    runs = [name for name in elastic.variants if name.endswith(LOOP)]
+    if not runs or not share:
         return np.zeros_like(travel)
     change, end = partial(elastic.change_per_mu, mixture=mixture), elastic.family.displacement[-1:]
-    rubbing = change("platen_friction", travel=end) / change("platen_slip", travel=end)
-    share_of_run = np.clip(rubbing.item(), 0.01, 0.99)
-    size = np.interp(share, [0.0, share_of_run, 1.0], [0.0, 1.0, 0.0])
+    free = change("platen_slip", travel=end).item()
+    shares = {run: change(run.removesuffix(LOOP), travel=end).item() / free for run in runs}
+    runs.sort(key=lambda run: shares[run])
+    corners = [0.0, *np.clip([shares[run] for run in runs], 0.01, 0.99), 1.0]
     turn = np.maximum.accumulate(np.maximum(travel, 1e-3 * end))
     way = travel / turn
-    loop = change("platen_friction_loop", travel=end * way)
-    loop -= way * change("platen_friction_loop", travel=end)  # smoothing leaves some at the turn
+    loop = np.zeros_like(travel)
+    for run, weights in zip(runs, np.eye(len(corners))[1:-1], strict=True):
+        size = np.interp(share, corners, weights)
+        if size:  # smoothing leaves some at the turn
+            loop += size * (change(run, travel=end * way) - way * change(run, travel=end))
     at_turn, at_end = (elastic.force_per_mu(mixture, where) for where in (turn, end))
-    return np.where(specimen.phase == "ramp", 0.0, size * loop * at_turn / at_end)
+    return np.where(specimen.phase == "ramp", 0.0, loop * at_turn / at_end)
 
 
 EFFECT = Effect(
@@ -42,7 +50,7 @@ EFFECT = Effect(
     parameters=(Parameter("share", "1", 0.0, 1.0, 0.3),),
     tier="M",
     source="Rashid, Destrade, Gilchrist, J. Mech. Behav. Biomed. Mater. 12 (2012); own runs "
-    "without friction, and there and back with a coefficient of 0.1",
+    "without friction, and there and back with coefficients of 0.1 and 0.3",
     signature="compression softer, more so with the stroke; on the way back below the loading",
     confused_with=("tension_compression_asymmetry", "poisson_ratio", "partial_bond"),
     experiment="marks on the edge of the top; glue the compression sample",

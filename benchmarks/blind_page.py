@@ -1,7 +1,7 @@
 """Writes docs/blindlab.md from the blind laboratory: python benchmarks/blind_page.py."""
 
 import json
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator, Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
@@ -11,6 +11,7 @@ from softsample.blindlab.records import DESIGNS, HOLD, MU_PA, REST, SLOW, SPEED,
 DOCS = Path(__file__).parents[1] / "docs"
 PAGE = DOCS / "blindlab.md"
 SCORE = DOCS / "data/blind/score.json"
+FULL = DOCS / "data/blind-full/score.json"
 HEAD = f"""# The blind laboratory
 
 Written by `benchmarks/blind_page.py` from `softsample.blindlab`; edit the files there.
@@ -97,6 +98,24 @@ Noticed and wrongly named, by effect:
 | effect | noticed | wrong | noticed, floor 1 % | wrong, floor 1 % |
 |---|---|---|---|---|"""
 
+FULL_SCORE = """
+## All sizes and designs
+
+Written from [data/blind-full/score.json](data/blind-full/score.json): {judged} of {planned}
+experiments, {seeds} of each effect, design, size and floor. Over the 25 effects: how many were
+noticed, how many of these in the right class, how many of all wrongly named. False alarms; kinds
+without a name, at any size, called unknown or none; pairs at 1x with both classes named.
+
+| design | floor | size | noticed | class right | wrong | false alarms | strangers | pairs |
+|---|---|---|---|---|---|---|---|---|"""
+
+SMALLEST = """
+Smallest multiple of the size called 1x from which on an effect was noticed in every experiment
+(–: none of {sizes}):
+
+| effect | {settings} |
+|---|{rules}|"""
+
 CONFUSION = """
 ![What was planted against what was answered](figures/blind/confusion.png)
 """
@@ -111,6 +130,8 @@ def page() -> str:
         lines += ["", title, "", words, "", *_table(kinds)]
     if SCORE.exists():
         lines += _score(json.loads(SCORE.read_text(encoding="utf-8")))
+    if FULL.exists():
+        lines += _full(json.loads(FULL.read_text(encoding="utf-8")))
     return "\n".join(lines) + "\n"
 
 
@@ -144,6 +165,52 @@ def _score(found: Mapping[str, Any]) -> Iterator[str]:
         ]
         yield f"| `{name}` | {' | '.join(cells)} |"
     yield CONFUSION.rstrip()
+
+
+def _full(found: Mapping[str, Any]) -> Iterator[str]:
+    """Every design, floor and size; then from which size on each effect is noticed."""
+    rows = {
+        (row["goal"], row["design"], row["floor_percent"], row["size"]): row
+        for row in found["score"]
+    }
+    settings = sorted({(design, floor) for _, design, floor, _ in rows})
+    sizes = sorted({size for *_, size in rows if size is not None})
+    power = {
+        (name, *setting, size): rows[f"2 power {name}", *setting, size]
+        for name in EFFECTS
+        for setting in settings
+        for size in sizes
+    }
+    yield FULL_SCORE.format(**found["experiments"], seeds=max(row["n"] for row in power.values()))
+    for setting in settings:
+        for size in sizes:
+            here = [power[name, *setting, size] for name in EFFECTS]
+            noticed = sum(row["value"] * row["n"] for row in here) / sum(row["n"] for row in here)
+            cells = [_shown("", noticed)] + [
+                _shown("", rows[goal, *setting, size]["value"])
+                for goal in ("3 class correct when noticed", "5 confidently wrong")
+            ]
+            whole = ("1 false alarms", "6 out of library: unknown or none", "8 pairs: both classes")
+            cells += [
+                _shown("", rows[goal, *setting, None]["value"]) if size == 1.0 else ""
+                for goal in whole
+            ]
+            yield f"| {setting[0]} | {setting[1]:g} % | {size:g} | {' | '.join(cells)} |"
+    yield SMALLEST.format(
+        sizes=", ".join(f"{size:g}" for size in sizes),
+        settings=" | ".join(f"{design}, floor {floor:g} %" for design, floor in settings),
+        rules="|".join("---" for _ in settings),
+    )
+    for name in EFFECTS:
+        cells = [_smallest([(s, power[name, *setting, s]["value"]) for s in sizes])
+                 for setting in settings]  # fmt: skip
+        yield f"| `{name}` | {' | '.join(cells)} |"
+
+
+def _smallest(noticed: Sequence[tuple[float, float]]) -> str:
+    """First size from which on the share that was noticed is one."""
+    always = [size for k, (size, _) in enumerate(noticed) if all(p == 1.0 for _, p in noticed[k:])]
+    return f"{always[0]:g}" if always else "–"
 
 
 def _judged(goal: str, sign: str, bar: float, row: Mapping[str, Any]) -> str:

@@ -205,16 +205,16 @@ def test_a_broken_seal_is_refused():
         opened({"experiments": [1]}, {"sha256": "ab"}, "cd")
 
 
-def case(names, verdict, classes=(), kind="effect", **more):
+def case(names, verdict, classes=(), kind="effect", size=1.0, **more):
     planted = {
-        "kind": kind, "names": names, "design": "B", "floor_percent": 0.0, "size": 1.0,
+        "kind": kind, "names": names, "design": "B", "floor_percent": 0.0, "size": size,
         "mu_pa": 1000.0, "sizes": {"force_drift": {"mN_per_s": 0.1}},
     }  # fmt: skip
-    size = {"mN_per_s": {"value": 0.11, "low": 0.09, "high": 0.13}}
+    fitted = {"mN_per_s": {"value": 0.11, "low": 0.09, "high": 0.13}}
     mu = {"value": 1010.0, "low": 1000.0, "high": 1020.0}
     answer = {
         "verdict": verdict,
-        "effects": [{"name": c[0], "class": c, "parameters": size} for c in classes],
+        "effects": [{"name": c[0], "class": c, "parameters": fitted} for c in classes],
         "theta_before": {"mu": {**mu, "value": 1100.0}},
         "theta_after": {"mu": mu},
         "held_out_percent": {
@@ -293,6 +293,25 @@ def test_the_page_is_the_laboratory():
     assert page == blind_page.page(), "stale: run python benchmarks/blind_page.py"
     for name in KINDS:
         assert f"`{name}`" in page
+
+
+def test_an_effect_counts_as_seen_from_the_size_on_above_which_it_never_was_missed():
+    assert blind_page._smallest([(0.25, 1.0), (0.5, 0.8), (1.0, 1.0), (2.0, 1.0)]) == "1"
+    assert blind_page._smallest([(1.0, 1.0), (2.0, 0.8)]) == "–"
+
+
+def test_the_page_of_all_sizes_has_every_effect_and_setting():
+    cases = [
+        case([name], "explained", [[name]], size=size)
+        for name in blind_page.EFFECTS
+        for size in (0.5, 1.0)
+    ]
+    found = {"score": score(cases), "experiments": {"planned": 60, "judged": len(cases)}}
+    lines = "\n".join(blind_page._full(found))
+    assert "50 of 60" in " ".join(lines.split())
+    assert "| B | 0 % | 0.5 | 100 % | 100 % | 0 % |  |  |  |" in lines
+    for name in blind_page.EFFECTS:
+        assert f"| `{name}` | 0.5 |" in lines
 
 
 def test_a_sample_that_slips_gives_back_less():

@@ -1,0 +1,48 @@
+"""docs/loop.md tells of the undeclared records what their committed tables say."""
+
+from pathlib import Path
+
+import pandas as pd
+import pytest
+
+DOCS = Path(__file__).parents[2] / "docs"
+PAGE = " ".join((DOCS / "loop.md").read_text(encoding="utf-8").split())
+DATA = DOCS / "data/undeclared"
+SCORE = pd.read_csv(DATA / "after_changes_score.csv", keep_default_na=False)
+LOOP = pd.read_csv(DATA / "after_changes_loop.csv", keep_default_na=False)
+
+
+def classes(named):
+    return named.replace("|", " or ") or "–"
+
+
+@pytest.mark.parametrize("row", list(SCORE.itertuples()), ids=SCORE["group"])
+def test_each_group_has_its_line(row):
+    cells = (
+        row.group,
+        row.truth or "none",
+        row.verdict,
+        classes(row.named),
+        "yes" if row.right else "no",
+        f"{row.held_out_removed_percent:.0f}",
+        f"{row.mu_error_before_percent:+.1f}, {row.mu_error_after_percent:+.1f}",
+    )
+    assert f"| {' | '.join(cells)} |" in PAGE
+
+
+def test_medians_are_those_of_the_table():
+    with_effect = SCORE[SCORE["truth"] != ""]
+    seen = with_effect[with_effect["right"]]
+    removed = "held_out_removed_percent"
+    assert f"median of all nine falls by {with_effect[removed].median():.0f} %" in PAGE
+    assert f"that of the {len(seen)} that are seen by {seen[removed].median():.0f} %" in PAGE
+    assert f"{SCORE['right'].sum()} of {len(SCORE)} are right" in PAGE
+
+
+def test_held_out_errors_of_the_cuboid_are_those_of_the_table():
+    ideal = LOOP[LOOP["geometry"] == "ideal"]
+    named = ideal["classes"].str.contains("real_geometry")
+    before, after = (ideal[f"held_out_{when}_percent"] for when in ("before", "after"))
+    assert f"is named in {named.sum()} of the {len(ideal)} animals" in PAGE
+    assert f"from {before.min():.0f} to {before.max():.0f} % of the peak" in PAGE
+    assert f"to {after.min():.1f} to {after.max():.0f} %" in PAGE

@@ -30,9 +30,9 @@ DEGREE = 5
 MARGIN = 1.05
 """Runs go this much further than the record, for effects that shift the travel."""
 
-CYCLE_PACE = 4.0
+CYCLE_PACE = 3.0
 """Loading time of a run that comes back, over that of the others. Its loop is a small difference of
-two large forces: at their pace a fifth of it was inertia, at a quarter of it 2 %."""
+two large forces: at their pace up to a quarter of it was inertia, at a third of it 2 %."""
 
 PRESSED, PRESSED_ELSEWHERE = "pressed", "pressed_elsewhere"
 """Shear of a sample that was compressed before, at the mixture of the others and at another one."""
@@ -55,7 +55,7 @@ class VariantSettings:
     shift_mm : float
         Shift of the surface [mm].
     frictions : sequence of float
-        Coefficients of the runs whose platen goes back: rough, and about that of brain on metal.
+        Coefficients of the runs whose platen goes back; that of brain on metal is about 0.1.
     precompression_mm : float
         Compression from which a glued sample is sheared [mm].
     """
@@ -65,7 +65,7 @@ class VariantSettings:
     tilt_deg: float = 1.0
     missing_bond: float = 0.125
     shift_mm: float = 0.1
-    frictions: Sequence[float] = (0.3, 0.1)
+    frictions: Sequence[float] = (0.3, 0.15, 0.05)
     precompression_mm: float = 0.3
 
 
@@ -254,7 +254,7 @@ def simulate_variants(
     changes : dict of (n,) float64
         Change of the force along the travel per shear modulus [m2]; names as the effects use them.
         Where a setting is the step, they are for its default, which the effects know.
-        `platen_friction_0.1_loop` is what the force with this friction is more on the way back.
+        `platen_friction_0.15_loop` is what the force with this friction is more on the way back.
     """
     model, shifted = ExplicitModel(sample.mesh, solver), ExplicitModel(sample.shifted, solver)
     boundary = mode_boundary(sample.mesh, sample.mode, sample.glued, contact)

@@ -50,7 +50,7 @@ EFFECT = Effect(
     parameters=(Parameter("share", "1", 0.0, 1.0, 0.3),),
     tier="M",
     source="Rashid, Destrade, Gilchrist, J. Mech. Behav. Biomed. Mater. 12 (2012); own runs "
-    "without friction, and there and back with coefficients of 0.1 and 0.3",
+    "without friction, and there and back with coefficients of 0.05, 0.15 and 0.3",
     signature="compression softer, more so with the stroke; on the way back below the loading",
     confused_with=("tension_compression_asymmetry", "poisson_ratio", "partial_bond"),
     experiment="marks on the edge of the top; glue the compression sample",

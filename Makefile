@@ -43,7 +43,7 @@ help:
 	echo "make bench-imaging  accuracy of segmentation and mesh on made-up images: docs/accuracy.md"
 	echo "make undeclared records with undeclared effects, from image to scored verdict: results/undeclared/"
 	echo "make blind      the loop on records with undeclared effects, scored: results/blind/"
-	echo "make blind-full the same at four sizes and three designs (hours): results/blind-full/"
+	echo "make blind-full the same at four sizes and three designs, fewer of each: results/blind-full/"
 	echo "make measured   the loop on records of others, if they are there: results/measured/"
 	echo "make measured-docs  the same, and docs/measured.md as it came out"
 	echo "make format     let ruff and snakefmt rewrite the sources"

@@ -17,7 +17,7 @@ HEAD = f"""# The blind laboratory
 Written by `benchmarks/blind_page.py` from `softsample.blindlab`; edit the files there.
 
     make blind        # every effect at its nominal size, design B: results/blind/
-    make blind-full   # four sizes, designs A, B and C: results/blind-full/
+    make blind-full   # four sizes, designs A, B and C, fewer of each: results/blind-full/
 
 The laboratory makes records with effects that nobody declares and asks the loop what is wrong. It
 shares nothing with the effect library: its formulas are others, relaxation has a continuous

@@ -186,6 +186,16 @@ def test_what_a_fold_leaves_out_stays_unknown_to_it():
     assert after.rms == pytest.approx(before.rms, rel=0.3)
 
 
+def test_folds_allow_for_errors_of_form_as_the_final_fit_does(found):
+    doubting, posed = found.selection.problem, found.problem
+    for more, less in zip(doubting.whiteners, posed.whiteners, strict=True):
+        assert more.log_determinant > less.log_determinant
+    spread = [noise.block for noise in found.noises]
+    assert found.held_out_after == held_out(doubting, found.selection.final, spread)
+    assert found.held_out_before == held_out(posed, found.selection.base, spread)
+    assert found.held_out_after != held_out(posed, found.selection.final, spread)
+
+
 def test_signatures_are_what_no_change_of_the_material_imitates(problem):
     base = problem.fit_material()
     names = ("force_offset", "force_drift", "gain", "rate_stiffening")

@@ -90,7 +90,8 @@ def folds(problem: Problem) -> dict[str, list[Mask]]:
 def held_out(problem: Problem, fit: Fit, noises: Sequence[float]) -> dict[str, dict[str, Error]]:
     """Error on what a fold leaves out, by fold and mode, of the model fitted to the rest.
 
-    Sizes that the rest does not show are neutral, so that nothing of what was left out is known.
+    The noise of `problem` has to allow for errors in the form of the fit's effects. Sizes that the
+    rest does not show are neutral, so that nothing of what was left out is known.
     """
     report = {}
     for name, masks in folds(problem).items():

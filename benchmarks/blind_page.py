@@ -180,11 +180,12 @@ def _full(found: Mapping[str, Any]) -> Iterator[str]:
         for name in EFFECTS
         for setting in settings
         for size in sizes
+        if (f"2 power {name}", *setting, size) in rows
     }
     yield FULL_SCORE.format(**found["experiments"], seeds=max(row["n"] for row in power.values()))
     for setting in settings:
         for size in sizes:
-            here = [power[name, *setting, size] for name in EFFECTS]
+            here = [row for (_, *where), row in power.items() if where == [*setting, size]]
             noticed = sum(row["value"] * row["n"] for row in here) / sum(row["n"] for row in here)
             cells = [_shown("", noticed)] + [
                 _shown("", rows[goal, *setting, size]["value"])
@@ -202,8 +203,14 @@ def _full(found: Mapping[str, Any]) -> Iterator[str]:
         rules="|".join("---" for _ in settings),
     )
     for name in EFFECTS:
-        cells = [_smallest([(s, power[name, *setting, s]["value"]) for s in sizes])
-                 for setting in settings]  # fmt: skip
+        cells = [
+            _smallest([
+                (size, power[name, *setting, size]["value"])
+                for size in sizes
+                if (name, *setting, size) in power
+            ])
+            for setting in settings
+        ]  # fmt: skip
         yield f"| `{name}` | {' | '.join(cells)} |"
 
 

@@ -120,7 +120,7 @@ CONFUSION = """
 ![What was planted against what was answered](figures/blind/confusion.png)
 """
 
-Rows = Mapping[tuple[str, float], Mapping[str, Any]]
+Rows = Mapping[tuple[Any, ...], Mapping[str, Any]]
 
 
 def page() -> str:
@@ -197,6 +197,13 @@ def _full(found: Mapping[str, Any]) -> Iterator[str]:
                 for goal in whole
             ]
             yield f"| {setting[0]} | {setting[1]:g} % | {size:g} | {' | '.join(cells)} |"
+    yield from _smallest_sizes(power, settings, sizes)
+
+
+def _smallest_sizes(
+    power: Rows, settings: Sequence[tuple[str, float]], sizes: Sequence[float]
+) -> Iterator[str]:
+    """From which size on each effect is noticed; `power` by effect, design, floor and size."""
     yield SMALLEST.format(
         sizes=", ".join(f"{size:g}" for size in sizes),
         settings=" | ".join(f"{design}, floor {floor:g} %" for design, floor in settings),

@@ -85,6 +85,32 @@ def test_a_second_larger_cycle_has_a_larger_loop_and_loads_as_the_first_did():
     assert lost(cycle(1.0), RUBBING) == pytest.approx(lost(cycle(3.0), RUBBING) / 9.0, rel=1e-3)
 
 
+def test_between_two_runs_the_loop_is_between_theirs():
+    """A second run that slips a fifth as much has a loop of half the depth, deepest earlier."""
+    specimen = cycle(3.0)
+    variants = specimen.elastic.variants
+    grid = specimen.elastic.family.displacement
+    way = grid / grid[-1]
+    rough = -0.5 * DEPTH * grid[-1] * 6.75 * way * (1.0 - way) ** 2
+    both = {
+        **variants,
+        "platen_friction_0.3": 0.2 * variants["platen_friction_0.1"],
+        "platen_friction_0.3_loop": rough,
+    }
+    specimen = replace(specimen, elastic=replace(specimen.elastic, variants=both))
+    less = 0.2 * RUBBING
+
+    def loop(share):
+        return force(specimen, share) - (1.0 - 0.2 * share) * specimen.travel * 1e3
+
+    assert loop(less).min() == pytest.approx(-0.5 * DEPTH * 3.0, rel=1e-3)
+    assert specimen.travel[np.argmin(loop(less))] == pytest.approx(1e-3, abs=3e-5)
+    assert loop(RUBBING).min() == pytest.approx(-DEPTH * 3.0, rel=1e-3)
+    for low, high in ((less, RUBBING), (0.0, less), (RUBBING, 1.0)):
+        middle = 0.5 * (loop(low) + loop(high))
+        np.testing.assert_allclose(loop(0.5 * (low + high)), middle, atol=1e-12)
+
+
 @pytest.mark.parametrize("names", [(), ("platen_slip",)])
 def test_a_model_without_a_run_that_comes_back_has_no_loop(names):
     specimen = cycle(3.0)

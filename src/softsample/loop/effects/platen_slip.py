@@ -38,10 +38,11 @@ def _loop(specimen: Specimen, mixture: float, travel: Array, share: float) -> Ar
     loop = np.zeros_like(travel)
     for run, weights in zip(runs, np.eye(len(corners))[1:-1], strict=True):
         size = np.interp(share, corners, weights)
-        if size:  # smoothing leaves some at the turn
-            loop += size * (change(run, travel=end * way) - way * change(run, travel=end))
-    at_turn, at_end = (elastic.force_per_mu(mixture, where) for where in (turn, end))
-    return np.where(specimen.phase == "ramp", 0.0, loop * at_turn / at_end)
+        if size:
+            at_turn = change(run, travel=end)  # what smoothing leaves there
+            loop += size * (change(run, travel=end * way) - way * at_turn)
+    force_at_turn, force_at_end = (elastic.force_per_mu(mixture, x) for x in (turn, end))
+    return np.where(specimen.phase == "ramp", 0.0, loop * force_at_turn / force_at_end)
 
 
 EFFECT = Effect(

@@ -1,4 +1,4 @@
-"""docs/loop.md tells of the undeclared records what their committed tables say."""
+"""docs/loop.md tells of undeclared records and cohort what the committed tables say."""
 
 from pathlib import Path
 
@@ -46,3 +46,16 @@ def test_held_out_errors_of_the_cuboid_are_those_of_the_table():
     assert f"is named in {named.sum()} of the {len(ideal)} animals" in PAGE
     assert f"from {before.min():.0f} to {before.max():.0f} % of the peak" in PAGE
     assert f"to {after.min():.1f} to {after.max():.0f} %" in PAGE
+
+
+def test_the_cohort_is_that_of_its_tables():
+    cohort = pd.read_csv(DOCS / "data/loop/cohort.csv", keep_default_na=False)
+    ideal = cohort[(cohort["geometry"] == "ideal") & cohort["group"].str.startswith("TC")]
+    named = ideal["classes"].str.contains("real_geometry").sum()
+    assert f"In the cohort it is {named} of the {len(ideal)} groups" in PAGE
+    runs = pd.read_csv(DOCS / "data/loop/confirmation.csv").set_index("group")
+    refuted = runs.loc["TC1"]
+    assert not refuted["confirmed"]
+    evidence = f"evidence {refuted['evidence']:.0f} when scaled"
+    confirmed = f"{refuted['evidence_confirmed']:.0f} when run"
+    assert f"{evidence}, {confirmed}, under the threshold of {refuted['threshold']:.0f}" in PAGE

@@ -52,7 +52,8 @@ class SelectionSettings:
         White mean square above which evidence for more that no effect serves is called unknown.
     unknown_ratio, unknown_share : float
         The rest is called unknown if its white mean square is above the first and more than the
-        second of the sum of squares beyond noise is left.
+        second of the sum of squares beyond noise is left. Below the first, an effect need not
+        take a third of it.
     """
 
     most_effects: int = 3
@@ -200,7 +201,7 @@ def _round(
         evidence = likelier - penalty(signature.effect, n)
         candidates.append(Candidate(signature.effect.name, fit, gain, evidence))
     candidates.sort(key=lambda c: c.evidence, reverse=True)
-    acceptable = [c for c in candidates if _acceptable(c, current, threshold)]
+    acceptable = [c for c in candidates if _acceptable(c, current, threshold, settings)]
     if not acceptable:
         return Step(threshold, candidates, None)
     best = min(acceptable, key=lambda c: not c.fit.model.effects[-1].idealised)
@@ -221,10 +222,14 @@ def _round(
     return Step(threshold, candidates, best, members)
 
 
-def _acceptable(best: Candidate, current: Fit, threshold: float) -> bool:
-    """Whether a candidate passes the threshold and takes a third of what is beyond noise."""
-    excess = current.cost - len(current.white)
-    return best.gain > excess / 3.0 and best.evidence >= threshold
+def _acceptable(
+    candidate: Candidate, current: Fit, threshold: float, settings: SelectionSettings
+) -> bool:
+    """Whether a candidate passes the threshold and, of a rest that is unknown, takes a third."""
+    noise = len(current.white)
+    unknown = current.cost > settings.unknown_ratio * noise
+    enough = not unknown or candidate.gain > (current.cost - noise) / 3.0
+    return enough and candidate.evidence >= threshold
 
 
 def _joint(problem: Problem, current: Fit, signature: Signature) -> Fit:

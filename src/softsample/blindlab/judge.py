@@ -14,7 +14,7 @@ import pandas as pd
 from softsample.blindlab.curves import MM
 from softsample.blindlab.records import Record
 from softsample.calibration.curves import CurveFamily
-from softsample.loop.diagnose import LoopSettings, diagnose, report
+from softsample.loop.diagnose import LoopSettings, diagnose, judgement
 from softsample.loop.specimen import Elastic, Specimen
 from softsample.loop.variants import for_all_mixtures
 
@@ -86,7 +86,7 @@ def answer(
         for k, record in enumerate(records)
     ]
     found = diagnose(specimens, settings)
-    verdict = report(found, settings)
+    verdict = judgement(found, settings)
     held_out = {
         fold: {when: _root_mean_square(verdict[f"held_out_{when}"][fold]) for when in WHEN}
         for fold in verdict["held_out_before"]

@@ -11,6 +11,7 @@ from softsample.loop.effects import library
 from softsample.loop.effects.base import Effect
 from softsample.loop.errors import Error, errors, held_out
 from softsample.loop.fit import Fit, Problem
+from softsample.loop.limits import detection_limits
 from softsample.loop.model import FIXED, Material, Model
 from softsample.loop.noise import (
     Noise,
@@ -200,6 +201,28 @@ def _verdict(problem: Problem, selection: Selection, settings: LoopSettings, gro
 
 def report(diagnosis: Diagnosis, settings: LoopSettings) -> dict[str, Any]:
     """What `verdict.json` holds."""
+    limits = detection_limits(diagnosis.problem, diagnosis.selection)
+    found = judgement(diagnosis, settings)
+    unseen = {e.name for e in diagnosis.selection.library} - set(limits)
+    return {
+        **found,
+        "not_identifiable": sorted({*found["not_identifiable"], *unseen}),
+        "detection_limits": {
+            e.name: _first_size(e, limits[e.name])
+            for e in diagnosis.selection.library
+            if e.name in limits
+        },
+    }
+
+
+def _first_size(effect: Effect, multiple: float) -> dict[str, float | str]:
+    """Distance of the first size from its neutral value at a multiple of the nominal one."""
+    first = next(p for p in effect.sizes if p.nominal != p.neutral)
+    return {"value": multiple * abs(first.nominal - first.neutral), "unit": first.unit}
+
+
+def judgement(diagnosis: Diagnosis, settings: LoopSettings) -> dict[str, Any]:
+    """What `verdict.json` holds, but for the sizes that would have been seen."""
     selection = diagnosis.selection
     final = selection.final
     return {
@@ -243,7 +266,6 @@ def report(diagnosis: Diagnosis, settings: LoopSettings) -> dict[str, Any]:
         "not_identifiable": sorted(
             {*selection.weak, *(e.name for e in library().values() if not e.identifiable)}
         ),
-        "detection_limits": _limits(selection),
     }
 
 
@@ -304,19 +326,3 @@ def _effect_report(effect: Effect, selection: Selection, doubt: float) -> dict[s
         "evidence": chosen.evidence,
         "separating_experiment": effect.experiment,
     }
-
-
-def _limits(selection: Selection) -> dict[str, dict[str, float | str]]:
-    """Size of each effect's first parameter that the family-wise threshold would just let pass."""
-    threshold = selection.steps[0].threshold
-    known = {effect.name: effect for effect in selection.library}
-    limits: dict[str, dict[str, float | str]] = {}
-    for name, strength in selection.signatures.items():
-        if strength <= 0.0:
-            continue
-        effect = known[name]
-        need = np.sqrt(threshold + len(effect.parameters) * np.log(len(selection.base.white)))
-        first = effect.sizes[0]
-        size = abs(first.nominal - first.neutral or 0.1 * (first.high - first.neutral))
-        limits[name] = {"value": float(size * need / strength), "unit": first.unit}
-    return limits

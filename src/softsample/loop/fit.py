@@ -1,7 +1,7 @@
 """Joint least squares of material and effects on whitened records."""
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -91,6 +91,11 @@ class Problem:
         modes = [specimen.mode for specimen in self.specimens]
         counts = [modes[: k + 1].count(mode) for k, mode in enumerate(modes)]
         return [m if n == 1 else f"{m}_{n}" for m, n in zip(modes, counts, strict=True)]
+
+    def with_forces(self, forces: Sequence[Array]) -> "Problem":
+        """The same tests and noise with other forces (n,) [N], one per test."""
+        specimens = [replace(s, force=f) for s, f in zip(self.specimens, forces, strict=True)]
+        return Problem(specimens, self.whiteners, self.contact_zero_mm, self.start)
 
     def white(self, parts: Sequence[Array]) -> Array:
         """White residual of all tests from one per test."""

@@ -123,9 +123,9 @@ class Selection:
     classes : dict of list of str
         Names that the data cannot tell from each chosen effect, itself first.
     weak : list of str
-        Effects that no size in their range would show in these records.
-    signatures : dict of float
-        Strength of each effect's signature at nominal size in the plain model.
+        Effects whose nominal size these records would not show; they are not candidates.
+    strongest : dict of Signature
+        Of each effect in the plain model.
     """
 
     problem: Problem
@@ -135,7 +135,7 @@ class Selection:
     steps: list[Step]
     classes: dict[str, list[str]]
     weak: list[str]
-    signatures: dict[str, float]
+    strongest: dict[str, Signature]
 
     @property
     def unserved(self) -> bool:
@@ -152,8 +152,10 @@ def select(problem: Problem, effects: Sequence[Effect], settings: SelectionSetti
     classes: dict[str, list[str]] = {}
     library = [e for e in effects if e.identifiable]
     found = signatures(problem, base, library)
-    strengths = {e.name: max(s.strength for s in found if s.effect is e) for e in library}
-    weak = [name for name, strength in strengths.items() if strength < LEAST_SIGNATURE]
+    strongest = {
+        e.name: max((s for s in found if s.effect is e), key=lambda s: s.strength) for e in library
+    }
+    weak = [name for name, signature in strongest.items() if signature.strength < LEAST_SIGNATURE]
     threshold = family_wise(
         found, len(base.white), settings.null_draws, settings.seed, settings.least_gain
     )
@@ -170,7 +172,7 @@ def select(problem: Problem, effects: Sequence[Effect], settings: SelectionSetti
         chosen = problem.fit(step.chosen.fit.model, step.chosen.fit.state)
         current = _pruned(problem, chosen, settings)
         classes = {name: classes[name] for name in current.model.names}
-    return Selection(problem, library, base, current, steps, classes, weak, strengths)
+    return Selection(problem, library, base, current, steps, classes, weak, strongest)
 
 
 def _round(

@@ -1,0 +1,83 @@
+"""Sizes from which on effects would have been seen."""
+
+from dataclasses import replace
+
+import numpy as np
+
+from softsample.loop.effects.base import Effect, Values
+from softsample.loop.fit import Problem
+from softsample.loop.model import Model, State
+from softsample.loop.screen import Signature, penalty
+from softsample.loop.select import Selection
+
+CLOSE = 0.1
+"""Relative error of a size that is good enough for a limit."""
+
+ROUNDS = 6
+"""Corrections of a limit, at most."""
+
+
+def detection_limits(problem: Problem, selection: Selection) -> dict[str, float]:
+    """Multiples of nominal sizes at which an effect alone would just pass the first threshold.
+
+    What the material and the effect predict is taken for a record and fitted by the plain model:
+    what that leaves, not what derivatives say it would leave, has to earn penalty and threshold.
+    The fit follows contact that comes late, for one, further than its derivative knows.
+
+    Parameters
+    ----------
+    problem : Problem
+        Records and noise as posed; their forces are not used.
+    selection : Selection
+        What was found in them.
+
+    Returns
+    -------
+    dict of float
+        By effect, without weak ones and those that no size within the range would show.
+    """
+    plain = State(selection.final.state.material)
+    threshold, n = selection.steps[0].threshold, len(selection.base.white)
+    limits = {
+        name: _limit(problem, plain, signature, threshold + penalty(signature.effect, n))
+        for name, signature in selection.strongest.items()
+        if name not in selection.weak
+    }
+    return {name: limit for name, limit in limits.items() if limit is not None}
+
+
+def _limit(problem: Problem, plain: State, signature: Signature, need: float) -> float | None:
+    """Multiple of the nominal size of which as much is left as is needed, None beyond the range."""
+    highest = _highest(signature.effect)
+    size = min(float(np.sqrt(need)) / signature.strength, highest)
+    for _ in range(ROUNDS):
+        left = _left(problem, plain, signature.effect, _sized(signature, size))
+        further = size * float(np.sqrt(need / max(left, 1e-12)))
+        if abs(further / size - 1.0) < CLOSE:
+            break
+        if size == highest and further > size:
+            return None
+        size = min(further, highest)
+    return size
+
+
+def _sized(signature: Signature, multiple: float) -> Values:
+    """Values of an effect at a multiple of its nominal size."""
+    moved = {p.name: p.neutral + multiple * (p.nominal - p.neutral) for p in signature.effect.sizes}
+    return {**signature.start, **moved}
+
+
+def _highest(effect: Effect) -> float:
+    """Multiple of the nominal size at which the first of the sizes is at the end of its range."""
+    return min(
+        ((p.high if p.nominal > p.neutral else p.low) - p.neutral) / (p.nominal - p.neutral)
+        for p in effect.sizes
+        if p.nominal != p.neutral
+    )
+
+
+def _left(problem: Problem, plain: State, effect: Effect, values: Values) -> float:
+    """Sum of squares that a plain fit leaves of a record with the effect."""
+    model, state = Model((effect,)), replace(plain, values={effect.name: values})
+    made = problem.with_forces(problem.predicted(model, state))
+    return made.fit(Model(), plain).cost

@@ -26,7 +26,7 @@ def limits(nothing):
 
 
 def test_a_late_contact_is_not_seen_while_its_prior_pays(nothing, limits):
-    """The plain model can follow it exactly at the price of its contact zero, squared, or better."""
+    """The plain model follows it exactly at the price of its contact zero, squared, or better."""
     need = nothing.selection.steps[0].threshold + np.log(len(nothing.selection.base.white))
     bound = SETTINGS.noise.contact_zero_mm * np.sqrt(need)
     assert limits["late_contact"]["unit"] == "mm"

@@ -3,6 +3,8 @@
 import ast
 import importlib
 import inspect
+import subprocess
+import sys
 from pathlib import Path
 
 import pytest
@@ -56,3 +58,21 @@ def test_a_call_that_does_not_fit_is_found():
     assert misfit(call, lambda a, b: None) is None
     assert "missing a required argument: 'c'" in misfit(call, lambda a, b, c: None)
     assert "unexpected keyword argument 'b'" in misfit(call, lambda a: None)
+
+
+SELECTION = "softsample.loop.select"
+
+
+@pytest.mark.parametrize(
+    ("name", "knows"), [("simulate", False), ("variants", False), ("diagnose", True)]
+)
+def test_a_change_of_the_selection_simulates_nothing_again(name, knows):
+    """A job is out of date when a file changes that its script imports, directly or not."""
+    tree = ast.parse((SCRIPTS[0].parent / f"{name}.py").read_text(encoding="utf-8"))
+    imports = [node for node in tree.body if isinstance(node, ast.ImportFrom)]
+    code = "\n".join(
+        [*map(ast.unparse, imports), f"import sys; assert {SELECTION!r} in sys.modules"]
+    )
+    done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True)
+    assert (done.returncode == 0) == knows, done.stderr
+    assert knows or done.stderr.strip().endswith("AssertionError")

@@ -1,5 +1,15 @@
 # Closing the loop: what the calibrated model leaves over, and the effect it points at.
 
+OF_CHANGED_MODELS = {
+    "mode": row_value("mode"),
+    "mesh": config["mesh"],
+    "preload_mm": config["protocol"]["preload_mm"],
+    "element_size_mm": config["loop"]["element_size_mm"],
+    "variants": config["loop"]["variants"],
+    "solver": config["solver"],
+    "contact": config["contact"],
+}
+
 
 rule variants:
     input:
@@ -18,13 +28,7 @@ rule variants:
     resources:
         **OF_MESHES,
     params:
-        mode=row_value("mode"),
-        mesh=config["mesh"],
-        preload_mm=config["protocol"]["preload_mm"],
-        element_size_mm=config["loop"]["element_size_mm"],
-        variants=config["loop"]["variants"],
-        solver=config["solver"],
-        contact=config["contact"],
+        **OF_CHANGED_MODELS,
     message:
         "Changed models: {wildcards.sample}, {wildcards.geometry} geometry"
     script:
@@ -113,7 +117,7 @@ rule verdicts:
 
 
 # On demand: the effects that a verdict ranks first, run in the solver at the sizes that were found.
-use rule variants as simulate_sizes with:
+rule simulate_sizes:
     input:
         distance="<results>/segmentation/{sample}_distance.nii.gz",
         segmentation="<results>/segmentation/{sample}.json",
@@ -121,15 +125,21 @@ use rule variants as simulate_sizes with:
         record="<results>/records/{sample}.csv",
         fit=optimum("json"),
         verdict=lambda wildcards: VERDICTS[SAMPLES[wildcards.sample]["group"], wildcards.geometry],
-        code=library("workflow/scripts/variants.py"),
+        code=library("workflow/scripts/simulate_sizes.py"),
     output:
         changes="<results>/loop/confirmation/runs/{sample}_{geometry}.csv",
     log:
         "<logs>/simulate_sizes/{sample}_{geometry}.log",
     benchmark:
         "<benchmarks>/simulate_sizes/{sample}_{geometry}.tsv"
+    resources:
+        **OF_MESHES,
+    params:
+        **OF_CHANGED_MODELS,
     message:
         "Effects at their sizes: {wildcards.sample}, {wildcards.geometry} geometry"
+    script:
+        "../scripts/simulate_sizes.py"
 
 
 rule confirm_verdict:

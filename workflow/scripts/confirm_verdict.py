@@ -3,7 +3,7 @@
 from softsample.io import read_json, read_record, read_table, write_table
 from softsample.loop.confirm import confirmations, sizes_to_confirm
 from softsample.loop.diagnose import LoopSettings
-from softsample.loop.variants import specimen_of_tables
+from softsample.loop.specimen import Elastic, Specimen
 from softsample.workflow import logged_to
 
 with logged_to(snakemake):
@@ -11,13 +11,16 @@ with logged_to(snakemake):
     verdict = read_json(files.verdict)
     mixture = read_json(files.fit)["mu1_fraction"]
     specimens = [
-        specimen_of_tables(
+        Specimen.of_record(
             name,
             mode,
             read_record(files.records[k]),
-            read_table(files.curves[k]),
-            [read_table(files.variants[k]), read_table(files.runs[k])],
-            mixture,
+            Elastic.of_tables(
+                mode,
+                read_table(files.curves[k]),
+                [read_table(files.variants[k]), read_table(files.runs[k])],
+                mixture,
+            ),
         )
         for k, (name, mode) in enumerate(zip(given.samples, given.modes, strict=True))
     ]

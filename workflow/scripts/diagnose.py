@@ -5,7 +5,7 @@ from softsample.figures.style import save
 from softsample.io import read_json, read_record, read_table, write_json, write_text, written_aside
 from softsample.loop.diagnose import LoopSettings, diagnose, report
 from softsample.loop.page import page
-from softsample.loop.variants import specimen_of_tables
+from softsample.loop.specimen import Elastic, Specimen
 from softsample.workflow import logged_to, provenance
 
 with logged_to(snakemake):
@@ -13,14 +13,17 @@ with logged_to(snakemake):
     settings = LoopSettings.of_config(given.loop)
     mixture = read_json(files.fit)["mu1_fraction"]
     specimens = [
-        specimen_of_tables(
+        Specimen.of_record(
             name,
             mode,
             read_record(files.records[k]),
-            read_table(files.curves[k]),
-            [read_table(files.variants[k])],
-            mixture,
-            read_table(files.real[k]) if files.get("real") else None,
+            Elastic.of_tables(
+                mode,
+                read_table(files.curves[k]),
+                [read_table(files.variants[k])],
+                mixture,
+                read_table(files.real[k]) if files.get("real") else None,
+            ),
         )
         for k, (name, mode) in enumerate(zip(given.samples, given.modes, strict=True))
     ]

@@ -14,9 +14,9 @@ import pandas as pd
 from softsample.blindlab.curves import MM
 from softsample.blindlab.records import Record
 from softsample.calibration.curves import CurveFamily
+from softsample.loop.changes import for_all_mixtures
 from softsample.loop.diagnose import LoopSettings, diagnose, judgement
 from softsample.loop.specimen import Elastic, Specimen
-from softsample.loop.variants import for_all_mixtures
 
 WHEN = ("before", "after")
 

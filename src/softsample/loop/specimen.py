@@ -1,6 +1,6 @@
 """One test of one sample as the loop sees it: record, phases, elastic curves."""
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from functools import cached_property
 from typing import Self
@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 from scipy.signal import savgol_filter
 
 from softsample.calibration.curves import CurveFamily
+from softsample.loop.changes import for_all_mixtures, read_changes
 from softsample.protocol import denoised, phases, travel_sign
 
 Array = NDArray[np.float64]
@@ -51,6 +52,38 @@ class Elastic:
     family: CurveFamily
     variants: Mapping[str, CurveFamily | Array] = field(default_factory=dict)
     contact: bool = False
+
+    @classmethod
+    def of_tables(
+        cls,
+        mode: str,
+        curves: pd.DataFrame,
+        changes: Sequence[pd.DataFrame],
+        mixture: float,
+        real: pd.DataFrame | None = None,
+    ) -> Self:
+        """From the files of the workflow.
+
+        Parameters
+        ----------
+        mode : str
+            Of the sample's test.
+        curves : DataFrame
+            Its curve family.
+        changes : sequence of DataFrame
+            Its changes by variants.
+        mixture : float
+            mu1 / mu at which the changes were simulated.
+        real : DataFrame, optional
+            Curve family of the real geometry, if the model is the cuboid.
+        """
+        family = CurveFamily.of_table(curves, mode)
+        variants: dict[str, CurveFamily | Array] = {}
+        for table in changes:
+            variants |= for_all_mixtures(read_changes(table, family, mode), family, mixture)
+        if real is not None:
+            variants["real_geometry"] = CurveFamily.of_table(real, mode).less(family)
+        return cls(family, variants, contact=mode == "compression")
 
     @cached_property
     def _fine(self) -> tuple[CurveFamily, dict[str, CurveFamily]]:

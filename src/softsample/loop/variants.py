@@ -5,27 +5,19 @@ from dataclasses import dataclass, replace
 from functools import partial
 
 import numpy as np
-import pandas as pd
 from numpy.typing import NDArray
 
-from softsample.calibration.curves import CurveFamily
 from softsample.constitutive.ogden import Fibres, OgdenMaterial
 from softsample.fem.boundary import Boundary, ContactSettings, mode_boundary, platen_boundary
 from softsample.fem.explicit import ExplicitModel, Run, SolverSettings
 from softsample.fem.family import Pace, find_pace
-from softsample.loop.specimen import Elastic, Specimen
+from softsample.loop.changes import PRESSED, PRESSED_ELSEWHERE, elsewhere
 from softsample.meshing.bond import partial_bond
 from softsample.meshing.mesh import HexMesh
 from softsample.meshing.sample import SampleMesh
-from softsample.protocol import DIRECTIONS, History, travel_sign
+from softsample.protocol import DIRECTIONS, History
 
 Array = NDArray[np.float64]
-
-TOUCH = 0.02
-"""Part of the largest force below which the platen hardly touches, and a part of it says little."""
-
-DEGREE = 5
-"""Of the polynomials for changes as parts of the force."""
 
 MARGIN = 1.05
 """Runs go this much further than the record, for effects that shift the travel."""
@@ -33,9 +25,6 @@ MARGIN = 1.05
 CYCLE_PACE = 3.0
 """Loading time of a run that comes back, over that of the others. Its loop is a small difference of
 two large forces: at their pace up to a quarter of it was inertia, at a third of it 2 %."""
-
-PRESSED, PRESSED_ELSEWHERE = "pressed", "pressed_elsewhere"
-"""Shear of a sample that was compressed before, at the mixture of the others and at another one."""
 
 
 @dataclass(frozen=True)
@@ -118,102 +107,6 @@ def coarse_sample(
         np.flatnonzero(shifted.point_data["glued"]),
         mode,
     )
-
-
-def specimen_of_tables(
-    name: str,
-    mode: str,
-    record: pd.DataFrame,
-    curves: pd.DataFrame,
-    changes: Sequence[pd.DataFrame],
-    mixture: float,
-    real: pd.DataFrame | None = None,
-) -> Specimen:
-    """A test with its model, from the files of the workflow.
-
-    Parameters
-    ----------
-    name, mode : str
-        Sample and mode of its test.
-    record, curves : DataFrame
-        Its record and its curve family, as the workflow writes them.
-    changes : sequence of DataFrame
-        Its changes by variants.
-    mixture : float
-        mu1 / mu at which the changes were simulated.
-    real : DataFrame, optional
-        Curve family of the real geometry, if the model is the cuboid.
-    """
-    family = CurveFamily.of_table(curves, mode)
-    variants: dict[str, CurveFamily | Array] = {}
-    for table in changes:
-        variants |= for_all_mixtures(read_changes(table, family, mode), family, mixture)
-    if real is not None:
-        variants["real_geometry"] = CurveFamily.of_table(real, mode).less(family)
-    elastic = Elastic(family, variants, contact=mode == "compression")
-    return Specimen.of_record(name, mode, record, elastic)
-
-
-def read_changes(table: pd.DataFrame, family: CurveFamily, mode: str) -> dict[str, Array]:
-    """Changes of the force per modulus [m2] on the displacements of a family, from their file."""
-    sign = travel_sign(mode)
-    travel = 1e-3 * sign * table["displacement_mm"].to_numpy()
-    return {
-        name.removesuffix("_mm2"): np.interp(
-            family.displacement, travel, 1e-6 * sign * table[name].to_numpy()
-        )
-        for name in table.columns.drop("displacement_mm")
-    }
-
-
-def for_all_mixtures(
-    changes: Mapping[str, Array], family: CurveFamily, mixture: float
-) -> dict[str, CurveFamily]:
-    """Changes that were simulated at one mixture, carried to all, without the grain of the mesh.
-
-    A changed term of the solid goes with its part of the modulus, and fibres are beside it; what
-    changes shape, boundary or compressibility changes the force by the same part of it. That part
-    is smooth along the travel, while nodes of a coarse mesh meet the platen one by one. Of a sample
-    that was compressed before, it is taken to be linear in the mixture.
-
-    Parameters
-    ----------
-    changes : mapping of (n,) float64
-        Change of the force per modulus by variant [m2] on the displacements of the family.
-    family : CurveFamily
-        Force of the unchanged model.
-    mixture : float
-        At which they were simulated.
-    """
-    r, there = family.fractions, family.curve(mixture)
-    forces = np.stack([family.curve(x) for x in r])
-    follows = {
-        "alpha1": np.outer(r / mixture, there),
-        "alpha2": np.outer((1.0 - r) / (1.0 - mixture), there),
-        **dict.fromkeys(("fibres_x", "fibres_z"), np.tile(there, (len(r), 1))),
-    }
-    parts = {
-        name: _smooth_part(family.displacement, change, there)
-        for name, change in changes.items()
-        if name != PRESSED_ELSEWHERE
-    }
-    if PRESSED_ELSEWHERE in changes:
-        other = elsewhere(mixture)
-        part = _smooth_part(family.displacement, changes[PRESSED_ELSEWHERE], family.curve(other))
-        slope = (part - parts[PRESSED]) / (other - mixture)
-        parts[PRESSED] = parts[PRESSED] + np.outer(r - mixture, slope)
-    return {
-        name: CurveFamily(r, family.displacement, follows.get(name, forces) * part)
-        for name, part in parts.items()
-    }
-
-
-def _smooth_part(travel: Array, change: Array, force: Array) -> Array:
-    """Polynomial (n,) for a change as a part of the force, fitted where there is force."""
-    weight = 1.0 / (np.abs(force) + TOUCH * np.abs(force).max())
-    powers = np.vander(travel / travel[-1], DEGREE + 1)
-    found, *_ = np.linalg.lstsq((weight * force)[:, None] * powers, weight * change, rcond=None)
-    return np.asarray(powers @ found)
 
 
 def simulate_variants(
@@ -341,11 +234,6 @@ def _pressed_changes(
         pressed = force(of, start)
         changes[name] = (pressed - pressed[0] - base) / modulus
     return changes
-
-
-def elsewhere(mixture: float) -> float:
-    """A mixture that differs by a quarter."""
-    return mixture + (0.25 if mixture < 0.5 else -0.25)
 
 
 def _cycle_changes(cycle: Array, force: Array, travel: Array, stuck: Array) -> tuple[Array, Array]:

@@ -5,13 +5,13 @@ import pytest
 
 import laboratory
 from softsample.calibration.curves import CurveFamily
-from softsample.loop.specimen import Elastic
-from softsample.loop.variants import (
+from softsample.loop.changes import (
     PRESSED,
     PRESSED_ELSEWHERE,
     elsewhere,
     for_all_mixtures,
 )
+from softsample.loop.specimen import Elastic
 
 THERE = 0.6
 ANOTHER = 0.85

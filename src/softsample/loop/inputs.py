@@ -1,0 +1,89 @@
+"""What runs of changed models start from, of what the files of the workflow hold."""
+
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass
+from typing import Any, Self
+
+import numpy as np
+import pandas as pd
+from numpy.typing import NDArray
+
+from softsample.calibration.measured import MeasuredCurve
+from softsample.constitutive.ogden import OgdenMaterial
+from softsample.fem.boundary import ContactSettings
+from softsample.fem.explicit import SolverSettings
+from softsample.loop.variants import VariantSettings
+from softsample.meshing.hexahedral import MeshSettings
+from softsample.meshing.sample import SampleMesh, mesh_ideal, mesh_real
+
+Array = NDArray[np.float64]
+
+MM = 1e-3
+
+
+@dataclass(frozen=True)
+class MechanicalTest:
+    """The test of one sample, as runs of changed models repeat it.
+
+    Parameters
+    ----------
+    material : OgdenMaterial
+        Two-term material at the optimum; its modulus only sets the scale.
+    travel : float
+        Travel of the record [m].
+    contact, solver, settings
+        As of the config.
+    """
+
+    material: OgdenMaterial
+    travel: float
+    contact: ContactSettings
+    solver: SolverSettings
+    settings: VariantSettings
+
+    @classmethod
+    def of(cls, fit: Mapping[str, Any], record: pd.DataFrame, given: Mapping[str, Any]) -> Self:
+        """From a calibration, a record, and `mode`, `contact`, `solver`, `variants` of the job."""
+        return cls(
+            OgdenMaterial.of_fit(fit),
+            MeasuredCurve.of_record(record, given["mode"]).travel,
+            ContactSettings(**given["contact"]),
+            SolverSettings(**given["solver"]),
+            VariantSettings(**given["variants"]),
+        )
+
+
+def mesher(
+    geometry: str,
+    grid: tuple[Array, Array, float],
+    cuboid: Mapping[str, float],
+    given: Mapping[str, Any],
+) -> Callable[[float], SampleMesh]:
+    """Meshes a sample with its surface moved out by a length [m].
+
+    Parameters
+    ----------
+    geometry : str
+        `real` or `ideal`.
+    grid : tuple
+        Its signed distance, where its origin is [m], and its spacing [m].
+    cuboid : mapping
+        `length_mm`, `width_mm` and `height_mm`.
+    given : mapping
+        `mesh`, `preload_mm` and `element_size_mm` of the job.
+    """
+    size = given["element_size_mm"] * MM
+    if geometry == "ideal":
+        length, width, height = (
+            cuboid[f"{name}_mm"] * MM for name in ("length", "width", "height")
+        )
+        return lambda out: mesh_ideal(length + 2.0 * out, width + 2.0 * out, height + out, size)
+    keys = {name: value for name, value in given["mesh"].items() if name != "element_size_mm"}
+    segmented = keys.pop("boundary_shift_mm") * MM
+    return lambda out: mesh_real(
+        *grid,
+        size,
+        given["preload_mm"] * MM,
+        MeshSettings(**keys),
+        boundary_shift=segmented + out,
+    )

@@ -99,6 +99,14 @@ def test_relaxation_keeps_the_rest_of_a_step():
     assert np.all(np.diff(force) <= 1e-12)
 
 
+def test_a_size_that_was_not_simulated_is_no_record_without_effect():
+    tilt = EFFECTS["platen_tilt"].make(np.random.default_rng(1), BODY, 0.3)
+    with pytest.raises(ValueError, match=r"no curve at 0.3 times the nominal size: \['tilt'\]"):
+        records.make_records(
+            BODY, straight_curves(), [tilt], MU, "B", 0.0, 0.3, np.random.default_rng(1)
+        )
+
+
 def test_drainage_spares_shear():
     _, test, force = made("poroelastic_drainage", mode="shear")
     np.testing.assert_allclose(force, plain(test), atol=1e-12)

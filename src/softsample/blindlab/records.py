@@ -66,7 +66,16 @@ def make_records(
         Multiple of the nominal size, for the faults that are changed curves.
     random : Generator
         Of this experiment.
+
+    Raises
+    ------
+    ValueError
+        If a changed curve was not simulated at this size, so that nothing would be planted.
     """
+    known = set(curves.loc[curves["size"] == size, "curve"])
+    wanted = {"shape"} if body.imperfect else {fault.curve for fault in faults if fault.curve}
+    if wanted - known:
+        raise ValueError(f"no curve at {size:g} times the nominal size: {sorted(wanted - known)}")
     elastic = {mode: _curve(body, curves, faults, mode, size) for mode in MODES}
     loop = _loop(curves, size)
     records = []

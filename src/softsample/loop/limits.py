@@ -16,6 +16,9 @@ CLOSE = 0.1
 ROUNDS = 6
 """Corrections of a limit, at most."""
 
+ZEROS = (-2.0, -1.0, 1.0, 2.0, 4.0)
+"""Contact zeros from which the fit to a shifted travel sets out too, in standard deviations."""
+
 
 def detection_limits(problem: Problem, selection: Selection) -> dict[str, float]:
     """Multiples of nominal sizes at which an effect alone would just pass the first threshold.
@@ -80,4 +83,6 @@ def _left(problem: Problem, plain: State, effect: Effect, values: Values) -> flo
     """Sum of squares that a plain fit leaves of a record with the effect."""
     model, state = Model((effect,)), replace(plain, values={effect.name: values})
     made = problem.with_forces(problem.predicted(model, state))
-    return made.fit(Model(), plain).cost
+    zeros = ZEROS if effect.shifts_travel else ()
+    starts = [replace(plain, contact_zero=z * problem.contact_zero_mm) for z in zeros]
+    return made.fit(Model(), plain, starts).cost

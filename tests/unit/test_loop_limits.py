@@ -1,9 +1,12 @@
 """Sizes that would have been seen, against an exact result and records with what they name."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
 import laboratory
+from softsample.calibration.curves import CurveFamily
 from softsample.loop.diagnose import LoopSettings, diagnose, report
 from softsample.loop.effects import library
 
@@ -25,12 +28,32 @@ def limits(nothing):
     return report(nothing, SETTINGS)["detection_limits"]
 
 
+def bound(found):
+    """Late contact [mm] at which the price of the contact zero that follows it is noticed."""
+    need = found.selection.steps[0].threshold + np.log(len(found.selection.base.white))
+    return SETTINGS.noise.contact_zero_mm * np.sqrt(need)
+
+
 def test_a_late_contact_is_not_seen_while_its_prior_pays(nothing, limits):
     """The plain model follows it exactly at the price of its contact zero, squared, or better."""
-    need = nothing.selection.steps[0].threshold + np.log(len(nothing.selection.base.white))
-    bound = SETTINGS.noise.contact_zero_mm * np.sqrt(need)
     assert limits["late_contact"]["unit"] == "mm"
-    assert bound <= limits["late_contact"]["value"] < 1.5 * bound
+    assert bound(nothing) <= limits["late_contact"]["value"] < 1.5 * bound(nothing)
+
+
+def test_a_rough_curve_hides_a_late_contact_as_well():
+    """The cost of a shift has other minima then, in which a fit can stop."""
+    specimens = laboratory.Lab(seed=6).specimens()
+    compressed = specimens[laboratory.MODES.index("compression")]
+    family = compressed.elastic.family
+    grain = 1.0 + 0.01 * np.sin(2.0 * np.pi * family.displacement / 1e-4)
+    curves = np.stack([family.curve(r) for r in family.fractions])
+    rough = CurveFamily(family.fractions, family.displacement, grain * curves)
+    specimens[laboratory.MODES.index("compression")] = replace(
+        compressed, elastic=replace(compressed.elastic, family=rough)
+    )
+    found = diagnose(specimens, SETTINGS, [library()["late_contact"]])
+    limit = report(found, SETTINGS)["detection_limits"]["late_contact"]["value"]
+    assert 0.9 * bound(found) < limit < 1.5 * bound(found)
 
 
 @pytest.mark.parametrize(("part", "seen"), [(0.5, False), (1.5, True)])

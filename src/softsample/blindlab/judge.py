@@ -49,12 +49,13 @@ class Resolution:
     ----------
     floor_percent : float
         Smooth error [% of peak], beside the floor of the experiment.
-    fine_percent, scale_percent, contact_zero_mm : float
-        As of `NoiseSettings`.
+    fine_percent, grain_percent, scale_percent, contact_zero_mm : float
+        As of `NoiseSettings`; no grain, because a cuboid meets the platen with all its top at once.
     """
 
     floor_percent: float = 0.1
     fine_percent: float = 0.1
+    grain_percent: float = 0.0
     scale_percent: float = 0.2
     contact_zero_mm: float = 0.01
 
@@ -64,6 +65,7 @@ class Resolution:
             loop.noise,
             floor_percent=float(np.hypot(self.floor_percent, floor_percent)),
             fine_percent=self.fine_percent,
+            grain_percent=self.grain_percent,
             scale_percent=self.scale_percent,
             contact_zero_mm=self.contact_zero_mm,
         )

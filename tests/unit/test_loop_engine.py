@@ -104,20 +104,20 @@ def test_before_the_platen_moves_there_is_no_floor(perfect):
     assert floor == pytest.approx(0.01 * np.hypot(1.0, 0.3) * specimen.peak, rel=1e-6)
 
 
-def test_grain_is_in_compression_goes_with_the_force_and_ends_at_the_next_point(perfect):
+def test_grain_is_in_compression_alone_and_ends_at_the_next_point(perfect):
     settings = NoiseSettings(grain_percent=0.2)
     for specimen in perfect:
         noise = measure_noise(specimen, settings)
-        model = blocks(specimen.force, noise.size)
+        nothing = np.zeros(len(specimen.force) // noise.size)
         matrix, without = (
-            covariance(specimen, noise, model, s)
+            covariance(specimen, noise, nothing, s)
             for s in (settings, replace(settings, grain_percent=0.0))
         )
         grain = matrix - without
         if specimen.mode != "compression":
             assert np.all(grain == 0.0)
             continue
-        np.testing.assert_allclose(np.sqrt(np.diag(grain)), 2e-3 * np.abs(model), rtol=1e-4)
+        assert np.sqrt(grain.max()) == pytest.approx(2e-3 * specimen.peak, rel=1e-4)
         travel = blocks(specimen.travel, noise.size)
         apart = np.abs(np.subtract.outer(travel, travel)) > specimen.reach / 20.0
         assert np.abs(grain[apart]).max() < 1e-4 * grain.max()
@@ -148,7 +148,7 @@ def test_a_rough_curve_has_no_false_minimum_of_the_contact_zero():
         return plain.cost - min(made.fit(Model(), other).cost for other in others)
 
     assert missed(0.0) > 10.0
-    assert missed(0.1) < 1.0
+    assert missed(0.1) < 1.0  # twice what fourth differences say of this curve
 
 
 def test_an_error_that_begins_with_the_travel_is_a_floor_also_where_it_bends(perfect):

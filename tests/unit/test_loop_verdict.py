@@ -5,6 +5,7 @@ import pytest
 import laboratory
 from softsample.loop.diagnose import LoopSettings, diagnose
 from softsample.loop.effects import library
+from softsample.loop.noise import NoiseSettings
 
 
 def judged(offset, **planted):
@@ -40,3 +41,21 @@ def test_a_rest_that_asks_for_more_than_an_effect_can_give_is_unknown(drift, ver
     assert left < rules.unknown_share * before  # so it is not the share that is left
     assert selection.unserved == (verdict == "unknown")
     assert found.verdict == verdict
+
+
+def test_a_first_choice_is_exchanged_when_a_second_effect_shows_it_to_be_wrong():
+    """A late contact with offsets is a shift of all travels at first, of other sizes."""
+    noise = NoiseSettings(
+        floor_percent=0.1, fine_percent=0.0, scale_percent=0.2, contact_zero_mm=0.01
+    )
+    lab = laboratory.Lab(
+        seed=6, offset={"tension": 2.0, "compression": -2.0, "shear": 2.0}, gap=0.2
+    )
+    names = ("displacement_zero", "force_offset", "late_contact")
+    found = diagnose(lab.specimens(), LoopSettings(noise), [library()[name] for name in names])
+    chosen = [step.chosen.name if step.chosen else None for step in found.selection.steps]
+    assert chosen == ["displacement_zero", "force_offset", None, "late_contact", None]
+    assert set(found.selection.classes) == {"force_offset", "late_contact"}
+    assert found.selection.final.model.names == ("force_offset", "late_contact")
+    gap = found.selection.final.state.values["late_contact"]["gap_mm"]
+    assert gap == pytest.approx(0.2, rel=0.1)

@@ -9,6 +9,7 @@ from numpy.typing import NDArray
 
 from softsample.loop.effects.base import Effect
 from softsample.loop.fit import STARTS, Fit, Problem
+from softsample.loop.model import Model
 from softsample.loop.screen import (
     LEAST_SIGNATURE,
     Signature,
@@ -147,9 +148,6 @@ class Selection:
 def select(problem: Problem, effects: Sequence[Effect], settings: SelectionSettings) -> Selection:
     """Find the effects that the records ask for."""
     base = problem.fit_material()
-    current = base
-    steps: list[Step] = []
-    classes: dict[str, list[str]] = {}
     library = [e for e in effects if e.identifiable]
     found = signatures(problem, base, library)
     strongest = {
@@ -159,20 +157,89 @@ def select(problem: Problem, effects: Sequence[Effect], settings: SelectionSetti
     threshold = family_wise(
         found, len(base.white), settings.null_draws, settings.seed, settings.least_gain
     )
-    while len(current.model.effects) < settings.most_effects:
-        open_effects = [e for e in library if e.name not in current.model.names]
-        if steps:
+    search = _Search(problem, library, settings, threshold, problem, base)
+    search.forward(found)
+    if search.exchange():
+        search.forward()
+    return Selection(
+        search.doubting,
+        library,
+        base,
+        search.current,
+        search.steps,
+        search.classes,
+        weak,
+        strongest,
+    )
+
+
+@dataclass
+class _Search:
+    """State of a selection: what has been chosen, and the noise with the doubt of its form."""
+
+    problem: Problem
+    library: list[Effect]
+    settings: SelectionSettings
+    threshold: float
+    doubting: Problem
+    current: Fit
+    steps: list[Step] = field(default_factory=list)
+    classes: dict[str, list[str]] = field(default_factory=dict)
+
+    def forward(self, found: Sequence[Signature] | None = None) -> None:
+        """One effect after the other, until no more are asked for."""
+        while len(self.current.model.effects) < self.settings.most_effects:
+            step = self._round(self.doubting, self.current, found)
+            found = None
+            self.steps.append(step)
+            if step.chosen is None:
+                break
+            self._take(self.doubting, step.chosen, step.members)
+
+    def exchange(self) -> bool:
+        """Replace the first effect for which another is better beside those that came later.
+
+        The first choice has to explain what a second effect does as well, and can be the wrong one.
+        """
+        for effect in self.current.model.effects[:-1]:
+            problem, others = self._doubting_others(effect.name)
+            step = self._round(problem, others)
+            if step.chosen is not None and step.chosen.name != effect.name:
+                self.steps.append(step)
+                del self.classes[effect.name]
+                self._take(problem, step.chosen, step.members)
+                return True
+        return False
+
+    def _round(
+        self, problem: Problem, current: Fit, found: Sequence[Signature] | None = None
+    ) -> Step:
+        open_effects = [e for e in self.library if e.name not in current.model.names]
+        if found is None:
             found = signatures(problem, current, open_effects)
-        step = _round(problem, current, found, threshold, settings)
-        steps.append(step)
-        if step.chosen is None:
-            break
-        classes[step.chosen.name] = step.members
-        problem = problem.doubting(step.chosen.fit, settings.form_doubt, settings.form_time_s)
-        chosen = problem.fit(step.chosen.fit.model, step.chosen.fit.state)
-        current = _pruned(problem, chosen, settings)
-        classes = {name: classes[name] for name in current.model.names}
-    return Selection(problem, library, base, current, steps, classes, weak, strongest)
+        return _round(problem, current, found, self.threshold, self.settings)
+
+    def _take(self, problem: Problem, chosen: Candidate, members: list[str]) -> None:
+        """Add what was chosen, doubt its form, and drop what it has made superfluous."""
+        self.classes[chosen.name] = members
+        self.doubting = self._doubted(problem, chosen.fit)
+        fit = self.doubting.fit(chosen.fit.model, chosen.fit.state)
+        self.current = _pruned(self.doubting, fit, self.settings)
+        self.classes = {name: self.classes[name] for name in self.current.model.names}
+
+    def _doubted(self, problem: Problem, fit: Fit) -> Problem:
+        return problem.doubting(fit, self.settings.form_doubt, self.settings.form_time_s)
+
+    def _doubting_others(self, name: str) -> tuple[Problem, Fit]:
+        """All effects but one, each in the noise with the doubt of those before it."""
+        problem, fit = self.problem, self.current
+        model, values = Model(), self.current.state.values
+        for effect in self.current.model.without(name).effects:
+            model = model.with_effect(effect)
+            known = {e.name: values[e.name] for e in model.effects}
+            fit = problem.fit(model, replace(self.current.state, values=known))
+            problem = self._doubted(problem, fit)
+        return problem, problem.fit(model, fit.state)
 
 
 def _round(

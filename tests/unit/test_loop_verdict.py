@@ -1,4 +1,4 @@
-"""Rests of which an effect takes little: when it is named all the same, when nothing is."""
+"""Rests of which an effect takes little, and first choices that a second effect shows wrong."""
 
 import pytest
 

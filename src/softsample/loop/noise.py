@@ -35,7 +35,8 @@ class NoiseSettings:
     grain_percent : float
         The same from one point of a simulated curve to the next, in compression only: there a rough
         surface meets the platen node by node. Fourth differences of the curves of 15 real shapes
-        give 0.010 to 0.075 %, median 0.022 %; of cuboids and other modes 0.016 % or less.
+        give 0.010 to 0.075 %, median 0.022 %; of cuboids and other modes 0.017 % or less
+        (`benchmarks/curve_grain.py`).
     scale_percent : float
         Standard deviation of the scale of each test [%]: element type, volume, glued area.
     contact_zero_mm : float

@@ -11,7 +11,8 @@ from softsample.fem.boundary import ContactSettings
 from softsample.fem.explicit import SolverSettings
 from softsample.loop.confirm import at_size, confirmations, simulate_sizes, sizes_to_confirm
 from softsample.loop.diagnose import LoopSettings
-from softsample.loop.variants import VariantSettings, coarse_sample, simulate_variants
+from softsample.loop.inputs import MechanicalTest, VariantSettings
+from softsample.loop.variants import coarse_sample, simulate_variants
 from softsample.meshing.sample import mesh_ideal
 
 MM = 1e-3
@@ -31,17 +32,14 @@ def test_an_effect_at_the_step_of_a_variant_is_that_variant(mode):
     def mesh_shifted(shift):
         return mesh_ideal(8 * MM + 2 * shift, 6 * MM + 2 * shift, 7 * MM + shift, 1.5 * MM)
 
-    settings = VariantSettings()
-    test = (
+    solid, solver = (
         OgdenMaterial((600.0, 400.0), (-8.0, 16.0), 0.49),
-        1.0 * MM,
-        ContactSettings(),
         SolverSettings(loading_time_s=0.05),
-        settings,
     )
-    travel, variants = simulate_variants(coarse_sample(mesh_shifted, mode, settings), *test)
+    test = MechanicalTest(mode, solid, MM, ContactSettings(), solver, VariantSettings())
+    travel, variants = simulate_variants(coarse_sample(mesh_shifted, test.variants), test)
     sizes = {name: values for name, (values, _) in STEPS.items()}
-    there, changes = simulate_sizes(mesh_shifted, mode, *test, sizes)
+    there, changes = simulate_sizes(mesh_shifted, test, sizes)
     np.testing.assert_array_equal(there, travel)
     left_out = {"compression": "partial_bond", "tension": "platen_tilt"}[mode]
     assert set(changes) == set(STEPS) - {left_out}
@@ -60,7 +58,8 @@ def test_changes_are_for_the_steps_that_effects_know_whatever_the_settings(mode)
     solid, solver = OgdenMaterial((600.0, 400.0), (-8.0, 16.0), 0.49), SolverSettings()
     (_, usual), (_, other) = (
         simulate_variants(
-            coarse_sample(mesh_shifted, mode, steps), solid, MM, ContactSettings(), solver, steps
+            coarse_sample(mesh_shifted, steps),
+            MechanicalTest(mode, solid, MM, ContactSettings(), solver, steps),
         )
         for steps in (default, half)
     )

@@ -12,7 +12,7 @@ from softsample.blindlab.plan import Benches, Experiment
 from softsample.blindlab.score import Case, score
 from softsample.fem.explicit import SolverSettings
 from softsample.loop.diagnose import LoopSettings
-from softsample.loop.variants import VariantSettings
+from softsample.loop.inputs import VariantSettings
 
 BENCHES = Benches(cuboids=1, shapes=1, first=31)
 SOLVER = SolverSettings(loading_time_s=0.2, curve_error_percent=0.3)

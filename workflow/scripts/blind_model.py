@@ -4,7 +4,7 @@ from softsample.blindlab.bodies import Body
 from softsample.blindlab.models import model_curves
 from softsample.fem.explicit import SolverSettings
 from softsample.io import write_table
-from softsample.loop.variants import VariantSettings
+from softsample.loop.inputs import VariantSettings
 from softsample.workflow import logged_to
 
 with logged_to(snakemake):

@@ -15,15 +15,7 @@ with logged_to(snakemake):
         given,
     )
     test = MechanicalTest.of(read_json(files.fit), read_record(files.record), given)
-    displacement, changes = simulate_sizes(
-        mesh_shifted,
-        given["mode"],
-        test.material,
-        test.travel,
-        test.contact,
-        test.solver,
-        test.settings,
-        sizes_to_confirm(read_json(files.verdict)),
-    )
+    sizes = sizes_to_confirm(read_json(files.verdict))
+    displacement, changes = simulate_sizes(mesh_shifted, test, sizes)
     changes = {at_size(name): change for name, change in changes.items()}
-    write_table(snakemake.output.changes, table_of_changes(given["mode"], displacement, changes))
+    write_table(snakemake.output.changes, table_of_changes(test.mode, displacement, changes))

@@ -15,15 +15,6 @@ with logged_to(snakemake):
         given,
     )
     test = MechanicalTest.of(read_json(files.fit), read_record(files.record), given)
-    sample = coarse_sample(mesh_shifted, given["mode"], test.settings)
-    found = simulate_variants(
-        sample,
-        test.material,
-        test.travel,
-        test.contact,
-        test.solver,
-        test.settings,
-        progress_bar(),
-        turn=test.travel,
-    )
-    write_table(snakemake.output.changes, table_of_changes(given["mode"], *found))
+    sample = coarse_sample(mesh_shifted, test.variants)
+    found = simulate_variants(sample, test, progress_bar(), turn=test.travel)
+    write_table(snakemake.output.changes, table_of_changes(test.mode, *found))

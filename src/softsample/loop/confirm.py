@@ -13,19 +13,19 @@ import pandas as pd
 from numpy.typing import NDArray
 
 from softsample.constitutive.ogden import OgdenMaterial
-from softsample.fem.boundary import Boundary, ContactSettings, mode_boundary
-from softsample.fem.explicit import ExplicitModel, SolverSettings
+from softsample.fem.boundary import Boundary, mode_boundary
+from softsample.fem.explicit import ExplicitModel
 from softsample.loop.diagnose import LoopSettings, pose
 from softsample.loop.effects import library
 from softsample.loop.effects.base import Effect, Values
 from softsample.loop.fit import Fit
+from softsample.loop.inputs import MechanicalTest, VariantSettings
 from softsample.loop.model import Model, State
 from softsample.loop.screen import penalty
 from softsample.loop.specimen import Specimen
 from softsample.loop.variants import (
     MARGIN,
     Sample,
-    VariantSettings,
     changed_boundaries,
     changed_materials,
     paced,
@@ -59,14 +59,7 @@ def sizes_to_confirm(verdict: Mapping[str, Any]) -> dict[str, Values]:
 
 
 def simulate_sizes(
-    mesh_shifted: Callable[[float], SampleMesh],
-    mode: str,
-    material: OgdenMaterial,
-    travel: float,
-    contact: ContactSettings,
-    solver: SolverSettings,
-    settings: VariantSettings,
-    sizes: Sizes,
+    mesh_shifted: Callable[[float], SampleMesh], test: MechanicalTest, sizes: Sizes
 ) -> tuple[Array, dict[str, Array]]:
     """Change of the force per modulus by each effect at its size.
 
@@ -74,14 +67,8 @@ def simulate_sizes(
     ----------
     mesh_shifted : callable
         Meshes the sample with its surface moved out by a length [m].
-    mode : str
-        Of its test.
-    material : OgdenMaterial
-        Two-term material at the optimum; its modulus only sets the scale.
-    travel : float
-        Travel of the record [m].
-    contact, solver, settings
-        As of the config.
+    test : MechanicalTest
+        What is done to it.
     sizes : mapping
         Values of the parameters by effect.
 
@@ -93,25 +80,26 @@ def simulate_sizes(
         Change of the force along the travel per shear modulus [m2] by effect, of those alone that
         act in this mode.
     """
-    reach = MARGIN * travel
+    material, reach = test.material, MARGIN * test.travel
 
-    def test_of(shift: float) -> tuple[ExplicitModel, Sample]:
+    def model_of(shift: float) -> tuple[ExplicitModel, Sample]:
         made = mesh_shifted(shift)
         glued = np.flatnonzero(made.point_data["glued"])
-        return ExplicitModel(made.mesh, solver), Sample(made.mesh, made.mesh, glued, glued, mode)
+        return ExplicitModel(made.mesh, test.solver), Sample(made.mesh, made.mesh, glued, glued)
 
-    model, sample = test_of(0.0)
-    held = mode_boundary(sample.mesh, mode, sample.glued, contact)
+    model, sample = model_of(0.0)
+    held = mode_boundary(sample.mesh, test.mode, sample.glued, test.contact)
     pace = paced(model, material, held, reach)
     changes = {}
     for name, values in sizes.items():
-        if mode not in library()[name].modes:
+        if test.mode not in library()[name].modes:
             continue
         if name == "boundary_shift":
-            on, there = test_of(1e-3 * values["shift_mm"])
-            runs = [(1.0, material, mode_boundary(there.mesh, mode, there.glued, contact))]
+            on, there = model_of(1e-3 * values["shift_mm"])
+            shifted = mode_boundary(there.mesh, test.mode, there.glued, test.contact)
+            runs = [(1.0, material, shifted)]
         else:
-            on, runs = model, _runs(name, values, sample, material, held, contact, settings)
+            on, runs = model, _runs(name, values, sample, test, held)
         change = sum(
             weight
             * (on.run(of, hold, reach, loading_time=pace.loading_time).force - pace.run.force)
@@ -121,16 +109,13 @@ def simulate_sizes(
     return pace.run.displacement, changes
 
 
-def _runs(
-    name: str,
-    values: Values,
-    sample: Sample,
-    material: OgdenMaterial,
-    held: Boundary,
-    contact: ContactSettings,
-    settings: VariantSettings,
-) -> Runs:
+def _runs(name: str, values: Values, sample: Sample, test: MechanicalTest, held: Boundary) -> Runs:
     """Weights, materials and boundaries of the runs that make up an effect at its sizes."""
+    material, known = test.material, test.variants
+
+    def stepping(steps: VariantSettings) -> MechanicalTest:
+        return replace(test, variants=steps)
+
     if name == "poisson_ratio":
         return [(1.0, replace(material, poisson_ratio=values["nu"]), held)]
     if name == "ogden_exponents":
@@ -140,19 +125,19 @@ def _runs(
         return [
             (
                 1.0,
-                changed_materials(material, replace(settings, fibre_ratio=k))[f"fibres_{a}"],
+                changed_materials(stepping(replace(known, fibre_ratio=k)))[f"fibres_{axis}"],
                 held,
             )
-            for a, k in fibres.items()
+            for axis, k in fibres.items()
             if k > 0.0
         ]
     if name == "partial_bond":
-        steps, share = replace(settings, missing_bond=values["missing"]), values["along"]
+        steps, share = stepping(replace(known, missing_bond=values["missing"])), values["along"]
         weights = {"partial_bond_x": 1.0 - share, "partial_bond_y": share}
     else:
-        steps, share = replace(settings, tilt_deg=values["tilt_deg"]), values["corner"]
+        steps, share = stepping(replace(known, tilt_deg=values["tilt_deg"])), values["corner"]
         weights = {"platen_tilt": 1.0 - share, "platen_tilt_corner": share}
-    boundaries = changed_boundaries(sample, contact, steps)
+    boundaries = changed_boundaries(sample, steps)
     return [
         (weight / len(boundaries[variant]), material, boundary)
         for variant, weight in weights.items()

@@ -1,6 +1,6 @@
 """What runs of changed models start from, of what the files of the workflow hold."""
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any, Self
 
@@ -12,7 +12,6 @@ from softsample.calibration.measured import MeasuredCurve
 from softsample.constitutive.ogden import OgdenMaterial
 from softsample.fem.boundary import ContactSettings
 from softsample.fem.explicit import SolverSettings
-from softsample.loop.variants import VariantSettings
 from softsample.meshing.hexahedral import MeshSettings
 from softsample.meshing.sample import SampleMesh, mesh_ideal, mesh_real
 
@@ -22,29 +21,64 @@ MM = 1e-3
 
 
 @dataclass(frozen=True)
+class VariantSettings:
+    """Steps of the changed models; mirrors config `loop: variants:`.
+
+    Parameters
+    ----------
+    exponent : float
+        Step of each exponent.
+    fibre_ratio : float
+        k1 over mu.
+    tilt_deg : float
+        Tilt of the platen [degrees]: the mean about x and y, and that about both diagonals.
+    missing_bond : float
+        Part of the glued area that is taken off: the mean of the sides that face x, and of y.
+    shift_mm : float
+        Shift of the surface [mm].
+    frictions : sequence of float
+        Coefficients of the runs whose platen goes back; that of brain on metal is about 0.1.
+    precompression_mm : float
+        Compression from which a glued sample is sheared [mm].
+    """
+
+    exponent: float = 2.0
+    fibre_ratio: float = 0.1
+    tilt_deg: float = 1.0
+    missing_bond: float = 0.125
+    shift_mm: float = 0.1
+    frictions: Sequence[float] = (0.3, 0.15, 0.05)
+    precompression_mm: float = 0.3
+
+
+@dataclass(frozen=True)
 class MechanicalTest:
     """The test of one sample, as runs of changed models repeat it.
 
     Parameters
     ----------
+    mode : str
+        `tension`, `compression` or `shear`.
     material : OgdenMaterial
         Two-term material at the optimum; its modulus only sets the scale.
     travel : float
         Travel of the record [m].
-    contact, solver, settings
+    contact, solver, variants
         As of the config.
     """
 
+    mode: str
     material: OgdenMaterial
     travel: float
     contact: ContactSettings
     solver: SolverSettings
-    settings: VariantSettings
+    variants: VariantSettings
 
     @classmethod
     def of(cls, fit: Mapping[str, Any], record: pd.DataFrame, given: Mapping[str, Any]) -> Self:
         """From a calibration, a record, and `mode`, `contact`, `solver`, `variants` of the job."""
         return cls(
+            given["mode"],
             OgdenMaterial.of_fit(fit),
             MeasuredCurve.of_record(record, given["mode"]).travel,
             ContactSettings(**given["contact"]),

@@ -1,6 +1,6 @@
 """How the elastic force changes with the model: one run of the changed model per effect."""
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass, replace
 from functools import partial
 
@@ -8,10 +8,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from softsample.constitutive.ogden import Fibres, OgdenMaterial
-from softsample.fem.boundary import Boundary, ContactSettings, mode_boundary, platen_boundary
-from softsample.fem.explicit import ExplicitModel, Run, SolverSettings
+from softsample.fem.boundary import Boundary, mode_boundary, platen_boundary
+from softsample.fem.explicit import ExplicitModel, Run
 from softsample.fem.family import Pace, find_pace
 from softsample.loop.changes import PRESSED, PRESSED_ELSEWHERE, elsewhere
+from softsample.loop.inputs import MechanicalTest, VariantSettings
 from softsample.meshing.bond import partial_bond
 from softsample.meshing.mesh import HexMesh
 from softsample.meshing.sample import SampleMesh
@@ -25,37 +26,6 @@ MARGIN = 1.05
 CYCLE_PACE = 3.0
 """Loading time of a run that comes back, over that of the others. Its loop is a small difference of
 two large forces: at their pace up to a quarter of it was inertia, at a third of it 2 %."""
-
-
-@dataclass(frozen=True)
-class VariantSettings:
-    """Steps of the changed models; mirrors config `loop: variants:`.
-
-    Parameters
-    ----------
-    exponent : float
-        Step of each exponent.
-    fibre_ratio : float
-        k1 over mu.
-    tilt_deg : float
-        Tilt of the platen [degrees]: the mean about x and y, and that about both diagonals.
-    missing_bond : float
-        Part of the glued area that is taken off: the mean of the sides that face x, and of y.
-    shift_mm : float
-        Shift of the surface [mm].
-    frictions : sequence of float
-        Coefficients of the runs whose platen goes back; that of brain on metal is about 0.1.
-    precompression_mm : float
-        Compression from which a glued sample is sheared [mm].
-    """
-
-    exponent: float = 2.0
-    fibre_ratio: float = 0.1
-    tilt_deg: float = 1.0
-    missing_bond: float = 0.125
-    shift_mm: float = 0.1
-    frictions: Sequence[float] = (0.3, 0.15, 0.05)
-    precompression_mm: float = 0.3
 
 
 STEPS = {
@@ -84,20 +54,15 @@ class Sample:
         Its surface, and the same moved out by `VariantSettings.shift_mm`.
     glued, shifted_glued : (n,) int64
         Nodes glued to the moving platen.
-    mode : str
-        Mode of its test.
     """
 
     mesh: HexMesh
     shifted: HexMesh
     glued: NDArray[np.int64]
     shifted_glued: NDArray[np.int64]
-    mode: str
 
 
-def coarse_sample(
-    mesh_shifted: Callable[[float], SampleMesh], mode: str, settings: VariantSettings
-) -> Sample:
+def coarse_sample(mesh_shifted: Callable[[float], SampleMesh], settings: VariantSettings) -> Sample:
     """A sample from a function that meshes it with its surface moved out by a length [m]."""
     plain, shifted = mesh_shifted(0.0), mesh_shifted(1e-3 * settings.shift_mm)
     return Sample(
@@ -105,17 +70,12 @@ def coarse_sample(
         shifted.mesh,
         np.flatnonzero(plain.point_data["glued"]),
         np.flatnonzero(shifted.point_data["glued"]),
-        mode,
     )
 
 
 def simulate_variants(
     sample: Sample,
-    material: OgdenMaterial,
-    travel: float,
-    contact: ContactSettings,
-    solver: SolverSettings,
-    settings: VariantSettings,
+    test: MechanicalTest,
     progress: Callable[[str, float], None] | None = None,
     normal: bool = False,
     turn: float | None = None,
@@ -125,13 +85,9 @@ def simulate_variants(
     Parameters
     ----------
     sample : Sample
-        Mesh and mode.
-    material : OgdenMaterial
-        Two-term material at the optimum; its modulus only sets the scale.
-    travel : float
-        Travel of the record [m].
-    contact, solver, settings
-        As of the config.
+        Its meshes.
+    test : MechanicalTest
+        What is done to it.
     progress : callable, optional
         Told what is computed and the finished part.
     normal : bool
@@ -149,9 +105,10 @@ def simulate_variants(
         Where a setting is the step, they are for its default, which the effects know.
         `platen_friction_0.15_loop` is what the force with this friction is more on the way back.
     """
-    model, shifted = ExplicitModel(sample.mesh, solver), ExplicitModel(sample.shifted, solver)
-    boundary = mode_boundary(sample.mesh, sample.mode, sample.glued, contact)
-    reach = MARGIN * travel
+    material, contact = test.material, test.contact
+    model, shifted = (ExplicitModel(m, test.solver) for m in (sample.mesh, sample.shifted))
+    boundary = mode_boundary(sample.mesh, test.mode, sample.glued, contact)
+    reach = MARGIN * test.travel
     pace = paced(model, material, boundary, reach)
     base = wanted_force(pace.run, normal)
 
@@ -160,14 +117,14 @@ def simulate_variants(
 
     todo: dict[str, Callable[[], Array]] = {
         name: lambda changed=changed: force(model, changed, boundary)  # type: ignore[misc]
-        for name, changed in changed_materials(material, settings).items()
+        for name, changed in changed_materials(test).items()
     }
     todo["boundary_shift"] = lambda: force(
         shifted,
         material,
-        mode_boundary(sample.shifted, sample.mode, sample.shifted_glued, contact),
+        mode_boundary(sample.shifted, test.mode, sample.shifted_glued, contact),
     )
-    for name, boundaries in changed_boundaries(sample, contact, settings).items():
+    for name, boundaries in changed_boundaries(sample, test).items():
         todo[name] = lambda held=boundaries: np.mean(  # type: ignore[misc]
             [force(model, material, b) for b in held], axis=0
         )
@@ -177,9 +134,9 @@ def simulate_variants(
             progress(name, done / len(todo))
         changes[name] = (run() - base) / material.shear_modulus
     grid = pace.run.displacement
-    if sample.mode == "compression":
+    if test.mode == "compression":
         there_and_back = History(np.array([0.0, 1.0, 2.0]), np.array([0.0, turn or reach, 0.0]))
-        for friction in settings.frictions:
+        for friction in test.variants.frictions:
             cycle = model.run(
                 material,
                 platen_boundary(sample.mesh, replace(contact, friction=friction)),
@@ -191,10 +148,12 @@ def simulate_variants(
                 f"platen_friction_{friction:g}{part}": change / material.shear_modulus
                 for part, change in zip(("", "_loop"), found, strict=True)
             }
-    if sample.mode == "shear":
-        depth = 1e-3 * settings.precompression_mm
+    if test.mode == "shear":
+        depth = 1e-3 * test.variants.precompression_mm
         changes |= _pressed_changes(model, material, boundary, pace, depth, normal)
-    return grid, {name: change * _to_default(name, settings) for name, change in changes.items()}
+    return grid, {
+        name: change * _to_default(name, test.variants) for name, change in changes.items()
+    }
 
 
 def _to_default(variant: str, settings: VariantSettings) -> float:
@@ -267,35 +226,33 @@ def wanted_force(run: Run, normal: bool) -> Array:
     return np.asarray(run.force_vector[:, 2]) if normal else run.force
 
 
-def changed_materials(
-    material: OgdenMaterial, settings: VariantSettings
-) -> dict[str, OgdenMaterial]:
+def changed_materials(test: MechanicalTest) -> dict[str, OgdenMaterial]:
     """Materials that differ in one thing, by the name of the variant."""
-    (first, second), k1 = material.alpha, settings.fibre_ratio * material.shear_modulus
+    material, steps = test.material, test.variants
+    (first, second), k1 = material.alpha, steps.fibre_ratio * material.shear_modulus
     return {
         "poisson_0.47": replace(material, poisson_ratio=0.47),
         "poisson_0.45": replace(material, poisson_ratio=0.45),
-        "alpha1": replace(material, alpha=(first + settings.exponent, second)),
-        "alpha2": replace(material, alpha=(first, second + settings.exponent)),
+        "alpha1": replace(material, alpha=(first + steps.exponent, second)),
+        "alpha2": replace(material, alpha=(first, second + steps.exponent)),
         "fibres_x": replace(material, fibres=Fibres(k1, (1.0, 0.0, 0.0))),
         "fibres_z": replace(material, fibres=Fibres(k1, (0.0, 0.0, 1.0))),
     }
 
 
-def changed_boundaries(
-    sample: Sample, contact: ContactSettings, settings: VariantSettings
-) -> dict[str, list[Boundary]]:
+def changed_boundaries(sample: Sample, test: MechanicalTest) -> dict[str, list[Boundary]]:
     """Boundary conditions that differ in one thing, by variant; the force is the mean of a list."""
-    if sample.mode != "compression":
-        kept = partial(partial_bond, sample.mesh, sample.glued, 1.0 - settings.missing_bond)
+    contact, steps = test.contact, test.variants
+    if test.mode != "compression":
+        kept = partial(partial_bond, sample.mesh, sample.glued, 1.0 - steps.missing_bond)
         sides = {"x": ((1.0, 0.0), (-1.0, 0.0)), "y": ((0.0, 1.0), (0.0, -1.0))}
         return {
             f"partial_bond_{axis}": [
-                mode_boundary(sample.mesh, sample.mode, kept(side), contact) for side in pair
+                mode_boundary(sample.mesh, test.mode, kept(side), contact) for side in pair
             ]
             for axis, pair in sides.items()
         }
-    tilt = settings.tilt_deg
+    tilt = steps.tilt_deg
     corner = np.sqrt(0.5) * tilt
     tilts = {
         "platen_tilt": ((tilt, 0.0), (0.0, tilt)),

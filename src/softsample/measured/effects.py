@@ -4,8 +4,8 @@ from dataclasses import replace
 
 from softsample.loop.effects import library
 from softsample.loop.effects.base import Array, Effect, Parameter, Values
+from softsample.loop.inputs import VariantSettings
 from softsample.loop.specimen import Specimen
-from softsample.loop.variants import VariantSettings
 
 OF_TIME = (
     "channel_lag", "dehydration", "force_drift", "poroelastic_drainage", "rate_stiffening",

@@ -12,11 +12,11 @@ from softsample.constitutive.ogden import unit_modulus
 from softsample.fem.boundary import ContactSettings, mode_boundary
 from softsample.fem.explicit import ExplicitModel, SolverSettings
 from softsample.fem.family import FamilySettings, family_fractions
+from softsample.loop.inputs import MechanicalTest, VariantSettings
 from softsample.loop.specimen import Elastic
 from softsample.loop.variants import (
     MARGIN,
     Sample,
-    VariantSettings,
     simulate_variants,
     wanted_force,
 )
@@ -134,17 +134,11 @@ def _bonded(
     plain, shifted = (
         _mesh(shape, settings.elements, shift) for shift in (0.0, MM * variants.shift_mm)
     )
-    sample = Sample(plain, shifted, plain.glued(0.0), shifted.glued(0.0), mode)
+    sample = Sample(plain, shifted, plain.glued(0.0), shifted.glued(0.0))
     modulus, reach = solver.reference_modulus_pa, settings.reach * shape.height
-    travel, changes = simulate_variants(
-        sample,
-        unit_modulus(MIXTURE, settings.alpha, POISSON, modulus),
-        reach,
-        ContactSettings(),
-        solver,
-        variants,
-        normal=normal,
-    )
+    solid = unit_modulus(MIXTURE, settings.alpha, POISSON, modulus)
+    test = MechanicalTest(mode, solid, reach, ContactSettings(), solver, variants)
+    travel, changes = simulate_variants(sample, test, normal=normal)
     held = mode_boundary(plain, mode, sample.glued, ContactSettings())
     model = ExplicitModel(plain, solver)
     found = dict(changes)

@@ -19,9 +19,9 @@ MM = 1e-3
 STEPS = {
     "poisson_ratio": ({"nu": 0.47}, "poisson_0.47"),
     "ogden_exponents": ({"alpha1": -6.0, "alpha2": 16.0}, "alpha1"),
-    "anisotropy": ({"k1_along_x": 0.0, "k1_along_z": 0.1}, "fibres_z"),
+    "anisotropy": ({"k1": 0.1, "angle_deg": 45.0}, "fibres_ahead"),
     "boundary_shift": ({"shift_mm": 0.1}, "boundary_shift"),
-    "partial_bond": ({"missing": 0.125, "along": 1.0}, "partial_bond_y"),
+    "partial_bond": ({"missing": 0.125, "side": -1.0}, "partial_bond_behind"),
     "platen_tilt": ({"tilt_deg": 1.0, "corner": 0.0}, "platen_tilt"),
 }
 """Sizes that are the steps of the variants, and the variants that they are."""

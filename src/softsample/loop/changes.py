@@ -66,7 +66,7 @@ def for_all_mixtures(
     follows = {
         "alpha1": np.outer(r / mixture, there),
         "alpha2": np.outer((1.0 - r) / (1.0 - mixture), there),
-        **dict.fromkeys(("fibres_x", "fibres_z"), np.tile(there, (len(r), 1))),
+        **{name: np.tile(there, (len(r), 1)) for name in changes if name.startswith("fibres_")},
     }
     parts = {
         name: _smooth_part(family.displacement, change, there)

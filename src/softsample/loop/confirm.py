@@ -12,7 +12,7 @@ import numpy as np
 import pandas as pd
 from numpy.typing import NDArray
 
-from softsample.constitutive.ogden import OgdenMaterial
+from softsample.constitutive.ogden import Fibres, OgdenMaterial
 from softsample.fem.boundary import Boundary, mode_boundary
 from softsample.fem.explicit import ExplicitModel
 from softsample.loop.diagnose import LoopSettings, pose
@@ -27,7 +27,6 @@ from softsample.loop.variants import (
     MARGIN,
     Sample,
     changed_boundaries,
-    changed_materials,
     paced,
 )
 from softsample.meshing.sample import SampleMesh
@@ -121,19 +120,17 @@ def _runs(name: str, values: Values, sample: Sample, test: MechanicalTest, held:
     if name == "ogden_exponents":
         return [(1.0, replace(material, alpha=(values["alpha1"], values["alpha2"])), held)]
     if name == "anisotropy":
-        fibres = {axis: values[f"k1_along_{axis}"] for axis in "xz"}
-        return [
-            (
-                1.0,
-                changed_materials(stepping(replace(known, fibre_ratio=k)))[f"fibres_{axis}"],
-                held,
-            )
-            for axis, k in fibres.items()
-            if k > 0.0
-        ]
+        angle = np.radians(values["angle_deg"])
+        along = float(np.sin(angle)), 0.0, float(np.cos(angle))
+        fibres = Fibres(values["k1"] * material.shear_modulus, along)
+        return [(1.0, replace(material, fibres=fibres), held)]
     if name == "partial_bond":
-        steps, share = stepping(replace(known, missing_bond=values["missing"])), values["along"]
-        weights = {"partial_bond_x": 1.0 - share, "partial_bond_y": share}
+        steps, side = stepping(replace(known, missing_bond=values["missing"])), values["side"]
+        weights = {
+            "partial_bond_ahead": max(side, 0.0),
+            "partial_bond_behind": max(-side, 0.0),
+            "partial_bond_beside": 1.0 - abs(side),
+        }
     else:
         steps, share = stepping(replace(known, tilt_deg=values["tilt_deg"])), values["corner"]
         weights = {"platen_tilt": 1.0 - share, "platen_tilt_corner": share}

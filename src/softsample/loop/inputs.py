@@ -33,7 +33,7 @@ class VariantSettings:
     tilt_deg : float
         Tilt of the platen [degrees]: the mean about x and y, and that about both diagonals.
     missing_bond : float
-        Part of the glued area that is taken off: the mean of the sides that face x, and of y.
+        Part of the glued area that is taken off, on either side of x; on those of y, their mean.
     shift_mm : float
         Shift of the surface [mm].
     frictions : sequence of float

@@ -28,15 +28,23 @@ CYCLE_PACE = 3.0
 two large forces: at their pace up to a quarter of it was inertia, at a third of it 2 %."""
 
 
+FIBRES = {
+    "x": (1.0, 0.0, 0.0),
+    "z": (0.0, 0.0, 1.0),
+    "ahead": (1.0, 0.0, 1.0),
+    "behind": (-1.0, 0.0, 1.0),
+}
+"""Directions of fibres; shear goes along x."""
+
 STEPS = {
     "alpha1": "exponent",
     "alpha2": "exponent",
-    "fibres_x": "fibre_ratio",
-    "fibres_z": "fibre_ratio",
+    **dict.fromkeys((f"fibres_{name}" for name in FIBRES), "fibre_ratio"),
     "platen_tilt": "tilt_deg",
     "platen_tilt_corner": "tilt_deg",
-    "partial_bond_x": "missing_bond",
-    "partial_bond_y": "missing_bond",
+    "partial_bond_ahead": "missing_bond",
+    "partial_bond_behind": "missing_bond",
+    "partial_bond_beside": "missing_bond",
     "boundary_shift": "shift_mm",
     PRESSED: "precompression_mm",
     PRESSED_ELSEWHERE: "precompression_mm",
@@ -235,8 +243,10 @@ def changed_materials(test: MechanicalTest) -> dict[str, OgdenMaterial]:
         "poisson_0.45": replace(material, poisson_ratio=0.45),
         "alpha1": replace(material, alpha=(first + steps.exponent, second)),
         "alpha2": replace(material, alpha=(first, second + steps.exponent)),
-        "fibres_x": replace(material, fibres=Fibres(k1, (1.0, 0.0, 0.0))),
-        "fibres_z": replace(material, fibres=Fibres(k1, (0.0, 0.0, 1.0))),
+        **{
+            f"fibres_{name}": replace(material, fibres=Fibres(k1, along))
+            for name, along in FIBRES.items()
+        },
     }
 
 
@@ -245,12 +255,16 @@ def changed_boundaries(sample: Sample, test: MechanicalTest) -> dict[str, list[B
     contact, steps = test.contact, test.variants
     if test.mode != "compression":
         kept = partial(partial_bond, sample.mesh, sample.glued, 1.0 - steps.missing_bond)
-        sides = {"x": ((1.0, 0.0), (-1.0, 0.0)), "y": ((0.0, 1.0), (0.0, -1.0))}
+        peels = {
+            "ahead": [(-1.0, 0.0)],
+            "behind": [(1.0, 0.0)],
+            "beside": [(0.0, 1.0), (0.0, -1.0)],
+        }
         return {
-            f"partial_bond_{axis}": [
-                mode_boundary(sample.mesh, test.mode, kept(side), contact) for side in pair
+            f"partial_bond_{side}": [
+                mode_boundary(sample.mesh, test.mode, kept(way), contact) for way in ways
             ]
-            for axis, pair in sides.items()
+            for side, ways in peels.items()
         }
     tilt = steps.tilt_deg
     corner = np.sqrt(0.5) * tilt

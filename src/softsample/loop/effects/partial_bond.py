@@ -6,9 +6,10 @@ from softsample.loop.specimen import Specimen
 
 def _elastic(specimen: Specimen, mixture: float, travel: Array, values: Values) -> Array:
     change = specimen.elastic.change_per_mu
-    facing = change("partial_bond_x", mixture, travel)
-    along = change("partial_bond_y", mixture, travel)
-    return values["missing"] / 0.125 * (facing + values["along"] * (along - facing))
+    facing = abs(values["side"])
+    end = change(f"partial_bond_{'ahead' if values['side'] > 0.0 else 'behind'}", mixture, travel)
+    beside = change("partial_bond_beside", mixture, travel)
+    return values["missing"] / 0.125 * (facing * end + (1.0 - facing) * beside)
 
 
 EFFECT = Effect(
@@ -16,11 +17,11 @@ EFFECT = Effect(
     title="Part of the glue missing",
     parameters=(
         Parameter("missing", "1", 0.0, 0.5, 0.125),
-        Parameter("along", "1", 0.0, 1.0, 0.0, grid=(0.0, 1.0)),
+        Parameter("side", "1", -1.0, 1.0, 0.0, grid=(-1.0, 0.0, 1.0)),
     ),
     tier="M",
-    source="own finite element runs with an eighth of the glued area taken off, on the sides that "
-    "face the shear and on those along it",
+    source="own finite element runs with an eighth of the glued area taken off: `side` is 1 on the "
+    "side that the shear goes to, -1 on that it comes from, 0 on those beside it",
     signature="tension and shear scaled down from the start, compression untouched",
     confused_with=("tension_compression_asymmetry", "bond_peel", "platen_slip"),
     experiment="ink on the glue; inspect the detached face",

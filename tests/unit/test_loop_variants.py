@@ -1,0 +1,118 @@
+"""Runs of changed models: what the symmetry of a cuboid says about them."""
+
+from dataclasses import replace
+from types import SimpleNamespace
+
+import numpy as np
+import pytest
+
+import laboratory
+from softsample.calibration.curves import CurveFamily
+from softsample.constitutive.ogden import Fibres, OgdenMaterial
+from softsample.fem.boundary import ContactSettings, mode_boundary
+from softsample.fem.explicit import ExplicitModel, SolverSettings
+from softsample.loop.changes import for_all_mixtures
+from softsample.loop.effects import library
+from softsample.loop.inputs import MechanicalTest, VariantSettings
+from softsample.loop.specimen import Elastic
+from softsample.loop.variants import changed_boundaries, changed_materials, coarse_sample
+from softsample.meshing.sample import mesh_ideal
+
+MM = 1e-3
+SOLID = OgdenMaterial((600.0, 400.0), (-8.0, 16.0), 0.49)
+ANISOTROPY, PARTIAL_BOND = (library()[name] for name in ("anisotropy", "partial_bond"))
+SOLVER = SolverSettings(loading_time_s=0.1)
+
+
+def mesh_shifted(shift):
+    return mesh_ideal(9 * MM + 2 * shift, 7 * MM + 2 * shift, 6 * MM + shift, 1.0 * MM)
+
+
+def mechanical_test(mode, travel, fibre_ratio=0.1):
+    steps = VariantSettings(fibre_ratio=fibre_ratio)
+    return MechanicalTest(mode, SOLID, travel, ContactSettings(), SOLVER, steps)
+
+
+def forces(mode, travel):
+    """Force [N] along the travel, whole and with a strip of the glue missing, by its side."""
+    test = mechanical_test(mode, travel)
+    sample = coarse_sample(mesh_shifted, test.variants)
+    model = ExplicitModel(sample.mesh, SOLVER)
+    whole = mode_boundary(sample.mesh, mode, sample.glued, test.contact)
+    held = {"whole": [whole], **changed_boundaries(sample, test)}
+    return {
+        name: [model.run(SOLID, one, travel, loading_time=0.1).force for one in ones]
+        for name, ones in held.items()
+    }
+
+
+def test_in_tension_opposite_sides_of_a_cuboid_are_alike():
+    found = forces("tension", 0.6 * MM)
+    (ahead,), (behind,) = found["partial_bond_ahead"], found["partial_bond_behind"]
+    np.testing.assert_allclose(ahead, behind, atol=1e-4 * ahead.max())
+    assert ahead[-1] < 0.97 * found["whole"][0][-1]
+
+
+def test_in_shear_it_matters_from_which_end_the_glue_is_missing():
+    found = forces("shear", 2.4 * MM)
+    (whole,), (ahead,), (behind,) = (
+        found[name] for name in ("whole", "partial_bond_ahead", "partial_bond_behind")
+    )
+    one, other = found["partial_bond_beside"]
+    np.testing.assert_allclose(one, other, atol=1e-4 * one.max())
+    early = len(whole) // 5
+    lost_ahead, lost_behind = (
+        1.0 - part[[early, -1]] / whole[[early, -1]] for part in (ahead, behind)
+    )
+    assert lost_ahead[1] > 1.3 * lost_ahead[0] > 0.0
+    assert 0.0 < lost_behind[1] < 0.8 * lost_behind[0]
+    assert 0.0 < 1.0 - one[-1] / whole[-1] < lost_behind[1]
+
+
+@pytest.mark.parametrize(
+    ("side", "parts"),
+    [(1.0, (1, 0, 0)), (-1.0, (0, 1, 0)), (0.0, (0, 0, 1)), (-0.4, (0, 0.4, 0.6))],
+)
+def test_missing_glue_goes_by_its_side(side, parts):
+    specimen = laboratory.Lab().specimens()[2]
+    names = [f"partial_bond_{where}" for where in ("ahead", "behind", "beside")]
+    assert specimen.mode == "shear"
+
+    def change(name):
+        return specimen.elastic.change_per_mu(name, 0.7, specimen.travel)
+
+    found = PARTIAL_BOND.elastic(specimen, 0.7, specimen.travel, {"missing": 0.25, "side": side})
+    expected = sum(2.0 * part * change(name) for part, name in zip(parts, names, strict=True))
+    np.testing.assert_allclose(found, expected, rtol=1e-12, atol=1e-15)
+
+
+@pytest.mark.parametrize(
+    ("mode", "travel", "limit"), [("tension", 1.2 * MM, 0.005), ("shear", 2.4 * MM, 0.05)]
+)
+@pytest.mark.parametrize("angle", [15.0, -15.0, 30.0, -30.0, 70.0])
+def test_fibres_at_any_angle_are_made_of_four_runs(mode, travel, limit, angle):
+    """Against a run of their own, with few fibres, as parts of the change by those at 45 deg."""
+    few = 0.01
+    test = mechanical_test(mode, travel, few)
+    sample = coarse_sample(mesh_shifted, test.variants)
+    model = ExplicitModel(sample.mesh, SOLVER)
+    held = mode_boundary(sample.mesh, mode, sample.glued, test.contact)
+
+    def force(of):
+        return model.run(of, held, travel, loading_time=0.1)
+
+    plain = force(SOLID)
+    runs = {
+        name: (force(of).force - plain.force) / SOLID.shear_modulus * 0.1 / few
+        for name, of in changed_materials(test).items()
+        if name.startswith("fibres_")
+    }
+    x, z = np.sin(np.radians(angle)), np.cos(np.radians(angle))
+    fibres = Fibres(few * SOLID.shear_modulus, (x, 0.0, z))
+    own = (force(replace(SOLID, fibres=fibres)).force - plain.force) / SOLID.shear_modulus
+    family = CurveFamily(np.array([0.0, 1.0]), plain.displacement, np.stack([plain.force] * 2))
+    specimen = SimpleNamespace(elastic=Elastic(family, for_all_mixtures(runs, family, 0.5)))
+    values = {"k1": few, "angle_deg": angle}
+    found = ANISOTROPY.elastic(specimen, 0.6, plain.displacement, values)
+    largest = np.abs(runs["fibres_ahead"]).max() * few / 0.1
+    assert np.abs(found - own).max() < limit * largest

@@ -57,8 +57,10 @@ CHANGES = {  # of the force over the modulus: factor of strain e, for the modes 
     "partial_bond_ahead": {"tension": (0.05, -0.02), "shear": (0.04, 0.03)},
     "partial_bond_behind": {"tension": (0.05, -0.02), "shear": (0.04, -0.04)},
     "partial_bond_beside": {"tension": (0.05, -0.02), "shear": (0.02, 0.01)},
-    "platen_tilt": {"compression": (0.1, -0.4)},
-    "platen_tilt_corner": {"compression": (0.12, -0.45)},
+    "platen_tilt_x": {"compression": (0.1, -0.4)},
+    "platen_tilt_minus_x": {"compression": (0.1, -0.4)},
+    "platen_tilt_y": {"compression": (0.12, -0.45)},
+    "platen_tilt_minus_y": {"compression": (0.12, -0.45)},
     "platen_slip": {"compression": (0.25, 0.6)},
 }
 """Loss of force a + b e as a part of it; made up, of the sizes that LOOP's pre-study found."""

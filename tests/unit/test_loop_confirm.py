@@ -22,7 +22,7 @@ STEPS = {
     "anisotropy": ({"k1": 0.1, "angle_deg": 45.0}, "fibres_ahead"),
     "boundary_shift": ({"shift_mm": 0.1}, "boundary_shift"),
     "partial_bond": ({"missing": 0.125, "side": -1.0}, "partial_bond_behind"),
-    "platen_tilt": ({"tilt_deg": 1.0, "corner": 0.0}, "platen_tilt"),
+    "platen_tilt": ({"tilt_deg": 1.0, "axis_deg": 0.0}, "platen_tilt_x"),
 }
 """Sizes that are the steps of the variants, and the variants that they are."""
 

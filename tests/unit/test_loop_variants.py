@@ -9,18 +9,21 @@ import pytest
 import laboratory
 from softsample.calibration.curves import CurveFamily
 from softsample.constitutive.ogden import Fibres, OgdenMaterial
-from softsample.fem.boundary import ContactSettings, mode_boundary
+from softsample.fem.boundary import ContactSettings, mode_boundary, platen_boundary
 from softsample.fem.explicit import ExplicitModel, SolverSettings
 from softsample.loop.changes import for_all_mixtures
 from softsample.loop.effects import library
 from softsample.loop.inputs import MechanicalTest, VariantSettings
 from softsample.loop.specimen import Elastic
-from softsample.loop.variants import changed_boundaries, changed_materials, coarse_sample
+from softsample.loop.variants import Sample, changed_boundaries, changed_materials, coarse_sample
+from softsample.meshing.cuboid import mesh_cuboid
 from softsample.meshing.sample import mesh_ideal
 
 MM = 1e-3
 SOLID = OgdenMaterial((600.0, 400.0), (-8.0, 16.0), 0.49)
-ANISOTROPY, PARTIAL_BOND = (library()[name] for name in ("anisotropy", "partial_bond"))
+ANISOTROPY, PARTIAL_BOND, PLATEN_TILT = (
+    library()[name] for name in ("anisotropy", "partial_bond", "platen_tilt")
+)
 SOLVER = SolverSettings(loading_time_s=0.1)
 
 
@@ -86,6 +89,15 @@ def test_missing_glue_goes_by_its_side(side, parts):
     np.testing.assert_allclose(found, expected, rtol=1e-12, atol=1e-15)
 
 
+def specimen_of(mode, plain, runs):
+    """What effects need of a specimen, from the force [N] of runs and of the changed ones."""
+    family = CurveFamily(np.array([0.0, 1.0]), plain.displacement, np.stack([plain.force] * 2))
+    changes = {name: run.force - plain.force for name, run in runs.items()}
+    return SimpleNamespace(
+        mode=mode, elastic=Elastic(family, for_all_mixtures(changes, family, 0.5))
+    )
+
+
 @pytest.mark.parametrize(
     ("mode", "travel", "limit"), [("tension", 1.2 * MM, 0.005), ("shear", 2.4 * MM, 0.05)]
 )
@@ -98,21 +110,49 @@ def test_fibres_at_any_angle_are_made_of_four_runs(mode, travel, limit, angle):
     model = ExplicitModel(sample.mesh, SOLVER)
     held = mode_boundary(sample.mesh, mode, sample.glued, test.contact)
 
-    def force(of):
+    def run(of):
         return model.run(of, held, travel, loading_time=0.1)
 
-    plain = force(SOLID)
+    plain = run(SOLID)
     runs = {
-        name: (force(of).force - plain.force) / SOLID.shear_modulus * 0.1 / few
-        for name, of in changed_materials(test).items()
-        if name.startswith("fibres_")
+        name: run(of) for name, of in changed_materials(test).items() if name.startswith("fibres_")
     }
     x, z = np.sin(np.radians(angle)), np.cos(np.radians(angle))
-    fibres = Fibres(few * SOLID.shear_modulus, (x, 0.0, z))
-    own = (force(replace(SOLID, fibres=fibres)).force - plain.force) / SOLID.shear_modulus
-    family = CurveFamily(np.array([0.0, 1.0]), plain.displacement, np.stack([plain.force] * 2))
-    specimen = SimpleNamespace(elastic=Elastic(family, for_all_mixtures(runs, family, 0.5)))
-    values = {"k1": few, "angle_deg": angle}
+    own = run(replace(SOLID, fibres=Fibres(few * SOLID.shear_modulus, (x, 0.0, z))))
+    specimen, values = specimen_of(mode, plain, runs), {"k1": 0.1, "angle_deg": angle}
     found = ANISOTROPY.elastic(specimen, 0.6, plain.displacement, values)
-    largest = np.abs(runs["fibres_ahead"]).max() * few / 0.1
-    assert np.abs(found - own).max() < limit * largest
+    largest = np.abs(runs["fibres_ahead"].force - plain.force).max()
+    assert np.abs(found - (own.force - plain.force)).max() < limit * largest
+
+
+def wedge():
+    """A block whose top rises by 3 degrees along x."""
+    mesh = mesh_cuboid(9 * MM, 7 * MM, 6 * MM, MM)
+    points = mesh.points.copy()
+    points[:, 2] *= 1.0 + np.tan(np.radians(3.0)) * points[:, 0] / (6 * MM)
+    return replace(mesh, points=points)
+
+
+@pytest.mark.parametrize("mesh", [mesh_shifted(0.0).mesh, wedge()], ids=["cuboid", "wedge"])
+def test_a_tilt_about_any_axis_is_made_of_those_about_two(mesh):
+    """Against runs of their own, as parts of the peak; a wedge meets a platen that follows it."""
+    test = mechanical_test("compression", 1.2 * MM)
+    model, top = ExplicitModel(mesh, SOLVER), mesh.glued(0.0)
+
+    def run(held):
+        return model.run(SOLID, held, test.travel, loading_time=0.1)
+
+    plain = run(platen_boundary(mesh, test.contact))
+    runs = {
+        name: run(held)
+        for name, (held, *_) in changed_boundaries(Sample(mesh, mesh, top, top), test).items()
+        if name.startswith("platen_tilt_")
+    }
+    specimen = specimen_of("compression", plain, runs)
+    for axis in (30.0, 140.0, -60.0, -110.0):
+        tilt = (np.cos(np.radians(axis)), np.sin(np.radians(axis)))
+        own = run(platen_boundary(mesh, test.contact, tilt_deg=tilt)).force - plain.force
+        values = {"tilt_deg": 1.0, "axis_deg": axis}
+        found = PLATEN_TILT.elastic(specimen, 0.6, plain.displacement, values)
+        assert np.abs(own).max() > 0.05 * plain.force[-1]
+        assert np.abs(found - own).max() < 0.02 * plain.force[-1]

@@ -13,13 +13,13 @@ import pandas as pd
 from numpy.typing import NDArray
 
 from softsample.constitutive.ogden import Fibres, OgdenMaterial
-from softsample.fem.boundary import Boundary, mode_boundary
+from softsample.fem.boundary import Boundary, mode_boundary, platen_boundary
 from softsample.fem.explicit import ExplicitModel
 from softsample.loop.diagnose import LoopSettings, pose
 from softsample.loop.effects import library
 from softsample.loop.effects.base import Effect, Values
 from softsample.loop.fit import Fit
-from softsample.loop.inputs import MechanicalTest, VariantSettings
+from softsample.loop.inputs import MechanicalTest
 from softsample.loop.model import Model, State
 from softsample.loop.screen import penalty
 from softsample.loop.specimen import Specimen
@@ -110,11 +110,7 @@ def simulate_sizes(
 
 def _runs(name: str, values: Values, sample: Sample, test: MechanicalTest, held: Boundary) -> Runs:
     """Weights, materials and boundaries of the runs that make up an effect at its sizes."""
-    material, known = test.material, test.variants
-
-    def stepping(steps: VariantSettings) -> MechanicalTest:
-        return replace(test, variants=steps)
-
+    material = test.material
     if name == "poisson_ratio":
         return [(1.0, replace(material, poisson_ratio=values["nu"]), held)]
     if name == "ogden_exponents":
@@ -124,17 +120,17 @@ def _runs(name: str, values: Values, sample: Sample, test: MechanicalTest, held:
         along = float(np.sin(angle)), 0.0, float(np.cos(angle))
         fibres = Fibres(values["k1"] * material.shear_modulus, along)
         return [(1.0, replace(material, fibres=fibres), held)]
-    if name == "partial_bond":
-        steps, side = stepping(replace(known, missing_bond=values["missing"])), values["side"]
-        weights = {
-            "partial_bond_ahead": max(side, 0.0),
-            "partial_bond_behind": max(-side, 0.0),
-            "partial_bond_beside": 1.0 - abs(side),
-        }
-    else:
-        steps, share = stepping(replace(known, tilt_deg=values["tilt_deg"])), values["corner"]
-        weights = {"platen_tilt": 1.0 - share, "platen_tilt_corner": share}
-    boundaries = changed_boundaries(sample, steps)
+    if name == "platen_tilt":
+        axis, tilt = np.radians(values["axis_deg"]), values["tilt_deg"]
+        tilts = (float(tilt * np.cos(axis)), float(tilt * np.sin(axis)))
+        return [(1.0, material, platen_boundary(sample.mesh, test.contact, tilt_deg=tilts))]
+    side, steps = values["side"], replace(test.variants, missing_bond=values["missing"])
+    weights = {
+        "partial_bond_ahead": max(side, 0.0),
+        "partial_bond_behind": max(-side, 0.0),
+        "partial_bond_beside": 1.0 - abs(side),
+    }
+    boundaries = changed_boundaries(sample, replace(test, variants=steps))
     return [
         (weight / len(boundaries[variant]), material, boundary)
         for variant, weight in weights.items()

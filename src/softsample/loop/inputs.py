@@ -31,7 +31,7 @@ class VariantSettings:
     fibre_ratio : float
         k1 over mu.
     tilt_deg : float
-        Tilt of the platen [degrees]: the mean about x and y, and that about both diagonals.
+        Tilt of the platen [degrees], about x and y, either way.
     missing_bond : float
         Part of the glued area that is taken off, on either side of x; on those of y, their mean.
     shift_mm : float

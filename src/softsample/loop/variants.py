@@ -36,12 +36,14 @@ FIBRES = {
 }
 """Directions of fibres; shear goes along x."""
 
+TILTS = {"x": (1.0, 0.0), "minus_x": (-1.0, 0.0), "y": (0.0, 1.0), "minus_y": (0.0, -1.0)}
+"""Axes about which the platen is turned."""
+
 STEPS = {
     "alpha1": "exponent",
     "alpha2": "exponent",
     **dict.fromkeys((f"fibres_{name}" for name in FIBRES), "fibre_ratio"),
-    "platen_tilt": "tilt_deg",
-    "platen_tilt_corner": "tilt_deg",
+    **dict.fromkeys((f"platen_tilt_{way}" for way in TILTS), "tilt_deg"),
     "partial_bond_ahead": "missing_bond",
     "partial_bond_behind": "missing_bond",
     "partial_bond_beside": "missing_bond",
@@ -266,17 +268,15 @@ def changed_boundaries(sample: Sample, test: MechanicalTest) -> dict[str, list[B
             ]
             for side, ways in peels.items()
         }
-    tilt = steps.tilt_deg
-    corner = np.sqrt(0.5) * tilt
-    tilts = {
-        "platen_tilt": ((tilt, 0.0), (0.0, tilt)),
-        "platen_tilt_corner": ((corner, corner), (corner, -corner)),
-    }
     slip = replace(contact, friction=0.0)
     return {
         **{
-            name: [platen_boundary(sample.mesh, contact, tilt_deg=t) for t in pair]
-            for name, pair in tilts.items()
+            f"platen_tilt_{way}": [
+                platen_boundary(
+                    sample.mesh, contact, tilt_deg=(x * steps.tilt_deg, y * steps.tilt_deg)
+                )
+            ]
+            for way, (x, y) in TILTS.items()
         },
         "platen_slip": [platen_boundary(sample.mesh, slip)],
     }

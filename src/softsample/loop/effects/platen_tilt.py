@@ -7,12 +7,19 @@ from softsample.loop.specimen import Specimen
 
 
 def _elastic(specimen: Specimen, mixture: float, travel: Array, values: Values) -> Array:
+    """Turned about x and about y, each by its part of the tilt and with its own sign.
+
+    A top that is not flat lies better against a platen that is tilted one way, and worse against
+    one that is tilted the other way.
+    """
     if specimen.mode != "compression":
         return np.zeros_like(travel)
-    change = specimen.elastic.change_per_mu
-    edge = change("platen_tilt", mixture, travel)
-    corner = change("platen_tilt_corner", mixture, travel)
-    return values["tilt_deg"] * (edge + values["corner"] * (corner - edge))
+    axis = np.radians(values["axis_deg"])
+    change = np.zeros_like(travel)
+    for name, part in (("x", np.cos(axis)), ("y", np.sin(axis))):
+        way = name if part > 0.0 else f"minus_{name}"
+        change += abs(part) * specimen.elastic.change_per_mu(f"platen_tilt_{way}", mixture, travel)
+    return values["tilt_deg"] * change
 
 
 EFFECT = Effect(
@@ -20,11 +27,11 @@ EFFECT = Effect(
     title="Tilted platen",
     parameters=(
         Parameter("tilt_deg", "deg", 0.0, 4.0, 1.0),
-        Parameter("corner", "1", 0.0, 1.0, 0.0, grid=(0.0, 1.0)),
+        Parameter("axis_deg", "deg", -180.0, 180.0, 0.0, grid=tuple(range(-135, 181, 45))),
     ),
     tier="M",
-    source="own finite element runs of the sample with a platen tilted by one degree, towards an "
-    "edge and towards a corner",
+    source="own finite element runs of the sample with a platen turned by one degree about x and "
+    "y, either way; the axis it is turned about is at an angle from x to y",
     signature="compression only: a toe as long as the width times the tilt",
     confused_with=("late_contact", "real_geometry"),
     experiment="turn the sample by 180 degrees; pressure film",

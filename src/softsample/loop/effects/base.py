@@ -27,7 +27,8 @@ class Parameter:
     nominal : float
         A plausible size, at which the signature is drawn.
     grid : tuple of float
-        Values from which a fit starts, for parameters that enter nonlinearly (times, onsets).
+        Values from which a fit starts, for parameters that enter nonlinearly (times, onsets);
+        not where the effect has a corner in them, as no fit gets away from there.
     neutral : float
         Value without effect.
     """

@@ -17,7 +17,7 @@ EFFECT = Effect(
     title="Part of the glue missing",
     parameters=(
         Parameter("missing", "1", 0.0, 0.5, 0.125),
-        Parameter("side", "1", -1.0, 1.0, 0.0, grid=(-1.0, 0.0, 1.0)),
+        Parameter("side", "1", -1.0, 1.0, 0.0, grid=(-0.75, -0.25, 0.25, 0.75)),
     ),
     tier="M",
     source="own finite element runs with an eighth of the glued area taken off: `side` is 1 on the "

@@ -27,7 +27,7 @@ EFFECT = Effect(
     title="Tilted platen",
     parameters=(
         Parameter("tilt_deg", "deg", 0.0, 4.0, 1.0),
-        Parameter("axis_deg", "deg", -180.0, 180.0, 0.0, grid=tuple(range(-135, 181, 45))),
+        Parameter("axis_deg", "deg", -180.0, 180.0, 0.0, grid=(-135.0, -45.0, 45.0, 135.0)),
     ),
     tier="M",
     source="own finite element runs of the sample with a platen turned by one degree about x and "

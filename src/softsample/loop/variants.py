@@ -257,7 +257,7 @@ def changed_boundaries(sample: Sample, test: MechanicalTest) -> dict[str, list[B
     contact, steps = test.contact, test.variants
     if test.mode != "compression":
         kept = partial(partial_bond, sample.mesh, sample.glued, 1.0 - steps.missing_bond)
-        peels = {
+        peels = {  # towards where; the glue is missing on the other side
             "ahead": [(-1.0, 0.0)],
             "behind": [(1.0, 0.0)],
             "beside": [(0.0, 1.0), (0.0, -1.0)],

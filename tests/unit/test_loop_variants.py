@@ -15,7 +15,13 @@ from softsample.loop.changes import for_all_mixtures
 from softsample.loop.effects import library
 from softsample.loop.inputs import MechanicalTest, VariantSettings
 from softsample.loop.specimen import Elastic
-from softsample.loop.variants import Sample, changed_boundaries, changed_materials, coarse_sample
+from softsample.loop.variants import (
+    Sample,
+    changed_boundaries,
+    changed_materials,
+    coarse_sample,
+    simulate_variants,
+)
 from softsample.meshing.cuboid import mesh_cuboid
 from softsample.meshing.sample import mesh_ideal
 
@@ -24,6 +30,7 @@ SOLID = OgdenMaterial((600.0, 400.0), (-8.0, 16.0), 0.49)
 ANISOTROPY, PARTIAL_BOND, PLATEN_TILT = (
     library()[name] for name in ("anisotropy", "partial_bond", "platen_tilt")
 )
+SIDES = ("ahead", "behind", "beside")
 SOLVER = SolverSettings(loading_time_s=0.1)
 
 
@@ -42,34 +49,31 @@ def forces(mode, travel):
     sample = coarse_sample(mesh_shifted, test.variants)
     model = ExplicitModel(sample.mesh, SOLVER)
     whole = mode_boundary(sample.mesh, mode, sample.glued, test.contact)
-    held = {"whole": [whole], **changed_boundaries(sample, test)}
+    held = {"whole": whole, **changed_boundaries(sample, test)}
     return {
-        name: [model.run(SOLID, one, travel, loading_time=0.1).force for one in ones]
-        for name, ones in held.items()
+        name: model.run(SOLID, one, travel, loading_time=0.1).force for name, one in held.items()
     }
 
 
 def test_in_tension_opposite_sides_of_a_cuboid_are_alike():
     found = forces("tension", 0.6 * MM)
-    (ahead,), (behind,) = found["partial_bond_ahead"], found["partial_bond_behind"]
+    ahead, behind = found["partial_bond_ahead"], found["partial_bond_behind"]
     np.testing.assert_allclose(ahead, behind, atol=1e-4 * ahead.max())
-    assert ahead[-1] < 0.97 * found["whole"][0][-1]
+    assert ahead[-1] < 0.97 * found["whole"][-1]
 
 
 def test_in_shear_it_matters_from_which_end_the_glue_is_missing():
     found = forces("shear", 2.4 * MM)
-    (whole,), (ahead,), (behind,) = (
-        found[name] for name in ("whole", "partial_bond_ahead", "partial_bond_behind")
+    whole, ahead, behind, beside = (
+        found[name] for name in ("whole", *(f"partial_bond_{s}" for s in SIDES))
     )
-    one, other = found["partial_bond_beside"]
-    np.testing.assert_allclose(one, other, atol=1e-4 * one.max())
     early = len(whole) // 5
     lost_ahead, lost_behind = (
         1.0 - part[[early, -1]] / whole[[early, -1]] for part in (ahead, behind)
     )
     assert lost_ahead[1] > 1.3 * lost_ahead[0] > 0.0
     assert 0.0 < lost_behind[1] < 0.8 * lost_behind[0]
-    assert 0.0 < 1.0 - one[-1] / whole[-1] < lost_behind[1]
+    assert 0.0 < 1.0 - beside[-1] / whole[-1] < lost_behind[1]
 
 
 @pytest.mark.parametrize(
@@ -78,7 +82,7 @@ def test_in_shear_it_matters_from_which_end_the_glue_is_missing():
 )
 def test_missing_glue_goes_by_its_side(side, parts):
     specimen = laboratory.Lab().specimens()[2]
-    names = [f"partial_bond_{where}" for where in ("ahead", "behind", "beside")]
+    names = [f"partial_bond_{where}" for where in SIDES]
     assert specimen.mode == "shear"
 
     def change(name):
@@ -102,7 +106,7 @@ def specimen_of(mode, plain, runs):
     ("mode", "travel", "limit"), [("tension", 1.2 * MM, 0.005), ("shear", 2.4 * MM, 0.05)]
 )
 @pytest.mark.parametrize("angle", [15.0, -15.0, 30.0, -30.0, 70.0])
-def test_fibres_at_any_angle_are_made_of_four_runs(mode, travel, limit, angle):
+def test_fibres_at_any_angle_are_made_of_three_runs(mode, travel, limit, angle):
     """Against a run of their own, with few fibres, as parts of the change by those at 45 deg."""
     few = 0.01
     test = mechanical_test(mode, travel, few)
@@ -145,7 +149,7 @@ def test_a_tilt_about_any_axis_is_made_of_those_about_two(mesh):
     plain = run(platen_boundary(mesh, test.contact))
     runs = {
         name: run(held)
-        for name, (held, *_) in changed_boundaries(Sample(mesh, mesh, top, top), test).items()
+        for name, held in changed_boundaries(Sample(mesh, mesh, top, top), test).items()
         if name.startswith("platen_tilt_")
     }
     specimen = specimen_of("compression", plain, runs)
@@ -156,3 +160,18 @@ def test_a_tilt_about_any_axis_is_made_of_those_about_two(mesh):
         found = PLATEN_TILT.elastic(specimen, 0.6, plain.displacement, values)
         assert np.abs(own).max() > 0.05 * plain.force[-1]
         assert np.abs(found - own).max() < 0.02 * plain.force[-1]
+
+
+@pytest.mark.parametrize("mode", ["tension", "compression", "shear"])
+def test_a_verdict_costs_at_most_twenty_runs_a_mode(mode, monkeypatch):
+    """Those at two loading times of the plain model are among them."""
+    runs, run = [], ExplicitModel.run
+
+    def counted(*given, **named):
+        runs.append(given)
+        return run(*given, **named)
+
+    monkeypatch.setattr(ExplicitModel, "run", counted)
+    test = mechanical_test(mode, 0.5 * MM)
+    simulate_variants(coarse_sample(mesh_shifted, test.variants), test)
+    assert len(runs) <= 20

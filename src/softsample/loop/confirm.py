@@ -132,9 +132,8 @@ def _runs(name: str, values: Values, sample: Sample, test: MechanicalTest, held:
     }
     boundaries = changed_boundaries(sample, replace(test, variants=steps))
     return [
-        (weight / len(boundaries[variant]), material, boundary)
+        (weight, material, boundaries[variant])
         for variant, weight in weights.items()
-        for boundary in boundaries[variant]
         if weight > 0.0
     ]
 

@@ -33,7 +33,7 @@ class VariantSettings:
     tilt_deg : float
         Tilt of the platen [degrees], about x and y, either way.
     missing_bond : float
-        Part of the glued area that is taken off, on either side of x; on those of y, their mean.
+        Part of the glued area that is taken off, on either side of x and on one of y.
     shift_mm : float
         Shift of the surface [mm].
     frictions : sequence of float

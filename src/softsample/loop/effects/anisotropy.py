@@ -10,13 +10,18 @@ def _elastic(specimen: Specimen, mixture: float, travel: Array, values: Values) 
     """At any angle in the x-z plane, from the runs with fibres along z and x and between them.
 
     Few fibres change the force by an integral of (a . C a - 1) a a over a deformation that stays:
-    by a form of fourth degree in sine and cosine of their angle. Its term in s^3 c goes with
-    C_xx - 1, which shear of a block leaves at nothing, and is left out.
+    by a form of fourth degree in sine and cosine of their angle. Its terms in s^3 c and s^4 go with
+    C_xx - 1, which shear of a block leaves at nothing; the sign of the angle is nothing to axial
+    tests of one.
     """
-    upright, lying, ahead, behind = (
-        specimen.elastic.change_per_mu(f"fibres_{name}", mixture, travel)
-        for name in ("z", "x", "ahead", "behind")
-    )
+
+    def change(name: str) -> Array:
+        return specimen.elastic.change_per_mu(f"fibres_{name}", mixture, travel)
+
+    sheared = specimen.mode == "shear"
+    upright, ahead = change("z"), change("ahead")
+    lying = np.zeros_like(travel) if sheared else change("x")
+    behind = change("behind") if sheared else ahead
     s, c = (f(np.radians(values["angle_deg"])) for f in (np.sin, np.cos))
     even = 2.0 * (ahead + behind) - upright - lying
     odd = 2.0 * (ahead - behind)
@@ -33,7 +38,7 @@ EFFECT = Effect(
     ),
     tier="M",
     source="Jin et al., J. Biomech. 46 (2013) 2795; own runs with k1 (I4 - 1)^2, k1 = mu/10, along "
-    "z, x and both diagonals; the angle is that from z to where the shear goes",
+    "z, x and the diagonals; the angle is that from z to where the shear goes",
     signature="ratio of shear to axial stiffness",
     confused_with=("residual_precompression", "poisson_ratio"),
     experiment="turn the direction of shear by 90 degrees",

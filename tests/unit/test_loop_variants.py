@@ -1,4 +1,4 @@
-"""Runs of changed models: what the symmetry of a cuboid says about them."""
+"""Runs of changed models: what differs by its sign, what is made of them, and how many they are."""
 
 from dataclasses import replace
 from types import SimpleNamespace

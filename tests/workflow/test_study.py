@@ -350,7 +350,7 @@ def test_the_browser_tells_of_errors_requests_and_missing_pictures(tmp_path):
         assert browser.wait_for("document.images[0].complete")
         assert not browser.run("document.images[0].naturalWidth > 0")
         assert browser.outward == ["https://example.invalid/x.png"]
-        assert browser.complaints[0] == "['no']"
+        assert "['no']" in browser.complaints  # beside one of the lost picture, in either order
 
 
 def test_a_test_at_the_optimum_is_exported_on_demand(study):

@@ -49,13 +49,12 @@ class Resolution:
     ----------
     floor_percent : float
         Smooth error [% of peak], beside the floor of the experiment.
-    fine_percent, grain_percent, scale_percent, contact_zero_mm : float
-        As of `NoiseSettings`; no grain, because a cuboid meets the platen with all its top at once.
+    fine_percent, scale_percent, contact_zero_mm : float
+        As of `NoiseSettings`.
     """
 
     floor_percent: float = 0.1
     fine_percent: float = 0.1
-    grain_percent: float = 0.0
     scale_percent: float = 0.2
     contact_zero_mm: float = 0.01
 
@@ -65,7 +64,6 @@ class Resolution:
             loop.noise,
             floor_percent=float(np.hypot(self.floor_percent, floor_percent)),
             fine_percent=self.fine_percent,
-            grain_percent=self.grain_percent,
             scale_percent=self.scale_percent,
             contact_zero_mm=self.contact_zero_mm,
         )

@@ -11,6 +11,9 @@ from softsample.loop.specimen import Specimen, blocks
 
 Array = NDArray[np.float64]
 
+KINDS = ("baseline", "ramp", "hold", "unloading")
+"""Phases of a record."""
+
 GRAIN_LENGTH = 0.01
 """Correlation length of grain as a part of the stroke: points of a curve are 1/60 of it apart."""
 
@@ -32,11 +35,6 @@ class NoiseSettings:
         Its correlation length, as a part of the stroke.
     fine_percent, fine_length : float
         The same for error of the size of elements.
-    grain_percent : float
-        The same from one point of a simulated curve to the next, in compression only: there a rough
-        surface meets the platen node by node. Fourth differences of the curves of 15 real shapes
-        give 0.010 to 0.075 %, median 0.022 %; of cuboids and other modes 0.017 % or less
-        (`benchmarks/curve_grain.py`).
     scale_percent : float
         Standard deviation of the scale of each test [%]: element type, volume, glued area.
     contact_zero_mm : float
@@ -50,7 +48,6 @@ class NoiseSettings:
     floor_length: float = 0.25
     fine_percent: float = 0.3
     fine_length: float = 0.05
-    grain_percent: float = 0.02
     scale_percent: float = 2.0
     contact_zero_mm: float = 0.06
 
@@ -87,29 +84,51 @@ def block_size(time: Array, settings: NoiseSettings) -> int:
 def measure_noise(specimen: Specimen, settings: NoiseSettings) -> Noise:
     """White noise from second differences, slow noise from what block means vary more than that.
 
-    Block means are taken over the stretches in which the platen rests, or over the whole record
-    where there are none, less a polynomial every 5 s, a parabola at rest and one of fifth degree
-    along a ramp; what that takes from noise of the given correlation time is made good.
+    Block means are taken over 5 s in which the platen rests, less a parabola, or where there are
+    no two of these over 5 s, at least 8 blocks, of any phase, less a polynomial of fifth degree;
+    what that takes from noise of the given correlation time is made good. None reaches across a
+    corner of the record. Where a reading's last digit is coarser than its noise, the error of
+    rounding is noise too, and one that goes on from sample to sample.
     """
-    second = np.diff(specimen.force, 2)
+    force, size = specimen.force, block_size(specimen.time, settings)
+    second = np.diff(force, 2)
     white = 1.4826 * float(np.median(np.abs(second - np.median(second)))) / np.sqrt(6.0)
-    size = block_size(specimen.time, settings)
-    window = max(8, round(5.0 / settings.block_s))
-    resting = np.isin(specimen.phase, ("baseline", "hold"))
-    rests = resting.sum() > 2 * size * window
-    force = specimen.force[resting] if rests else specimen.force
-    means = blocks(force, size)
-    chunks = [means[k : k + window] for k in range(0, len(means) - window + 1, window)]
+    rounding = _last_digit(force) / np.sqrt(12.0)
+    least = rounding if white < rounding else 0.0
+    white = max(white, rounding)
+    long = max(8, round(5.0 / settings.block_s))
+    chunks, degree = _windows(specimen, size, long, ("baseline", "hold")), 2
+    if len(chunks) < 2:
+        chunks, degree = _windows(specimen, size, long) or _windows(specimen, size, 8), 5
     if not chunks:
-        return Noise(white, 0.0, size)
+        return Noise(white, least, size)
+    window = len(chunks[0])
     axis = np.linspace(-1.0, 1.0, window)
-    basis, _ = np.linalg.qr(np.stack([axis**k for k in range(3 if rests else 6)], axis=1))
+    basis, _ = np.linalg.qr(np.stack([axis**k for k in range(degree + 1)], axis=1))
     left = np.eye(window) - basis @ basis.T
     variance = float(np.median([np.sum((left @ chunk) ** 2) for chunk in chunks]))
     lag = np.abs(np.subtract.outer(range(window), range(window))) * settings.block_s
     share = float(np.trace(left @ np.exp(-lag / settings.correlation_s)))
     excess = variance - np.trace(left) * white**2 / size
-    return Noise(white, float(np.sqrt(max(excess, 0.0) / share)), size)
+    return Noise(white, max(least, float(np.sqrt(max(excess, 0.0) / share))), size)
+
+
+def _windows(
+    specimen: Specimen, size: int, window: int, kinds: Sequence[str] = KINDS
+) -> list[Array]:
+    """Means of as many blocks as fill a window (window,) [N], each within one phase."""
+    found = []
+    for part in specimen.stretches:
+        if specimen.phase[part.start] in kinds:
+            means = blocks(specimen.force[part], size)
+            found += [means[k : k + window] for k in range(0, len(means) - window + 1, window)]
+    return found
+
+
+def _last_digit(force: Array) -> float:
+    """Smallest step between two readings [N]."""
+    steps = np.abs(np.diff(force))
+    return float(np.min(steps, initial=np.inf, where=steps > 0.0)) if steps.any() else 0.0
 
 
 def shared(noises: Sequence[Noise]) -> list[Noise]:
@@ -132,8 +151,9 @@ def covariance(specimen: Specimen, noise: Noise, model: Array, settings: NoiseSe
     model : (n,) float64
         Force that a first fit of the material predicts at the blocks [N], for the scale.
     settings : NoiseSettings
-        What the model does not resolve. Its smooth error goes with the travel, so that loading
-        and unloading share it, and is nothing before the platen moves.
+        What the model does not resolve, beside the grain of its curves. Its smooth error goes
+        with the travel, so that loading and unloading share it, and is nothing before the platen
+        moves.
     """
     size = block_size(specimen.time, settings)
     time, travel = blocks(specimen.time, size), blocks(specimen.travel, size)
@@ -146,7 +166,7 @@ def covariance(specimen: Specimen, noise: Noise, model: Array, settings: NoiseSe
     for percent, length in (
         (settings.floor_percent, settings.floor_length),
         (settings.fine_percent, settings.fine_length),
-        (settings.grain_percent if specimen.elastic.contact else 0.0, GRAIN_LENGTH),
+        (100.0 * specimen.elastic.grain, GRAIN_LENGTH),
     ):
         error = percent**2 * np.exp(-0.5 * (apart / length) ** 2)
         total += np.outer(moved, moved) * error

@@ -3,6 +3,7 @@
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from functools import cached_property
+from itertools import pairwise
 from typing import Self
 
 import numpy as np
@@ -84,6 +85,20 @@ class Elastic:
         if real is not None:
             variants["real_geometry"] = CurveFamily.of_table(real, mode).less(family)
         return cls(family, variants, contact=mode == "compression")
+
+    @cached_property
+    def grain(self) -> float:
+        """Error from point to point of a simulated curve, as a part of its peak.
+
+        That of the real geometry counts where the model may turn to it.
+        """
+        curves, difference = self.family, self.variants.get("real_geometry")
+        peaks = np.array([np.abs(curves.curve(r)).max() for r in curves.fractions])
+        own = float(np.mean(curves.grain / peaks))
+        if not isinstance(difference, CurveFamily):
+            return own
+        real = [np.abs(curves.curve(r) + difference.curve(r)).max() for r in difference.fractions]
+        return float(np.hypot(own, np.mean(difference.grain / np.array(real))))
 
     @cached_property
     def _fine(self) -> tuple[CurveFamily, dict[str, CurveFamily]]:
@@ -186,17 +201,26 @@ class Specimen:
             phase=self.phase[first],
         )
 
+    @property
+    def clock(self) -> Array:
+        """Time since the record began (n,) [s]."""
+        return self.time - self.time[0]
+
+    @property
+    def stretches(self) -> list[slice]:
+        """Samples of each stretch of one phase, in order."""
+        ends = np.flatnonzero(self.phase[1:] != self.phase[:-1]) + 1
+        corners = [0, *ends.tolist(), len(self.phase)]
+        return [slice(a, b) for a, b in pairwise(corners)]
+
     @cached_property
     def smooth_force(self) -> Array:
         """Force (n,) [N] with most of its noise taken out, phase by phase so that corners stay."""
-        ends = np.flatnonzero(self.phase[1:] != self.phase[:-1]) + 1
         step = float(self.time[-1] - self.time[0]) / (len(self.time) - 1)
         window = max(5, round(SMOOTHED_S / step))
+        parts = [self.force[part] for part in self.stretches]
         return np.concatenate(
-            [
-                savgol_filter(part, window, 3) if len(part) > window else part
-                for part in np.split(self.force, ends)
-            ]
+            [savgol_filter(part, window, 3) if len(part) > window else part for part in parts]
         )
 
     @property

@@ -40,8 +40,16 @@ def pulled(mode, r, u):
 
 
 CHANGES = {  # of the force over the modulus: factor of strain e, for the modes that feel it
-    "poisson_0.47": {"tension": (0.025, 0.06), "compression": (0.08, 0.4), "shear": (0.0, 0.01)},
-    "poisson_0.45": {"tension": (0.045, 0.1), "compression": (0.15, 0.7), "shear": (0.0, 0.02)},
+    "poisson_0.02_less": {
+        "tension": (0.025, 0.06),
+        "compression": (0.08, 0.4),
+        "shear": (0.0, 0.01),
+    },
+    "poisson_0.04_less": {
+        "tension": (0.045, 0.1),
+        "compression": (0.15, 0.7),
+        "shear": (0.0, 0.02),
+    },
     "alpha1": {"tension": (0.0, 0.3), "compression": (0.0, 0.6), "shear": (0.0, 0.2)},
     "alpha2": {"tension": (0.0, -0.5), "compression": (0.0, -0.1), "shear": (0.0, -0.3)},
     "fibres_x": {"tension": (-0.05, 0.0), "compression": (-0.05, -0.1), "shear": (-0.2, 0.1)},

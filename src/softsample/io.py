@@ -8,7 +8,7 @@ import gzip
 import json
 import math
 import os
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from io import StringIO
 from pathlib import Path
 from typing import Any
@@ -22,6 +22,7 @@ from softsample.errors import InputError, MeshError
 from softsample.files import written_aside
 from softsample.formats import LPS_TO_RAS, PathLike, read_image
 from softsample.formats.text import read_lines
+from softsample.meshing.marks import MarkedImage
 from softsample.meshing.mesh import HexMesh
 from softsample.meshing.surface import TriangleSurface
 
@@ -254,6 +255,30 @@ def read_distance(
     report = read_json(json_path)
     origin = np.asarray(report["grid_origin_mm"], dtype=np.float64) * MM
     return distance.astype(np.float64) * MM, origin, float(report["grid_spacing_mm"]) * MM
+
+
+def read_marks(
+    bond_mask: Sequence[str], labels: Sequence[str], json_path: PathLike
+) -> dict[str, MarkedImage]:
+    """Read what is drawn in the image of a sample, by the columns of the sample table.
+
+    Of a segmentation of 3D Slicer the glue is the segment with the column's name; regions are all
+    of its segments.
+
+    Parameters
+    ----------
+    bond_mask, labels : sequence of str
+        Files of each; the first one is read, and there may be none.
+    json_path : path
+        Report of the segmentation, which holds the sample's place in the world.
+    """
+    frame = read_json(json_path)["sample_to_world"]
+    wanted = {"bond_mask": (bond_mask, ("bond_mask",)), "labels": (labels, ())}
+    return {
+        name: MarkedImage.in_world(*read_image(paths[0], segments), frame, paths[0])
+        for name, (paths, segments) in wanted.items()
+        if paths
+    }
 
 
 def write_mesh(

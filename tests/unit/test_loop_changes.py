@@ -22,7 +22,7 @@ def family():
     return laboratory.elastic("compression").family
 
 
-def carried(family, change, name="poisson_0.47"):
+def carried(family, change, name="poisson_0.02_less"):
     """Change at another mixture than that at which it was simulated."""
     return for_all_mixtures({name: change}, family, THERE)[name].curve(ANOTHER)
 

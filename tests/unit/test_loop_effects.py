@@ -1,5 +1,6 @@
 """Every file of the library: neutral where it says so, complete, and listed in the docs."""
 
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -7,9 +8,10 @@ import pytest
 
 import effects_page
 import laboratory
+from softsample.constitutive.ogden import OgdenMaterial
 from softsample.loop.effects import library
-from softsample.loop.effects.base import MODES
-from softsample.loop.history import drained, relaxed
+from softsample.loop.effects.base import MODES, SOLID
+from softsample.loop.history import drained, followed, relaxed
 from softsample.loop.model import Material, Model, State
 
 EFFECTS = library()
@@ -111,6 +113,61 @@ def test_relaxation_is_exact_for_a_ramp_whatever_the_step():
         time = np.arange(0.0, 10.0, step)
         exact = time - g * (time + tau * np.expm1(-time / tau))
         np.testing.assert_allclose(relaxed(time, time, g, tau), exact, rtol=1e-12, atol=1e-12)
+
+
+def test_relaxation_is_exact_for_a_ramp_and_a_hold_at_uneven_times():
+    """A machine that thins the hold; corners at samples."""
+    g, tau, way = 0.5, 10.0, 10.0
+    time = np.concatenate([np.arange(0.0, way, 0.01), way + np.arange(0.0, 101.0, 1.0)])
+    force = np.minimum(time, way)
+    since = time - way
+    rising = time + tau * np.expm1(-time / tau)
+    held = way + tau * (np.exp(-time / tau) - np.exp(-since / tau))
+    exact = force - g * np.where(since < 0.0, rising, held)
+    np.testing.assert_allclose(relaxed(time, force, g, tau), exact, rtol=1e-9, atol=1e-9)
+
+
+def test_play_is_used_up_at_each_reversal():
+    travel = np.array([0.0, 1.0, 3.0, 2.9, 2.0, 0.0, 0.05, 1.0, 3.0, 4.0, 3.95])
+    expected = [0.0, 1.0, 3.0, 3.0, 2.1, 0.1, 0.1, 1.0, 3.0, 4.0, 4.0]
+    np.testing.assert_allclose(followed(travel, 0.1), expected)
+
+
+def test_an_effect_does_not_depend_on_when_the_clock_was_started(specimens):
+    for effect in EFFECTS.values():
+        high = {p.name: p.high if p.is_size else p.grid[0] for p in effect.parameters}
+        for specimen in specimens:
+            later = replace(specimen, time=specimen.time + 5000.0)
+            here, there = (predicted(s, effect, high) for s in (specimen, later))
+            np.testing.assert_allclose(there, here, rtol=1e-6, atol=1e-8, err_msg=effect.name)
+
+
+@pytest.mark.parametrize("nu", [0.49, 0.47])
+def test_effects_on_constants_depart_from_those_of_the_model(nu, specimens):
+    solid = OgdenMaterial((1.0, 1.0), (-4.0, 10.0), nu)
+    known = library(solid)
+    exponents, ratio = known["ogden_exponents"], known["poisson_ratio"]
+    assert [p.neutral for p in exponents.parameters] == [-4.0, 10.0]
+    assert set(known) == set(EFFECTS)
+    steps = {
+        "alpha1": (exponents, {"alpha1": -2.0, "alpha2": 10.0}),
+        "alpha2": (exponents, {"alpha1": -4.0, "alpha2": 12.0}),
+        "poisson_0.02_less": (ratio, {"nu": nu - 0.02}),
+        "poisson_0.04_less": (ratio, {"nu": nu - 0.04}),
+    }
+    for specimen in specimens:
+        for variant, (effect, values) in steps.items():
+            change = effect.elastic(specimen, 0.6, specimen.travel, values)
+            own = specimen.elastic.change_per_mu(variant, 0.6, specimen.travel)
+            np.testing.assert_allclose(change, own, rtol=1e-6, atol=1e-12)
+        for effect in (exponents, ratio):
+            change = effect.elastic(specimen, 0.6, specimen.travel, effect.neutral())
+            assert np.all(change == 0.0)
+
+
+def test_the_library_without_a_solid_is_that_of_the_study():
+    for name, effect in library(SOLID).items():
+        assert effect.parameters == EFFECTS[name].parameters
 
 
 def test_the_page_of_the_effects_is_what_the_library_says():

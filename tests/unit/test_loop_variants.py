@@ -1,6 +1,6 @@
 """Runs of changed models: what differs by its sign, what is made of them, and how many they are."""
 
-from dataclasses import replace
+from dataclasses import asdict, replace
 from types import SimpleNamespace
 
 import numpy as np
@@ -13,16 +13,16 @@ from softsample.fem.boundary import ContactSettings, mode_boundary, platen_bound
 from softsample.fem.explicit import ExplicitModel, SolverSettings
 from softsample.loop.changes import for_all_mixtures
 from softsample.loop.effects import library
-from softsample.loop.inputs import MechanicalTest, VariantSettings
+from softsample.loop.inputs import MechanicalTest, MeshedSample, VariantSettings, mesher
 from softsample.loop.specimen import Elastic
 from softsample.loop.variants import (
-    Sample,
     changed_boundaries,
     changed_materials,
-    coarse_sample,
     simulate_variants,
 )
 from softsample.meshing.cuboid import mesh_cuboid
+from softsample.meshing.hexahedral import MeshSettings
+from softsample.meshing.marks import MarkedImage
 from softsample.meshing.sample import mesh_ideal
 
 MM = 1e-3
@@ -35,7 +35,8 @@ SOLVER = SolverSettings(loading_time_s=0.1)
 
 
 def mesh_shifted(shift):
-    return mesh_ideal(9 * MM + 2 * shift, 7 * MM + 2 * shift, 6 * MM + shift, 1.0 * MM)
+    edges = (9 * MM + 2 * shift, 7 * MM + 2 * shift, 6 * MM + shift)
+    return MeshedSample.of(mesh_ideal(*edges, 1.0 * MM))
 
 
 def mechanical_test(mode, travel, fibre_ratio=0.1):
@@ -46,7 +47,7 @@ def mechanical_test(mode, travel, fibre_ratio=0.1):
 def forces(mode, travel):
     """Force [N] along the travel, whole and with a strip of the glue missing, by its side."""
     test = mechanical_test(mode, travel)
-    sample = coarse_sample(mesh_shifted, test.variants)
+    sample = mesh_shifted(0.0)
     model = ExplicitModel(sample.mesh, SOLVER)
     whole = mode_boundary(sample.mesh, mode, sample.glued, test.contact)
     held = {"whole": whole, **changed_boundaries(sample, test)}
@@ -110,7 +111,7 @@ def test_fibres_at_any_angle_are_made_of_three_runs(mode, travel, limit, angle):
     """Against a run of their own, with few fibres, as parts of the change by those at 45 deg."""
     few = 0.01
     test = mechanical_test(mode, travel, few)
-    sample = coarse_sample(mesh_shifted, test.variants)
+    sample = mesh_shifted(0.0)
     model = ExplicitModel(sample.mesh, SOLVER)
     held = mode_boundary(sample.mesh, mode, sample.glued, test.contact)
 
@@ -141,7 +142,7 @@ def wedge():
 def test_a_tilt_about_any_axis_is_made_of_those_about_two(mesh):
     """Against runs of their own, as parts of the peak; a wedge meets a platen that follows it."""
     test = mechanical_test("compression", 1.2 * MM)
-    model, top = ExplicitModel(mesh, SOLVER), mesh.glued(0.0)
+    model = ExplicitModel(mesh, SOLVER)
 
     def run(held):
         return model.run(SOLID, held, test.travel, loading_time=0.1)
@@ -149,7 +150,7 @@ def test_a_tilt_about_any_axis_is_made_of_those_about_two(mesh):
     plain = run(platen_boundary(mesh, test.contact))
     runs = {
         name: run(held)
-        for name, held in changed_boundaries(Sample(mesh, mesh, top, top), test).items()
+        for name, held in changed_boundaries(MeshedSample(mesh, mesh.glued(0.0)), test).items()
         if name.startswith("platen_tilt_")
     }
     specimen = specimen_of("compression", plain, runs)
@@ -160,6 +161,51 @@ def test_a_tilt_about_any_axis_is_made_of_those_about_two(mesh):
         found = PLATEN_TILT.elastic(specimen, 0.6, plain.displacement, values)
         assert np.abs(own).max() > 0.05 * plain.force[-1]
         assert np.abs(found - own).max() < 0.02 * plain.force[-1]
+
+
+def test_no_slip_is_added_to_a_platen_that_slips():
+    test = replace(mechanical_test("compression", MM), contact=ContactSettings(friction=0.0))
+    _, found = simulate_variants(mesh_shifted, test)
+    assert "platen_tilt_x" in found
+    assert not [name for name in found if name.startswith(("platen_slip", "platen_friction"))]
+
+
+def test_ratios_of_changed_materials_are_below_that_of_the_model():
+    test = replace(mechanical_test("tension", MM), material=replace(SOLID, poisson_ratio=0.46))
+    found = changed_materials(test)
+    ratios = [found[f"poisson_{less}_less"].poisson_ratio for less in ("0.02", "0.04")]
+    assert ratios == pytest.approx([0.44, 0.42])
+
+
+def test_changed_models_have_the_glue_and_the_regions_of_the_image():
+    """A ball of tissue, its half x > 0 glued and its upper part three times as stiff."""
+    axis = np.arange(-6.0, 6.1, 0.5) * MM
+    points = np.stack(np.meshgrid(axis, axis, axis + 4.0 * MM, indexing="ij"), axis=-1)
+    ball = np.linalg.norm(points - [0.0, 0.0, 2.0 * MM], axis=-1) - 5.0 * MM
+    origin = points[0, 0, 0]
+    to_index = np.eye(4)
+    to_index[:3, :3] /= 0.5 * MM
+    to_index[:3, 3] = -origin / (0.5 * MM)
+    marks = {
+        "bond_mask": MarkedImage((points[..., 0] > 0.0).astype(int), to_index),
+        "labels": MarkedImage(np.where(points[..., 2] > 4.0 * MM, 2, 1), to_index),
+    }
+    settings = asdict(MeshSettings()) | {"element_size_mm": 1.0, "boundary_shift_mm": 0.0}
+    given = {
+        "mesh": settings, "preload_mm": 1.0, "element_size_mm": 1.5,
+        "region_stiffness": {"1": 1.0, "2": 3.0},
+    }  # fmt: skip
+    grid = (ball, origin, 0.5 * MM)
+    marked, plain = (mesher("real", grid, {}, m, given)(0.0) for m in (marks, {}))
+    assert plain.stiffness is None
+    middle = marked.mesh.points[marked.mesh.hexes].mean(axis=1)[:, 2]
+    assert set(marked.stiffness[middle < 3.5 * MM]) == {1.0}
+    assert set(marked.stiffness[middle > 4.5 * MM]) == {3.0}
+    assert plain.mesh.points[plain.glued, 0].min() < -MM < marked.mesh.points[marked.glued, 0].min()
+    assert marked.model(SOLVER) is not None
+    larger = mesher("real", grid, {}, marks, given)(0.2 * MM)
+    assert np.ptp(larger.mesh.points[:, 0]) > np.ptp(marked.mesh.points[:, 0])
+    assert larger.stiffness.max() == 3.0
 
 
 @pytest.mark.parametrize("mode", ["tension", "compression", "shear"])
@@ -173,5 +219,5 @@ def test_a_verdict_costs_at_most_twenty_runs_a_mode(mode, monkeypatch):
 
     monkeypatch.setattr(ExplicitModel, "run", counted)
     test = mechanical_test(mode, 0.5 * MM)
-    simulate_variants(coarse_sample(mesh_shifted, test.variants), test)
+    simulate_variants(mesh_shifted, test)
     assert len(runs) <= 20

@@ -3,7 +3,7 @@
 import pytest
 
 import laboratory
-from softsample.loop.diagnose import LoopSettings, diagnose
+from softsample.loop.diagnose import LoopSettings, diagnose, judgement
 from softsample.loop.effects import library
 from softsample.loop.noise import NoiseSettings
 
@@ -28,6 +28,17 @@ def test_a_small_share_is_enough_where_the_rest_would_not_be_called_unknown(step
     assert small == (steps == 0.5)
     assert found.verdict == ("explained" if small else "unknown")
     assert list(found.selection.classes) == (["force_offset"] if small else [])
+
+
+def test_what_is_unknown_has_no_effects_and_the_values_of_the_plain_model():
+    found = judged(60.0, steps=5.0, drift=0.03)
+    assert found.verdict == "unknown"
+    assert found.selection.final.model.names == ("force_offset",)  # it was tried
+    verdict = judgement(found, LoopSettings())
+    assert verdict["effects"] == []
+    for what in ("theta", "error", "held_out"):
+        assert verdict[f"{what}_after"] == verdict[f"{what}_before"]
+    assert verdict["path"][0]["chosen"] == "force_offset"
 
 
 @pytest.mark.parametrize(("drift", "verdict"), [(0.0, "explained"), (0.03, "unknown")])

@@ -1,15 +1,17 @@
 """Evidence of a verdict's effects, run at their sizes (rule `confirm_verdict`)."""
 
+from softsample.constitutive.ogden import OgdenMaterial
 from softsample.io import read_json, read_record, read_table, write_table
 from softsample.loop.confirm import confirmations, sizes_to_confirm
 from softsample.loop.diagnose import LoopSettings
+from softsample.loop.effects import library
 from softsample.loop.specimen import Elastic, Specimen
 from softsample.workflow import logged_to
 
 with logged_to(snakemake):
     given, files = snakemake.params, snakemake.input
     verdict = read_json(files.verdict)
-    mixture = read_json(files.fit)["mu1_fraction"]
+    fit = read_json(files.fit)
     specimens = [
         Specimen.of_record(
             name,
@@ -19,7 +21,7 @@ with logged_to(snakemake):
                 mode,
                 read_table(files.curves[k]),
                 [read_table(files.variants[k]), read_table(files.runs[k])],
-                mixture,
+                fit["mu1_fraction"],
             ),
         )
         for k, (name, mode) in enumerate(zip(given.samples, given.modes, strict=True))
@@ -29,6 +31,7 @@ with logged_to(snakemake):
         sizes_to_confirm(verdict),
         verdict["path"][0]["threshold"],
         LoopSettings.of_config(given.loop),
+        library(OgdenMaterial.of_fit(fit)),
     )
     group, geometry = snakemake.wildcards.group, snakemake.wildcards.geometry
     table.insert(0, "geometry", geometry)

@@ -2,14 +2,13 @@
 
 from softsample.io import (
     read_distance,
-    read_image,
     read_json,
+    read_marks,
     write_json,
     write_mesh,
     write_surface,
 )
 from softsample.meshing.hexahedral import MeshSettings
-from softsample.meshing.marks import MarkedImage
 from softsample.meshing.sample import mesh_ideal, mesh_real
 from softsample.meshing.surface import boundary_surface
 from softsample.workflow import logged_to, provenance
@@ -22,14 +21,9 @@ with logged_to(snakemake):
     shift = keys.pop("boundary_shift_mm") * MM
     if snakemake.wildcards.geometry == "real":
         grid = read_distance(snakemake.input.distance, snakemake.input.segmentation)
-        frame = read_json(snakemake.input.segmentation)["sample_to_world"]
-        # of a segmentation of 3D Slicer, the segment with the column's name; labels are all of it
-        segments = {"bond_mask": ("bond_mask",), "labels": ()}
-        marks = {
-            name: MarkedImage.in_world(*read_image(path, wanted), frame, path)
-            for name, wanted in segments.items()
-            for path in getattr(snakemake.input, name)[:1]
-        }
+        marks = read_marks(
+            snakemake.input.bond_mask, snakemake.input.labels, snakemake.input.segmentation
+        )
         preload = snakemake.params.preload_mm * MM
         made = mesh_real(*grid, size, preload, MeshSettings(**keys), boundary_shift=shift, **marks)
     else:

@@ -1,6 +1,6 @@
 """What effects of a verdict do to a sample's force, run at their sizes (rule `simulate_sizes`)."""
 
-from softsample.io import read_distance, read_json, read_record, write_table
+from softsample.io import read_distance, read_json, read_marks, read_record, write_table
 from softsample.loop.changes import table_of_changes
 from softsample.loop.confirm import at_size, simulate_sizes, sizes_to_confirm
 from softsample.loop.inputs import MechanicalTest, mesher
@@ -12,6 +12,7 @@ with logged_to(snakemake):
         snakemake.wildcards.geometry,
         read_distance(files.distance, files.segmentation),
         read_json(files.cuboid),
+        read_marks(files.bond_mask, files.labels, files.segmentation),
         given,
     )
     test = MechanicalTest.of(read_json(files.fit), read_record(files.record), given)

@@ -9,8 +9,8 @@ from softsample.constitutive.ogden import unit_modulus
 from softsample.fem.boundary import ContactSettings, mode_boundary
 from softsample.fem.explicit import ExplicitModel, SolverSettings
 from softsample.fem.family import FamilySettings, family_fractions
-from softsample.loop.inputs import MechanicalTest, VariantSettings
-from softsample.loop.variants import coarse_sample, simulate_variants
+from softsample.loop.inputs import MechanicalTest, MeshedSample, VariantSettings
+from softsample.loop.variants import simulate_variants
 from softsample.meshing.sample import SampleMesh
 
 
@@ -32,14 +32,15 @@ def model_curves(
     """
     r = calibrated(body)
     mesh = cuboid_mesh(body, size_mm)
-    sample = coarse_sample(lambda shift: cuboid_mesh(body, size_mm, shift / MM), variants)
     rows = []
     for mode in MODES:
         solid = unit_modulus(r, ALPHA, POISSON, MODULUS)
         test = MechanicalTest(
             mode, solid, MM * body.stroke(mode), ContactSettings(), solver, variants
         )
-        travel, changes = simulate_variants(sample, test)
+        travel, changes = simulate_variants(
+            lambda shift: MeshedSample.of(cuboid_mesh(body, size_mm, shift / MM)), test
+        )
         curves = dict(changes)
         for fraction in family_fractions(FamilySettings()):
             curves[str(fraction)] = _curve(mesh, mode, float(fraction), 1e3 * travel, solver)

@@ -8,6 +8,7 @@ import numpy as np
 import pandas as pd
 from scipy.stats import beta, binom
 
+from softsample.blindlab.bodies import POISSON
 from softsample.blindlab.faults import EFFECTS
 from softsample.errors import InputError
 
@@ -18,6 +19,12 @@ POWER = 0.95
 
 FOLDS = ("leave_out", "after_ramp", "last_quarter")
 """Kinds of folds."""
+
+NEUTRAL = {"nu": POISSON}
+"""Where a size means no effect at all, if that is not zero."""
+
+SHAPES = ("tau_s", "period_s")
+"""Planted values that say how an effect acts, not how large it is."""
 
 LEAST_ERROR = 0.1
 """Structured errors below this [% of peak] are none that could be removed."""
@@ -192,7 +199,7 @@ def _overall(cases: Sequence[Case]) -> Iterator[Row]:
     pairs = kinds.get("pair", [])
     yield share("8 pairs: both classes", [c.found == 2 for c in pairs], "lower")
     yield share("8 pairs: at least one", [c.found >= 1 for c in pairs], "lower")
-    known = _strong(kinds.get("effect", []))
+    known = _strong([c for c in kinds.get("effect", []) if c.planted["size"] == 1.0])
     able = [c for c in pairs if set(c.names) <= known]
     yield share(
         "8 pairs of effects with power: both classes", [c.found == 2 for c in able], "lower"
@@ -274,21 +281,26 @@ def _covers(interval: Mapping[str, float], value: float) -> bool:
     return bool(interval["low"] <= value <= interval["high"])
 
 
-def _compared(case: Case) -> Iterator[tuple[Mapping[str, float], float]]:
-    """Parameters of the named effect that mean the same as what was planted."""
+def _compared(case: Case) -> Iterator[tuple[str, Mapping[str, float], float]]:
+    """Parameters of the named effect that mean the same as what was planted, with that."""
     for effect in case.answer["effects"]:
         sizes = case.planted["sizes"].get(effect["name"], {})
         for name, value in sizes.items():
             if name in effect["parameters"]:
-                yield effect["parameters"][name], value
+                yield name, effect["parameters"][name], value
 
 
 def _covered(case: Case) -> list[bool]:
-    return [_covers(parameter, value) for parameter, value in _compared(case)]
+    return [_covers(parameter, value) for _, parameter, value in _compared(case)]
 
 
 def _size_errors(case: Case) -> list[float]:
-    return [abs(parameter["value"] / value - 1.0) for parameter, value in _compared(case)]
+    """Errors of what an effect grows with, as parts of what was planted beyond nothing."""
+    return [
+        abs((parameter["value"] - value) / (value - NEUTRAL.get(name, 0.0)))
+        for name, parameter, value in _compared(case)
+        if name not in SHAPES
+    ]
 
 
 def confusion(cases: Sequence[Case], size: float = 1.0) -> pd.DataFrame:

@@ -16,7 +16,7 @@ def loop_figure(found: Diagnosis) -> Figure:
     specimens = found.problem.specimens
     figure = page_figure(140.0)
     axes = figure.subplots(3, len(specimens), squeeze=False)
-    fits = {"before": found.selection.base, "after": found.selection.final}
+    fits = {"before": found.selection.base, "after": found.final}
     for k, specimen in enumerate(specimens):
         size = found.problem.whiteners[k].size
         _forces(axes[0, k], specimen, fits, size)

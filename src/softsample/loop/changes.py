@@ -17,6 +17,9 @@ TOUCH = 0.02
 DEGREE = 5
 """Of the polynomials for changes as parts of the force."""
 
+FIBRES = ("fibres_", "at_size_anisotropy")
+"""How names of changes by fibres begin."""
+
 PRESSED, PRESSED_ELSEWHERE = "pressed", "pressed_elsewhere"
 """Shear of a sample that was compressed before, at the mixture of the others and at another one."""
 
@@ -66,7 +69,7 @@ def for_all_mixtures(
     follows = {
         "alpha1": np.outer(r / mixture, there),
         "alpha2": np.outer((1.0 - r) / (1.0 - mixture), there),
-        **{name: np.tile(there, (len(r), 1)) for name in changes if name.startswith("fibres_")},
+        **{name: np.tile(there, (len(r), 1)) for name in changes if name.startswith(FIBRES)},
     }
     parts = {
         name: _smooth_part(family.displacement, change, there)

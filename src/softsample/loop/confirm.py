@@ -14,22 +14,15 @@ from numpy.typing import NDArray
 
 from softsample.constitutive.ogden import Fibres, OgdenMaterial
 from softsample.fem.boundary import Boundary, mode_boundary, platen_boundary
-from softsample.fem.explicit import ExplicitModel
 from softsample.loop.diagnose import LoopSettings, pose
 from softsample.loop.effects import library
 from softsample.loop.effects.base import Effect, Values
 from softsample.loop.fit import Fit
-from softsample.loop.inputs import MechanicalTest
+from softsample.loop.inputs import MechanicalTest, MeshedSample
 from softsample.loop.model import Model, State
 from softsample.loop.screen import penalty
 from softsample.loop.specimen import Specimen
-from softsample.loop.variants import (
-    MARGIN,
-    Sample,
-    changed_boundaries,
-    paced,
-)
-from softsample.meshing.sample import SampleMesh
+from softsample.loop.variants import MARGIN, changed_boundaries, paced
 
 Array = NDArray[np.float64]
 Runs = list[tuple[float, OgdenMaterial, Boundary]]
@@ -52,13 +45,13 @@ COLUMNS = (
 
 def sizes_to_confirm(verdict: Mapping[str, Any]) -> dict[str, Values]:
     """Sizes of the best effects of the first round that change the solver's model."""
-    first = verdict["path"][0]["candidates"] if verdict["path"] else []
+    first = verdict["path"][0]["candidates"]
     best = [c for c in first if c["name"] in SIMULATED and c["evidence"] > 0.0]
     return {c["name"]: c["values"] for c in best[:MOST]}
 
 
 def simulate_sizes(
-    mesh_shifted: Callable[[float], SampleMesh], test: MechanicalTest, sizes: Sizes
+    mesh_shifted: Callable[[float], MeshedSample], test: MechanicalTest, sizes: Sizes
 ) -> tuple[Array, dict[str, Array]]:
     """Change of the force per modulus by each effect at its size.
 
@@ -81,12 +74,8 @@ def simulate_sizes(
     """
     material, reach = test.material, MARGIN * test.travel
 
-    def model_of(shift: float) -> tuple[ExplicitModel, Sample]:
-        made = mesh_shifted(shift)
-        glued = np.flatnonzero(made.point_data["glued"])
-        return ExplicitModel(made.mesh, test.solver), Sample(made.mesh, made.mesh, glued, glued)
-
-    model, sample = model_of(0.0)
+    sample = mesh_shifted(0.0)
+    model = sample.model(test.solver)
     held = mode_boundary(sample.mesh, test.mode, sample.glued, test.contact)
     pace = paced(model, material, held, reach)
     changes = {}
@@ -94,8 +83,9 @@ def simulate_sizes(
         if test.mode not in library()[name].modes:
             continue
         if name == "boundary_shift":
-            on, there = model_of(1e-3 * values["shift_mm"])
-            shifted = mode_boundary(there.mesh, test.mode, there.glued, test.contact)
+            larger = mesh_shifted(1e-3 * values["shift_mm"])
+            on = larger.model(test.solver)
+            shifted = mode_boundary(larger.mesh, test.mode, larger.glued, test.contact)
             runs = [(1.0, material, shifted)]
         else:
             on, runs = model, _runs(name, values, sample, test, held)
@@ -108,7 +98,9 @@ def simulate_sizes(
     return pace.run.displacement, changes
 
 
-def _runs(name: str, values: Values, sample: Sample, test: MechanicalTest, held: Boundary) -> Runs:
+def _runs(
+    name: str, values: Values, sample: MeshedSample, test: MechanicalTest, held: Boundary
+) -> Runs:
     """Weights, materials and boundaries of the runs that make up an effect at its sizes."""
     material = test.material
     if name == "poisson_ratio":
@@ -139,7 +131,11 @@ def _runs(name: str, values: Values, sample: Sample, test: MechanicalTest, held:
 
 
 def confirmations(
-    specimens: Sequence[Specimen], sizes: Sizes, threshold: float, settings: LoopSettings
+    specimens: Sequence[Specimen],
+    sizes: Sizes,
+    threshold: float,
+    settings: LoopSettings,
+    effects: Mapping[str, Effect],
 ) -> pd.DataFrame:
     """Evidence of effects whose change was scaled, and of the same ones simulated at their sizes.
 
@@ -154,6 +150,8 @@ def confirmations(
         Evidence that the round of the selection asked for.
     settings : LoopSettings
         Those of the verdict.
+    effects : mapping
+        Library that it chose from.
 
     Returns
     -------
@@ -166,7 +164,7 @@ def confirmations(
     base = problem.fit_material()
     rows = []
     for name, values in sizes.items():
-        effect = library()[name]
+        effect = effects[name]
         scaled = _fitted(problem.fit, effect, base, values)
         stand_in = replace(effect, parameters=(), elastic=_simulated(name))
         run = _fitted(problem.fit, stand_in, scaled, {})

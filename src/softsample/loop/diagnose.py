@@ -83,6 +83,11 @@ class Diagnosis:
     held_out_before: Errors
     held_out_after: Errors
 
+    @property
+    def final(self) -> Fit:
+        """What is reported after: an explanation that does not hold is no better than none."""
+        return self.selection.base if self.verdict == "unknown" else self.selection.final
+
     def confidence(self, settings: LoopSettings, draws: int) -> float | None:
         """How often the first effect's class is found again; none without effect or draws."""
         if draws == 0 or self.verdict != "explained":
@@ -151,16 +156,17 @@ def diagnose(
     spread = [noise.block for noise in noises]
     before, after = errors(problem, base, spread), errors(problem, final, spread)
     held_out_before = held_out(problem, base, spread)
-    same = not final.model.effects
+    verdict = _verdict(problem, selection, settings, _pooled(after) - _pooled(before))
+    explained = verdict == "explained"
     return Diagnosis(
         problem,
         noises,
         selection,
-        _verdict(problem, selection, settings, _pooled(after) - _pooled(before)),
+        verdict,
         before,
-        after,
+        after if explained else before,
         held_out_before,
-        held_out_before if same else held_out(selection.problem, final, spread),
+        held_out(selection.problem, final, spread) if explained else held_out_before,
     )
 
 
@@ -223,23 +229,29 @@ def _first_size(effect: Effect, multiple: float) -> dict[str, float | str]:
 
 def judgement(diagnosis: Diagnosis, settings: LoopSettings) -> dict[str, Any]:
     """What `verdict.json` holds, but for the sizes that would have been seen."""
-    selection = diagnosis.selection
-    final = selection.final
+    selection, final = diagnosis.selection, diagnosis.final
+    mixtures = diagnosis.problem.mixtures
     return {
         "verdict": diagnosis.verdict,
         "effects": [
             _effect_report(effect, selection, settings.selection.form_doubt)
             for effect in final.model.effects
         ],
-        "theta_before": _theta(selection.base, settings.noise),
-        "theta_after": _theta(final, settings.noise),
+        "theta_before": _theta(selection.base, settings.noise, mixtures),
+        "theta_after": _theta(final, settings.noise, mixtures),
         "error_before": _report(diagnosis.before),
         "error_after": _report(diagnosis.after),
         "held_out_before": _report(diagnosis.held_out_before),
         "held_out_after": _report(diagnosis.held_out_after),
         "noise": {
-            label: {"white_N": n.white, "slow_N": n.slow}
-            for label, n in zip(diagnosis.problem.labels, diagnosis.noises, strict=True)
+            label: {
+                "white_N": n.white,
+                "slow_N": n.slow,
+                "grain_percent": 100.0 * specimen.elastic.grain,
+            }
+            for label, n, specimen in zip(
+                diagnosis.problem.labels, diagnosis.noises, diagnosis.problem.specimens, strict=True
+            )
         },
         "floor": asdict(settings.noise),
         "white_mean_square": {
@@ -276,7 +288,9 @@ def _report(found: Errors) -> dict[str, Any]:
     }
 
 
-def _theta(fit: Fit, noise: NoiseSettings) -> dict[str, dict[str, float | str]]:
+def _theta(
+    fit: Fit, noise: NoiseSettings, mixtures: tuple[float, float]
+) -> dict[str, dict[str, float | str]]:
     """Material with 90 % intervals; the scale of a test can be that of all of them."""
     deviation = np.sqrt(np.diag(fit.covariance))
     deviation[0] = np.hypot(deviation[0], 0.01 * noise.scale_percent)
@@ -291,8 +305,8 @@ def _theta(fit: Fit, noise: NoiseSettings) -> dict[str, dict[str, float | str]]:
         "mu1_fraction": {
             "value": r,
             "unit": "1",
-            "low": r - NINETY * float(deviation[1]),
-            "high": r + NINETY * float(deviation[1]),
+            "low": max(mixtures[0], r - NINETY * float(deviation[1])),
+            "high": min(mixtures[1], r + NINETY * float(deviation[1])),
         },
     }
 

@@ -92,6 +92,12 @@ class Problem:
         counts = [modes[: k + 1].count(mode) for k, mode in enumerate(modes)]
         return [m if n == 1 else f"{m}_{n}" for m, n in zip(modes, counts, strict=True)]
 
+    @property
+    def mixtures(self) -> tuple[float, float]:
+        """Least and largest r that the curve families of all tests hold."""
+        ends = [specimen.elastic.family.bounds["mu1_fraction"] for specimen in self.specimens]
+        return max(low for low, _ in ends), min(high for _, high in ends)
+
     def with_forces(self, forces: Sequence[Array]) -> "Problem":
         """The same tests and noise with other forces (n,) [N], one per test."""
         specimens = [replace(s, force=f) for s, f in zip(self.specimens, forces, strict=True)]
@@ -156,7 +162,7 @@ class Problem:
         return min(fits, key=lambda fit: fit.cost)
 
     def _fit_from(self, model: Model, start: State) -> Fit:
-        packing = Packing(model)
+        packing = Packing(model, self.mixtures)
         margin = 1e-6 * (packing.high - packing.low)
         first = np.clip(packing.pack(start), packing.low + margin, packing.high - margin)
 

@@ -1,28 +1,35 @@
-"""Quasi-linear relaxation of a force, of the tissue or by what drains from it."""
+"""What goes on depending on what was: relaxation of a force, play of a drive."""
 
 import numpy as np
+from numba import njit
 from numpy.typing import NDArray
-from scipy.signal import lfilter
 
 Array = NDArray[np.float64]
 
 
 def relaxed(time: Array, force: Array, g: float, tau: float) -> Array:
-    """``F - g int (1 - exp(-(t - s)/tau)) dF(s)`` of an elastic force at even times.
+    """``F - g int (1 - exp(-(t - s)/tau)) dF(s)`` of an elastic force at increasing times.
 
-    Exact for a force that is linear between samples.
+    Exact for a force that is linear between samples, however far they are apart. One that is there
+    at the first sample has come in one step before it.
 
     References
     ----------
     Y. C. Fung, Biomechanics: Mechanical Properties of Living Tissues, Springer 1993.
     """
-    step = float(time[-1] - time[0]) / (len(time) - 1)
-    decay = np.exp(-step / tau)
-    gain = tau / step * (1.0 - decay)
-    growth = force.copy()
-    growth[1:] -= force[:-1]
-    remembered = lfilter([gain], [1.0, -decay], growth)
-    return np.asarray((1.0 - g) * force + g * remembered)
+    step = np.diff(time, prepend=2.0 * time[0] - time[1]) / tau
+    return (1.0 - g) * force + g * _remembered(np.exp(-step), -np.expm1(-step) / step, force)
+
+
+@njit(cache=True)
+def _remembered(decay: Array, gain: Array, force: Array) -> Array:
+    left, before = 0.0, 0.0
+    found = np.empty_like(force)
+    for k in range(len(force)):
+        left = decay[k] * left + gain[k] * (force[k] - before)
+        before = force[k]
+        found[k] = left
+    return found
 
 
 DRAINING = 8
@@ -42,3 +49,14 @@ def drained(time: Array, force: Array, g: float, tau: float) -> Array:
     odd = np.arange(1, 2 * DRAINING, 2)
     kept = [8.0 / (np.pi * n) ** 2 * relaxed(time, force, 1.0, tau / n**2) for n in odd]
     return np.asarray((1.0 - g) * force + g * np.sum(kept, axis=0))
+
+
+@njit(cache=True)
+def followed(travel: Array, play: float) -> Array:
+    """Travel of what is driven with play [as `travel`]: it stays until the play is used up."""
+    found = np.empty_like(travel)
+    place = travel[0]
+    for k in range(len(travel)):
+        place = min(max(place, travel[k]), travel[k] + play)
+        found[k] = place
+    return found

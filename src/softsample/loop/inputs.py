@@ -11,8 +11,11 @@ from numpy.typing import NDArray
 from softsample.calibration.measured import MeasuredCurve
 from softsample.constitutive.ogden import OgdenMaterial
 from softsample.fem.boundary import ContactSettings
-from softsample.fem.explicit import SolverSettings
+from softsample.fem.explicit import ExplicitModel, SolverSettings
 from softsample.meshing.hexahedral import MeshSettings
+from softsample.meshing.marks import MarkedImage
+from softsample.meshing.mesh import HexMesh
+from softsample.meshing.regions import relative_stiffness
 from softsample.meshing.sample import SampleMesh, mesh_ideal, mesh_real
 
 Array = NDArray[np.float64]
@@ -87,12 +90,43 @@ class MechanicalTest:
         )
 
 
+@dataclass(frozen=True, eq=False)
+class MeshedSample:
+    """A sample on the loop's coarse mesh.
+
+    Parameters
+    ----------
+    mesh : HexMesh
+        The sample [m].
+    glued : (n,) int64
+        Nodes glued to the moving platen.
+    stiffness : (n_elements,) float64, optional
+        Stiffness of each element relative to the sample's.
+    """
+
+    mesh: HexMesh
+    glued: NDArray[np.int64]
+    stiffness: Array | None = None
+
+    @classmethod
+    def of(cls, made: SampleMesh, known: Mapping[int | str, float] | None = None) -> Self:
+        """From a mesh, and the relative stiffness of its regions by their label."""
+        region = made.cell_data.get("region")
+        stiffness = None if region is None else relative_stiffness(region, known or {})
+        return cls(made.mesh, np.flatnonzero(made.point_data["glued"]), stiffness)
+
+    def model(self, solver: SolverSettings) -> ExplicitModel:
+        """Model of it."""
+        return ExplicitModel(self.mesh, solver, self.stiffness)
+
+
 def mesher(
     geometry: str,
     grid: tuple[Array, Array, float],
     cuboid: Mapping[str, float],
+    marks: Mapping[str, MarkedImage],
     given: Mapping[str, Any],
-) -> Callable[[float], SampleMesh]:
+) -> Callable[[float], MeshedSample]:
     """Meshes a sample with its surface moved out by a length [m].
 
     Parameters
@@ -103,21 +137,30 @@ def mesher(
         Its signed distance, where its origin is [m], and its spacing [m].
     cuboid : mapping
         `length_mm`, `width_mm` and `height_mm`.
+    marks : mapping
+        `bond_mask` and `labels` of the real geometry, if there are any.
     given : mapping
-        `mesh`, `preload_mm` and `element_size_mm` of the job.
+        `mesh`, `preload_mm`, `element_size_mm` and `region_stiffness` of the job.
     """
     size = given["element_size_mm"] * MM
     if geometry == "ideal":
         length, width, height = (
             cuboid[f"{name}_mm"] * MM for name in ("length", "width", "height")
         )
-        return lambda out: mesh_ideal(length + 2.0 * out, width + 2.0 * out, height + out, size)
+        return lambda out: MeshedSample.of(
+            mesh_ideal(length + 2.0 * out, width + 2.0 * out, height + out, size)
+        )
     keys = {name: value for name, value in given["mesh"].items() if name != "element_size_mm"}
     segmented = keys.pop("boundary_shift_mm") * MM
-    return lambda out: mesh_real(
-        *grid,
-        size,
-        given["preload_mm"] * MM,
-        MeshSettings(**keys),
-        boundary_shift=segmented + out,
+    return lambda out: MeshedSample.of(
+        mesh_real(
+            *grid,
+            size,
+            given["preload_mm"] * MM,
+            MeshSettings(**keys),
+            boundary_shift=segmented + out,
+            bond_mask=marks.get("bond_mask"),
+            labels=marks.get("labels"),
+        ),
+        given["region_stiffness"],
     )

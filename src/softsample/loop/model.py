@@ -50,10 +50,6 @@ class Model:
         """All parameters of all effects."""
         return [(effect, p) for effect in self.effects for p in effect.parameters]
 
-    def neutral(self) -> dict[str, Values]:
-        """Values without effect, by effect."""
-        return {effect.name: effect.neutral() for effect in self.effects}
-
     def travel(self, specimen: Specimen, state: "State") -> Array:
         """Travel that reaches the sample (n,) [m]."""
         travel = specimen.travel
@@ -112,17 +108,21 @@ class State:
 FIXED, CONTACT_ZERO = 3, 2
 """Entries of a packed state before the effects: ln mu, r, contact zero; place of the last."""
 
-MIXTURE = (0.02, 0.98)
-"""Bounds of r, those of the simulated families."""
-
 
 class Packing:
     """Between a state and the vector that a fit moves: ln mu, r, contact zero, all parameters.
 
     Parameters of effects are scaled by their range.
+
+    Parameters
+    ----------
+    model : Model
+        Its effects.
+    bounds : tuple of float
+        Least and largest r of the simulated families.
     """
 
-    def __init__(self, model: Model, bounds: tuple[float, float] = MIXTURE) -> None:
+    def __init__(self, model: Model, bounds: tuple[float, float]) -> None:
         self.model = model
         self.low = np.array(
             [np.log(20.0), bounds[0], -1.0, *(p.low / _unit(p) for _, p in model.parameters)]

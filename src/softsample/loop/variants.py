@@ -1,7 +1,7 @@
 """How the elastic force changes with the model: one run of the changed model per effect."""
 
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from functools import partial
 
 import numpy as np
@@ -12,10 +12,8 @@ from softsample.fem.boundary import Boundary, mode_boundary, platen_boundary
 from softsample.fem.explicit import ExplicitModel, Run
 from softsample.fem.family import Pace, find_pace
 from softsample.loop.changes import PRESSED, PRESSED_ELSEWHERE, elsewhere
-from softsample.loop.inputs import MechanicalTest, VariantSettings
+from softsample.loop.inputs import MechanicalTest, MeshedSample, VariantSettings
 from softsample.meshing.bond import partial_bond
-from softsample.meshing.mesh import HexMesh
-from softsample.meshing.sample import SampleMesh
 from softsample.protocol import DIRECTIONS, History
 
 Array = NDArray[np.float64]
@@ -55,37 +53,8 @@ STEPS = {
 """Which setting is the step of a variant, for those that have one."""
 
 
-@dataclass(frozen=True, eq=False)
-class Sample:
-    """A sample on the loop's coarse mesh.
-
-    Parameters
-    ----------
-    mesh, shifted : HexMesh
-        Its surface, and the same moved out by `VariantSettings.shift_mm`.
-    glued, shifted_glued : (n,) int64
-        Nodes glued to the moving platen.
-    """
-
-    mesh: HexMesh
-    shifted: HexMesh
-    glued: NDArray[np.int64]
-    shifted_glued: NDArray[np.int64]
-
-
-def coarse_sample(mesh_shifted: Callable[[float], SampleMesh], settings: VariantSettings) -> Sample:
-    """A sample from a function that meshes it with its surface moved out by a length [m]."""
-    plain, shifted = mesh_shifted(0.0), mesh_shifted(1e-3 * settings.shift_mm)
-    return Sample(
-        plain.mesh,
-        shifted.mesh,
-        np.flatnonzero(plain.point_data["glued"]),
-        np.flatnonzero(shifted.point_data["glued"]),
-    )
-
-
 def simulate_variants(
-    sample: Sample,
+    mesh_shifted: Callable[[float], MeshedSample],
     test: MechanicalTest,
     progress: Callable[[str, float], None] | None = None,
     normal: bool = False,
@@ -95,8 +64,8 @@ def simulate_variants(
 
     Parameters
     ----------
-    sample : Sample
-        Its meshes.
+    mesh_shifted : callable
+        Meshes the sample with its surface moved out by a length [m].
     test : MechanicalTest
         What is done to it.
     progress : callable, optional
@@ -117,7 +86,8 @@ def simulate_variants(
         `platen_friction_0.15_loop` is what the force with this friction is more on the way back.
     """
     material, contact = test.material, test.contact
-    model, shifted = (ExplicitModel(m, test.solver) for m in (sample.mesh, sample.shifted))
+    sample, larger = mesh_shifted(0.0), mesh_shifted(1e-3 * test.variants.shift_mm)
+    model, shifted = sample.model(test.solver), larger.model(test.solver)
     boundary = mode_boundary(sample.mesh, test.mode, sample.glued, contact)
     reach = MARGIN * test.travel
     pace = paced(model, material, boundary, reach)
@@ -133,7 +103,7 @@ def simulate_variants(
     todo["boundary_shift"] = lambda: force(
         shifted,
         material,
-        mode_boundary(sample.shifted, test.mode, sample.shifted_glued, contact),
+        mode_boundary(larger.mesh, test.mode, larger.glued, contact),
     )
     for name, held in changed_boundaries(sample, test).items():
         todo[name] = lambda held=held: force(model, material, held)  # type: ignore[misc]
@@ -145,7 +115,7 @@ def simulate_variants(
     grid = pace.run.displacement
     if test.mode == "compression":
         there_and_back = History(np.array([0.0, 1.0, 2.0]), np.array([0.0, turn or reach, 0.0]))
-        for friction in test.variants.frictions:
+        for friction in test.variants.frictions if test.contact.friction is None else ():
             cycle = model.run(
                 material,
                 platen_boundary(sample.mesh, replace(contact, friction=friction)),
@@ -240,8 +210,10 @@ def changed_materials(test: MechanicalTest) -> dict[str, OgdenMaterial]:
     material, steps = test.material, test.variants
     (first, second), k1 = material.alpha, steps.fibre_ratio * material.shear_modulus
     return {
-        "poisson_0.47": replace(material, poisson_ratio=0.47),
-        "poisson_0.45": replace(material, poisson_ratio=0.45),
+        **{
+            f"poisson_{less:g}_less": replace(material, poisson_ratio=material.poisson_ratio - less)
+            for less in (0.02, 0.04)
+        },
         "alpha1": replace(material, alpha=(first + steps.exponent, second)),
         "alpha2": replace(material, alpha=(first, second + steps.exponent)),
         **{
@@ -251,7 +223,7 @@ def changed_materials(test: MechanicalTest) -> dict[str, OgdenMaterial]:
     }
 
 
-def changed_boundaries(sample: Sample, test: MechanicalTest) -> dict[str, Boundary]:
+def changed_boundaries(sample: MeshedSample, test: MechanicalTest) -> dict[str, Boundary]:
     """Boundary conditions that differ in one thing, by the name of the variant."""
     contact, steps = test.contact, test.variants
     if test.mode != "compression":
@@ -262,13 +234,13 @@ def changed_boundaries(sample: Sample, test: MechanicalTest) -> dict[str, Bounda
             f"partial_bond_{side}": mode_boundary(sample.mesh, test.mode, kept(way), contact)
             for side, way in peels.items()
         }
-    slip = replace(contact, friction=0.0)
-    return {
-        **{
-            f"platen_tilt_{way}": platen_boundary(
-                sample.mesh, contact, tilt_deg=(x * steps.tilt_deg, y * steps.tilt_deg)
-            )
-            for way, (x, y) in TILTS.items()
-        },
-        "platen_slip": platen_boundary(sample.mesh, slip),
+    tilts = {
+        f"platen_tilt_{way}": platen_boundary(
+            sample.mesh, contact, tilt_deg=(x * steps.tilt_deg, y * steps.tilt_deg)
+        )
+        for way, (x, y) in TILTS.items()
     }
+    if contact.friction is not None:  # slip is a share of the way from sticking
+        return tilts
+    slip = replace(contact, friction=0.0)
+    return {**tilts, "platen_slip": platen_boundary(sample.mesh, slip)}

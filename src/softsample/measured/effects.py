@@ -3,9 +3,7 @@
 from dataclasses import replace
 
 from softsample.loop.effects import library
-from softsample.loop.effects.base import Array, Effect, Parameter, Values
-from softsample.loop.inputs import VariantSettings
-from softsample.loop.specimen import Specimen
+from softsample.loop.effects.base import SOLID, Effect, Parameter
 
 OF_TIME = (
     "channel_lag", "dehydration", "force_drift", "poroelastic_drainage", "rate_stiffening",
@@ -35,8 +33,8 @@ def fitted_library(
         "mm/N": (height / HEIGHT) / (peak / PEAK),
     }
     left_out = {"mains_pickup", *(() if timed else OF_TIME)}
-    known = {name: e for name, e in library().items() if name not in left_out}
-    known["ogden_exponents"] = _exponents(known["ogden_exponents"], alpha)
+    solid = replace(SOLID, alpha=alpha)
+    known = {name: e for name, e in library(solid).items() if name not in left_out}
     if not sticks:
         stick = Parameter("share", "1", -1.0, 0.0, -0.3)
         known["platen_slip"] = replace(known["platen_slip"], parameters=(stick,))
@@ -61,21 +59,3 @@ def _stretched(parameter: Parameter, by: float) -> Parameter:
         neutral=by * parameter.neutral,
         grid=tuple(by * value for value in parameter.grid),
     )
-
-
-def _exponents(effect: Effect, alpha: tuple[float, float]) -> Effect:
-    """The effect of other exponents about those of the set, from half to twice them."""
-    names, step = ("alpha1", "alpha2"), VariantSettings().exponent
-
-    def elastic(specimen: Specimen, mixture: float, travel: Array, values: Values) -> Array:
-        changes = [
-            (values[name] - a) / step * specimen.elastic.change_per_mu(name, mixture, travel)
-            for name, a in zip(names, alpha, strict=True)
-        ]
-        return changes[0] + changes[1]
-
-    parameters = tuple(
-        Parameter(name, "1", min(0.5 * a, 2.0 * a), max(0.5 * a, 2.0 * a), 1.25 * a, neutral=a)
-        for name, a in zip(names, alpha, strict=True)
-    )
-    return replace(effect, parameters=parameters, elastic=elastic)

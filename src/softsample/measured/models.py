@@ -10,13 +10,12 @@ from numpy.typing import NDArray
 from softsample.calibration.curves import CurveFamily
 from softsample.constitutive.ogden import unit_modulus
 from softsample.fem.boundary import ContactSettings, mode_boundary
-from softsample.fem.explicit import ExplicitModel, SolverSettings
+from softsample.fem.explicit import SolverSettings
 from softsample.fem.family import FamilySettings, family_fractions
-from softsample.loop.inputs import MechanicalTest, VariantSettings
+from softsample.loop.inputs import MechanicalTest, MeshedSample, VariantSettings
 from softsample.loop.specimen import Elastic
 from softsample.loop.variants import (
     MARGIN,
-    Sample,
     simulate_variants,
     wanted_force,
 )
@@ -131,16 +130,18 @@ def _bonded(
     """Curves and changes by finite elements; waves cross a small shape in less time."""
     variants = VariantSettings()
     solver = replace(solver, loading_time_s=solver.loading_time_s * shape.height / HEIGHT)
-    plain, shifted = (
-        _mesh(shape, settings.elements, shift) for shift in (0.0, MM * variants.shift_mm)
-    )
-    sample = Sample(plain, shifted, plain.glued(0.0), shifted.glued(0.0))
+
+    def mesh_shifted(shift: float) -> MeshedSample:
+        mesh = _mesh(shape, settings.elements, shift)
+        return MeshedSample(mesh, mesh.glued(0.0))
+
     modulus, reach = solver.reference_modulus_pa, settings.reach * shape.height
     solid = unit_modulus(MIXTURE, settings.alpha, POISSON, modulus)
     test = MechanicalTest(mode, solid, reach, ContactSettings(), solver, variants)
-    travel, changes = simulate_variants(sample, test, normal=normal)
-    held = mode_boundary(plain, mode, sample.glued, ContactSettings())
-    model = ExplicitModel(plain, solver)
+    travel, changes = simulate_variants(mesh_shifted, test, normal=normal)
+    sample = mesh_shifted(0.0)
+    held = mode_boundary(sample.mesh, mode, sample.glued, ContactSettings())
+    model = sample.model(solver)
     found = dict(changes)
     for r in map(float, family_fractions(FamilySettings())):
         run = model.run(unit_modulus(r, settings.alpha, POISSON, modulus), held, MARGIN * reach)

@@ -11,7 +11,6 @@ from softsample.loop.diagnose import Diagnosis, LoopSettings, diagnose, report
 from softsample.loop.effects.base import Effect
 from softsample.loop.errors import Error, informed
 from softsample.loop.fit import Fit
-from softsample.loop.model import MIXTURE
 from softsample.loop.specimen import Elastic, Specimen
 from softsample.measured.effects import fitted_library
 from softsample.measured.models import Key, key_of
@@ -169,12 +168,17 @@ def supported(found: Diagnosis) -> bool:
     )
     better = all(after[fold] < (1.0 - LEAST_FALL) * before[fold] for fold in before)
     final = found.selection.final
-    return bool(before) and better and _material_known(final) and not _driven_to_an_end(final)
+    return (
+        bool(before)
+        and better
+        and _material_known(final, found.problem.mixtures)
+        and not _driven_to_an_end(final)
+    )
 
 
-def _material_known(fit: Fit) -> bool:
+def _material_known(fit: Fit, mixtures: tuple[float, float]) -> bool:
     """Whether the modulus is known and the mixture is not at an end of its range."""
-    low, high = MIXTURE
+    low, high = mixtures
     inside = low + AT_END < fit.state.material.mixture < high - AT_END
     return bool(inside and np.sqrt(fit.covariance[0, 0]) < OPEN_MODULUS)
 

@@ -2,6 +2,7 @@
 
 from dataclasses import dataclass
 from time import process_time
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -22,7 +23,7 @@ class SampleMesh:
 
     mesh: HexMesh
     point_data: dict[str, NDArray[np.uint8]]
-    cell_data: dict[str, NDArray[np.float64] | NDArray[np.int64]]
+    cell_data: dict[str, NDArray[Any]]
     report: dict[str, float | int]
 
 

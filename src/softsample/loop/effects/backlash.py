@@ -1,15 +1,12 @@
 """Play in the drive: after a reversal the platen follows late."""
 
-import numpy as np
-
 from softsample.loop.effects.base import Array, Effect, Parameter, Values
+from softsample.loop.history import followed
 from softsample.loop.specimen import Specimen
 
 
 def _travel(specimen: Specimen, travel: Array, values: Values) -> Array:
-    furthest = np.maximum.accumulate(travel)
-    play = 1e-3 * values["play_mm"]
-    return np.where(furthest - travel < play, furthest, travel + play)
+    return followed(travel, 1e-3 * values["play_mm"])
 
 
 EFFECT = Effect(

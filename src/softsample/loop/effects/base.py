@@ -6,11 +6,15 @@ from dataclasses import dataclass, field
 import numpy as np
 from numpy.typing import NDArray
 
+from softsample.constitutive.ogden import unit_modulus
 from softsample.loop.specimen import Specimen
 
 Array = NDArray[np.float64]
 Values = dict[str, float]
 MODES = ("tension", "compression", "shear")
+
+SOLID = unit_modulus(0.5, (-8.0, 16.0), 0.49, 1.0)
+"""What the study's model is made of; effects on these constants have an `about` for other ones."""
 
 
 @dataclass(frozen=True)

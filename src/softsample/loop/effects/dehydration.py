@@ -5,7 +5,7 @@ from softsample.loop.specimen import Specimen
 
 
 def _tissue(specimen: Specimen, force: Array, travel: Array, values: Values) -> Array:
-    return force * (1.0 + values["per_100_s"] * 0.01 * specimen.time)
+    return force * (1.0 + values["per_100_s"] * 0.01 * specimen.clock)
 
 
 EFFECT = Effect(

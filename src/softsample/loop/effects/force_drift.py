@@ -5,7 +5,7 @@ from softsample.loop.specimen import Specimen
 
 
 def _instrument(specimen: Specimen, force: Array, travel: Array, values: Values) -> Array:
-    drift = 1e-3 * values["mN_per_s"] * (specimen.time - specimen.time[0])
+    drift = 1e-3 * values["mN_per_s"] * specimen.clock
     return force + specimen.axis_sign * drift
 
 

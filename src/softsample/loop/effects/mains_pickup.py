@@ -7,7 +7,7 @@ from softsample.loop.specimen import Specimen
 
 
 def _instrument(specimen: Specimen, force: Array, travel: Array, values: Values) -> Array:
-    angle = 2.0 * np.pi * specimen.time / values["period_s"]
+    angle = 2.0 * np.pi * specimen.clock / values["period_s"]
     wave = values[f"{specimen.mode}_sin_mN"] * np.sin(angle)
     wave = wave + values[f"{specimen.mode}_cos_mN"] * np.cos(angle)
     return force + 1e-3 * wave

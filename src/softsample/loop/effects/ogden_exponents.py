@@ -1,26 +1,47 @@
-"""Other exponents than the study's."""
+"""Other exponents than the model's."""
 
-from softsample.loop.effects.base import Array, Effect, Parameter, Values
+from softsample.constitutive.ogden import OgdenMaterial
+from softsample.loop.effects.base import SOLID, Array, Effect, Parameter, Values
+from softsample.loop.inputs import VariantSettings
 from softsample.loop.specimen import Specimen
 
+NAMES = ("alpha1", "alpha2")
 
-def _elastic(specimen: Specimen, mixture: float, travel: Array, values: Values) -> Array:
-    change = specimen.elastic.change_per_mu
-    first = (values["alpha1"] + 8.0) / 2.0 * change("alpha1", mixture, travel)
-    return first + (values["alpha2"] - 16.0) / 2.0 * change("alpha2", mixture, travel)
+PARTS = ((0.25, 1.75, 1.25), (0.375, 1.5, 0.875))
+"""Range and nominal value of each exponent, as parts of the model's."""
 
 
-EFFECT = Effect(
-    name="ogden_exponents",
-    title="Other exponents",
-    parameters=(
-        Parameter("alpha1", "1", -14.0, -2.0, -10.0, neutral=-8.0),
-        Parameter("alpha2", "1", 6.0, 24.0, 14.0, neutral=16.0),
-    ),
-    tier="L",
-    source="own runs with each exponent moved by two",
-    signature="S-shaped along the stroke, worst at the end of compression, alike on the way back",
-    confused_with=("bond_peel", "late_contact", "machine_compliance"),
-    experiment="another mode, or a longer stroke",
-    elastic=_elastic,
-)
+def about(solid: OgdenMaterial) -> Effect:
+    """The effect for a model with the exponents of a two-term solid."""
+
+    def elastic(specimen: Specimen, mixture: float, travel: Array, values: Values) -> Array:
+        first, second = (
+            (values[name] - alpha) / VariantSettings.exponent
+            * specimen.elastic.change_per_mu(name, mixture, travel)
+            for name, alpha in zip(NAMES, solid.alpha, strict=True)
+        )  # fmt: skip
+        return first + second
+
+    return Effect(
+        name="ogden_exponents",
+        title="Other exponents",
+        parameters=tuple(
+            _parameter(name, alpha, *parts)
+            for name, alpha, parts in zip(NAMES, solid.alpha, PARTS, strict=True)
+        ),
+        tier="L",
+        source="own runs with each exponent moved by two",
+        signature="S-shaped along the stroke, worst at the end of compression, alike on the way "
+        "back",
+        confused_with=("bond_peel", "late_contact", "machine_compliance"),
+        experiment="another mode, or a longer stroke",
+        elastic=elastic,
+    )
+
+
+def _parameter(name: str, alpha: float, low: float, high: float, nominal: float) -> Parameter:
+    ends = sorted((low * alpha, high * alpha))
+    return Parameter(name, "1", ends[0], ends[1], nominal * alpha, neutral=alpha)
+
+
+EFFECT = about(SOLID)

@@ -16,7 +16,7 @@ EFFECT = Effect(
     source="Rashid, Destrade, Gilchrist, J. Mech. Behav. Biomed. Mater. 10 (2012) 23",
     signature="scale between rates; nothing at one rate",
     confused_with=("gain",),
-    experiment="the same sample at ten times the rate",
+    experiment="the same sample at ten times the rate, as a group of its own: compare the moduli",
     identifiable=False,
     tissue=_tissue,
 )

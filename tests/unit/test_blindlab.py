@@ -277,6 +277,22 @@ def test_the_score_counts_what_it_says():
     assert table.loc["nothing", "none"] == 0.5
 
 
+def test_the_error_of_a_size_is_counted_from_where_it_is_nothing():
+    """A Poisson's ratio that did not move has missed all of a planted 0.48, not 2 % of it."""
+    planted = {
+        "names": ["poisson_ratio"], "sizes": {"poisson_ratio": {"nu": 0.48, "tau_s": 5.0}},
+        "kind": "effect", "design": "B", "floor_percent": 0.0, "size": 1.0, "mu_pa": 1000.0,
+    }  # fmt: skip
+    answered = case(["poisson_ratio"], "explained", [["poisson_ratio"]])
+    for nu, error in ((0.49, 1.0), (0.485, 0.5), (0.48, 0.0)):
+        found = {name: {"value": value, "low": 0.0, "high": 9.0}
+                 for name, value in (("nu", nu), ("tau_s", 9.0))}  # fmt: skip
+        effect = {**answered.answer["effects"][0], "parameters": found}
+        rows = score([Case(planted, {**answered.answer, "effects": [effect]})])
+        (value,) = (row["value"] for row in rows if row["goal"] == "14 error of the size")
+        assert value == pytest.approx(error, abs=1e-9)
+
+
 def test_a_goal_that_no_experiment_speaks_of_is_null_in_the_file(tmp_path):
     write_json(tmp_path / "score.json", {"score": score([case([], "none", kind="null")])})
     rows = {row["goal"]: row for row in read_json(tmp_path / "score.json")["score"]}

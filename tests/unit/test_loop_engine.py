@@ -8,7 +8,7 @@ import pytest
 import laboratory
 from laboratory import elastic
 from softsample.calibration.curves import CurveFamily
-from softsample.loop.diagnose import LoopSettings, diagnose, pose, report
+from softsample.loop.diagnose import LoopSettings, diagnose, judgement, pose, report
 from softsample.loop.effects import library
 from softsample.loop.errors import errors, folds, held_out
 from softsample.loop.model import Material, Model, Packing, State
@@ -226,6 +226,24 @@ def test_a_state_goes_into_a_vector_and_back():
     assert back.contact_zero == 0.04
     for name, of in values.items():
         assert back.values[name] == pytest.approx(of)
+
+
+def test_a_mixture_stays_within_the_curves_that_were_simulated(perfect):
+    """Beyond them a family is a polynomial that knows nothing."""
+    narrowed = []
+    for specimen in perfect:
+        family = specimen.elastic.family
+        within = [r for r in family.fractions if 0.2 < r < 0.6]
+        curves = np.stack([family.curve(r) for r in within])
+        few = CurveFamily(np.array(within), family.displacement, curves)
+        narrowed.append(replace(specimen, elastic=replace(specimen.elastic, family=few)))
+    found = diagnose(narrowed, LoopSettings(), [library()["force_offset"]])
+    verdict = judgement(found, LoopSettings())
+    fraction = verdict["theta_before"]["mu1_fraction"]
+    assert max(within) < laboratory.MIXTURE
+    assert fraction["value"] == pytest.approx(max(within), abs=1e-3)
+    assert fraction["high"] == max(within)
+    assert fraction["low"] >= min(within)
 
 
 def test_the_plain_model_finds_the_material(problem):

@@ -101,6 +101,14 @@ def test_settings_of_the_library_are_the_keys_of_the_config(section, settings, b
     assert set(SCHEMAS["config"]["properties"][section]["properties"]) == set(CONFIG[section])
 
 
+def test_pairs_of_the_blind_laboratory_need_their_size():
+    """Its curves take an hour: what cannot be planted is refused before."""
+    config = overlaid(CONFIG, read_yaml(ROOT / "config/blind.yaml"))
+    config["blind"]["extents"]["blind"]["sizes"] = [0.5, 2.0]
+    with pytest.raises(InputError, match="extents.blind.sizes: .*1, the size of pairs, is one"):
+        check_config(config, SCHEMAS["config"], "blind.yaml")
+
+
 BAD_CONFIGS = {
     "misspelt key": (
         ("mesh", "elment_size_mm", 0.5),

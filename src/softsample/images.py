@@ -8,7 +8,7 @@ from scipy.ndimage import affine_transform
 
 from softsample.errors import InputError
 
-VOXEL_MM = (0.01, 3.0)
+VOXEL_MM = (0.05, 2.0)
 EXTENT_MM = (3.0, 500.0)
 FEWEST_VOXELS = 12
 
@@ -47,6 +47,8 @@ def check_image(
     voxel = np.linalg.norm(affine[:3, :3], axis=0)
     if not np.all(np.isfinite(affine)) or np.linalg.matrix_rank(affine[:3, :3]) < 3:
         raise InputError(f"{source}: the affine is singular; export the image with its geometry")
+    if abs(np.linalg.det(affine[:3, :3])) < 0.5 * np.prod(voxel):
+        raise InputError(f"{source}: the image axes are far from perpendicular; resample the image")
     if voxel.min() < VOXEL_MM[0] or voxel.max() > VOXEL_MM[1]:
         raise InputError(
             f"{source}: voxels of {_sizes(voxel)} mm, expected {VOXEL_MM[0]:g} to {VOXEL_MM[1]:g} "

@@ -112,11 +112,13 @@ def read_table(path: PathLike, text_columns: tuple[str, ...] = ()) -> pd.DataFra
     path
         Comma-separated, or tab-separated if it ends in `.tsv`.
     text_columns
-        Columns to keep as text even where they look like numbers (ids such as `007`).
+        Columns to keep as text even where they look like numbers, beside `sample` and `group`
+        (ids such as `007`).
     """
+    text = dict.fromkeys(("sample", "group", *text_columns), str)
     separator = "\t" if Path(path).suffix == ".tsv" else ","
     try:
-        return pd.read_csv(path, sep=separator, comment="#", dtype=dict.fromkeys(text_columns, str))
+        return pd.read_csv(path, sep=separator, comment="#", dtype=text)
     except (pd.errors.ParserError, pd.errors.EmptyDataError, UnicodeDecodeError) as error:
         raise InputError(f"{path}: not a table with a header: {error}") from error
 

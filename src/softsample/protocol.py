@@ -21,6 +21,10 @@ SLOW = 0.05
 """Legs below this part of the record's highest speed can be rest with a drifting reading."""
 
 
+FEWEST_JUMPS = 10
+"""Lone jumps of a reading from which on it is a staircase."""
+
+
 def travel_sign(mode: str) -> float:
     """Sign of displacement and force while loading: -1 in compression, +1 otherwise."""
     return float(sum(DIRECTIONS[mode]))
@@ -38,12 +42,6 @@ def smooth_step(fraction: ArrayLike) -> Array:
     """
     x = np.clip(np.asarray(fraction, dtype=np.float64), 0.0, 1.0)
     return np.asarray(x**3 * (10.0 - 15.0 * x + 6.0 * x**2))
-
-
-def smooth_step_rate(fraction: ArrayLike) -> Array:
-    """Derivative of `smooth_step`, ``30 x^2 (1 - x)^2``; zero outside [0, 1]."""
-    x = np.clip(np.asarray(fraction, dtype=np.float64), 0.0, 1.0)
-    return np.asarray(30.0 * x**2 * (1.0 - x) ** 2)
 
 
 @dataclass(frozen=True)
@@ -137,7 +135,7 @@ def phases(time: Array, displacement: Array) -> list[Phase]:
     """
     tolerance = _tolerance(displacement)
     found: list[Phase] = []
-    ends = corners(time, displacement)
+    ends = _split_at_start(displacement, corners(time, displacement), tolerance)
     for start, stop, kind in zip(
         ends[:-1], ends[1:], _kinds(time, displacement, ends, tolerance), strict=True
     ):
@@ -167,8 +165,31 @@ def corners(time: Array, displacement: Array) -> list[int]:
 
 
 def _tolerance(displacement: Array) -> float:
-    """Distance from a polygon that is noise [m]."""
-    return max(10.0 * _noise(displacement), 1e-3 * float(np.ptp(displacement)))
+    """Distance from a polygon that is noise, or the last digit of the reading [m]."""
+    reach = float(np.ptp(displacement))
+    return max(10.0 * _noise(displacement), 1e-3 * reach, _tread(displacement))
+
+
+def _tread(displacement: Array) -> float:
+    """Height [m] of the steps of a staircase; none if the reading is no staircase.
+
+    A reading that is rounded coarsely stays where it is for some samples, jumps, and stays again.
+    """
+    step = np.abs(np.diff(displacement))
+    jumps = (step[1:-1] > 0.0) & (step[:-2] == 0.0) & (step[2:] == 0.0)
+    return float(step[1:-1][jumps].min()) if jumps.sum() >= FEWEST_JUMPS else 0.0
+
+
+def _split_at_start(displacement: Array, ends: list[int], tolerance: float) -> list[int]:
+    """Corners, and where a leg passes the start on its way from one side to the other."""
+    away = displacement - displacement[0]
+    passed = [
+        first + int(np.abs(away[first : last + 1]).argmin())
+        for first, last in pairwise(ends)
+        if away[first] * away[last] < 0.0
+        and min(abs(away[first]), abs(away[last])) > 5.0 * tolerance
+    ]
+    return sorted({*ends, *passed})
 
 
 def denoised(time: Array, displacement: Array) -> Array:

@@ -20,6 +20,11 @@ FEWEST_IN_RAMP = 20
 FEWEST_AT_REST = 10
 LARGEST_GAP = 0.1
 """A ramp may lack samples over this part of its duration."""
+OFF_ZERO = 0.05
+"""A ramp may begin at this part of its travel or of its peak force without a word."""
+COLUMNS = {"displacement": "displacement_mm", "force": "force_N"}
+"""Quantities with a sign and a zero, and their columns."""
+TITLED = "rename the column, whose title says that compression is positive"
 
 
 @dataclass(frozen=True)
@@ -128,24 +133,32 @@ def aligned_record(
     _refuse(_no_numbers(table, source))
     _refuse(_wrong_time(table, source))
     aligned = table.astype(np.float64)
-    positive, subtracted = {}, {}
-    for quantity, column in (("displacement", "displacement_mm"), ("force", "force_N")):
-        positive[column] = (
-            "compression" if quantity in reading["compressive"] else settings.positive[quantity]
-        )
-        aligned[column] *= _sign(positive[column], mode)
-    for quantity, column in (("displacement", "displacement_mm"), ("force", "force_N")):
+    positive, subtracted, cures = {}, {}, {}
+    for quantity, column in COLUMNS.items():
+        titled = quantity in reading["compressive"]
+        positive[column] = "compression" if titled else settings.positive[quantity]
+        sign = _sign(positive[column], mode)
+        aligned[column] *= sign
+        cures[quantity] = TITLED if titled else _cure(quantity, sign)
+    for quantity, column in COLUMNS.items():
         subtracted[column] = 0.0
         if settings.zero[quantity] == "rest":
             subtracted[column] = float(aligned[column].iloc[_rest(aligned, source)].mean())
     aligned = aligned - pd.Series(subtracted).reindex(aligned.columns, fill_value=0.0)
-    facts = check_record(aligned, mode, schema, source)
+    facts = check_record(aligned, mode, schema, source, cures)
     return aligned, {
         **facts,
         "reading": dict(reading),
         "positive": positive,
         "subtracted": subtracted,
     }
+
+
+def _cure(quantity: str, sign: float) -> str:
+    """What turns a sign round that is read with a factor."""
+    other = "compression" if sign > 0.0 else "tension"
+    setting = f"records: {{positive: {{{quantity}: {other}}}}}"
+    return f"tell the machine's sign in the settings of the study: {setting}"
 
 
 def _sign(positive: str, mode: str) -> float:
@@ -171,7 +184,11 @@ def _resting(found: list[Phase]) -> slice:
 
 
 def check_record(
-    table: pd.DataFrame, mode: str, schema: Mapping[str, Any], source: str
+    table: pd.DataFrame,
+    mode: str,
+    schema: Mapping[str, Any],
+    source: str,
+    cures: Mapping[str, str] | None = None,
 ) -> dict[str, Any]:
     """Check a record and report what it holds.
 
@@ -185,6 +202,8 @@ def check_record(
         Schema of the columns.
     source
         The file's path, for the message.
+    cures
+        What turns the sign of `displacement` and `force` round; by default the study's settings.
 
     Returns
     -------
@@ -207,7 +226,8 @@ def check_record(
     except InputError as error:
         raise InputError(f"{source}, column 'displacement_mm': {error}") from error
     faults = _wrong_ramp(table, record, ramp, source)
-    _refuse([*faults, *_wrong_signs(table, record, ramp, mode, source)])
+    known = cures or {quantity: _cure(quantity, 1.0) for quantity in COLUMNS}
+    _refuse([*faults, *_wrong_signs(table, record, ramp, mode, source, known)])
     return _facts(record, ramp)
 
 
@@ -284,7 +304,12 @@ def _wrong_ramp(table: pd.DataFrame, record: Record, ramp: slice, source: str) -
 
 
 def _wrong_signs(
-    table: pd.DataFrame, record: Record, ramp: slice, mode: str, source: str
+    table: pd.DataFrame,
+    record: Record,
+    ramp: slice,
+    mode: str,
+    source: str,
+    cures: Mapping[str, str],
 ) -> Iterator[str]:
     last = ramp.stop - 1
     tail = slice(max(ramp.start, last - max(5, (ramp.stop - ramp.start) // 20)), ramp.stop)
@@ -294,15 +319,12 @@ def _wrong_signs(
     }
     sign = travel_sign(mode)
     for quantity, value in values.items():
-        column = {"displacement": "displacement_mm", "force": "force_N"}[quantity]
         if sign * value <= 0.0:
             yield (
-                f"{source}, line {table.index[last]}, column {column!r}: {value:g} at the end of "
-                f"loading, but {'negative' if sign < 0 else 'positive'} is right in {mode} (force "
-                "and travel along +z or +x, so tension positive and compression negative); "
-                "change the sample's mode if it is wrong, or tell the machine's sign in the "
-                f"settings of the study: records: {{positive: {{{quantity}: "
-                f"{'compression' if sign < 0 else 'loading'}}}}}"
+                f"{source}, line {table.index[last]}, column {COLUMNS[quantity]!r}: {value:g} at "
+                f"the end of loading, but {'negative' if sign < 0 else 'positive'} is right in "
+                f"{mode} (force and travel along +z or +x, so tension positive and compression "
+                f"negative); change the sample's mode if it is wrong, or {cures[quantity]}"
             )
 
 
@@ -316,6 +338,7 @@ def _facts(record: Record, ramp: slice) -> dict[str, Any]:
     travel = record.displacement[ramp.stop - 1] - record.displacement[ramp.start]
     peak = force[ramp][np.abs(force[ramp]).argmax()]
     warnings = [] if known else ["no rest before the ramp: force zero and noise are not known"]
+    warnings += _off_zero(record, ramp, rest if known else slice(0, 0))
     if _is_clipped(force[ramp]):
         warnings.append(f"the force stays at {peak:g} N: the load cell seems to be overloaded")
     return {
@@ -338,6 +361,22 @@ def _facts(record: Record, ramp: slice) -> dict[str, Any]:
         ],
         "warnings": warnings,
     }
+
+
+def _off_zero(record: Record, ramp: slice, rest: slice) -> Iterator[str]:
+    """What says that the zero of the file is not that of the test."""
+    begin, end = record.displacement[ramp.start], record.displacement[ramp.stop - 1]
+    if abs(begin) > OFF_ZERO * abs(end - begin):
+        yield (
+            f"the ramp begins at {begin / MM:.3g} mm, and the sample counts as deformed by that; "
+            "if it is not, set `records: {zero: {displacement: rest}}`"
+        )
+    before, peak = record.force[rest], np.abs(record.force[ramp]).max()
+    if len(before) and abs(before.mean()) > max(OFF_ZERO * peak, 5.0 * before.std(ddof=1)):
+        yield (
+            f"the force before the ramp is {before.mean():.3g} N; if the sample is not loaded "
+            "there, set `records: {zero: {force: rest}}`"
+        )
 
 
 def _is_clipped(force: Array, run: int = 10) -> bool:

@@ -51,9 +51,36 @@ def check_config(config: Mapping[str, Any], schema: Schema, source: str) -> None
         Naming every wrong key at once, with its value and its cure.
     """
     found = [*refusals(dict(config), schema), *_not_finite(config)]
+    found = found or list(_contradictions(config))
     if found:
         lines = [f"  {place or 'top level'}: {reason}" for place, reason in found]
         raise InputError("\n".join([f"configuration ({source}) is refused:", *lines]))
+
+
+def _contradictions(config: Mapping[str, Any]) -> Iterator[tuple[str, str]]:
+    """Places of values that are right each for itself, but not beside another one."""
+    floor, mesh, solver = config["floor"], config["mesh"], config["solver"]
+    sizes = floor["element_size_mm"]
+    if sizes != sorted(set(sizes)):
+        yield "floor.element_size_mm", f"{sizes} does not ascend; sort it, with element_percent"
+    for mode, percents in floor["element_percent"].items():
+        if len(percents) != len(sizes):
+            yield (
+                f"floor.element_percent.{mode}",
+                f"has {len(percents)} values for {len(sizes)} of element_size_mm; give each one",
+            )
+    if len(mesh["surface_weights"]) != len(mesh["iterations"]):
+        yield "mesh.iterations", "has another length than surface_weights; give one for each weight"
+    low, high = (config["calibration"][f"mu_pa_{end}"] for end in ("min", "max"))
+    if low >= high:
+        yield "calibration.mu_pa_min", f"{low} is not below mu_pa_max, {high}; exchange them"
+    error, bound = solver["curve_error_percent"], config["checks"]["error_bound_percent_max"]
+    if error > bound:
+        yield (
+            "solver.curve_error_percent",
+            f"{error} is above checks.error_bound_percent_max, {bound}, so that each run would "
+            "fail its check; raise both",
+        )
 
 
 @dataclass(frozen=True)

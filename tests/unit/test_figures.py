@@ -98,7 +98,7 @@ def test_moduli_figure_draws_every_sample_on_both_geometries():
         points = [line for line in ax.lines if line.get_marker() == "o"]
         model = [line for line in ax.lines if len(line.get_xdata()) == 201]
         assert len(points) == samples
-        assert all(len(line.get_xdata()) == 5 for line in points), "every fiftieth of 201"
+        assert all(len(line.get_xdata()) == 11 for line in points), "ten of 201, and the first"
         assert all(line.get_markerfacecolor() == "none" for line in points), "hollow"
         assert sorted(line.is_dashed() for line in model) == [False] * samples + [True] * samples
         assert (ax.get_xlabel(), ax.get_ylabel()) == (

@@ -107,7 +107,7 @@ def test_a_damaged_json_file_says_what_to_do(tmp_path):
 def test_tables_keep_ten_digits_and_ids_stay_text(tmp_path):
     path = tmp_path / "a.csv"
     write_table(path, {"sample": ["007"], "mu_pa": [1234.567891234]})
-    table = read_table(path, text_columns=("sample",))
+    table = read_table(path)
     assert table["sample"].tolist() == ["007"]
     assert table["mu_pa"][0] == pytest.approx(1234.567891234, rel=1e-9)
 

@@ -209,3 +209,17 @@ def test_other_columns_of_our_own_table_are_kept_for_the_schema(tmp_path):
     misspelt = machines.write(tmp_path / "m.csv", normal.replace("normal_N", "nornal_N"))
     with pytest.raises(InputError, match="'force_nornal_N': unknown name; did you mean"):
         imported(misspelt)
+
+
+def test_a_column_that_was_named_stays_beside_one_of_our_titles(tmp_path):
+    """A file of our titles with a filtered force as well; the filtered one is asked for."""
+    time, travel, force = TEST
+    path = tmp_path / "r.csv"
+    columns = {"time_s": time, "displacement_mm": travel, "force_N": 0.5 * force}
+    pd.DataFrame({**columns, "force_filtered_N": force}).to_csv(path, index=False)
+    table, facts = imported(path, columns={"force": "force_filtered_N"})
+    np.testing.assert_allclose(table["force_N"], force, atol=2e-6)
+    assert facts["reading"]["ignored"] == ["force_N"]
+    plain = pd.DataFrame(columns)
+    plain.to_csv(path, index=False)
+    np.testing.assert_allclose(imported(path)[0]["force_N"], 0.5 * force, atol=2e-6)

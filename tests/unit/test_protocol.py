@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from softsample.errors import InputError
-from softsample.protocol import loading_ramp, phases, smooth_step, smooth_step_rate
+from softsample.protocol import loading_ramp, phases, smooth_step
 
 
 def history(*legs, rate=100.0, noise=1e-6, seed=3):
@@ -19,13 +19,38 @@ def test_smooth_step_starts_and_ends_at_rest():
     x = np.linspace(0.0, 1.0, 11)
     assert smooth_step([-1.0, 0.0, 0.5, 1.0, 2.0]).tolist() == [0.0, 0.0, 0.5, 1.0, 1.0]
     np.testing.assert_allclose(smooth_step(x) + smooth_step(1.0 - x), 1.0, rtol=1e-15)
-    assert smooth_step_rate([0.0, 1.0]).tolist() == [0.0, 0.0]
 
 
-def test_smooth_step_rate_is_its_derivative():
-    x, h = np.linspace(0.05, 0.95, 19), 1e-6
-    differenced = (smooth_step(x + h) - smooth_step(x - h)) / (2.0 * h)
-    np.testing.assert_allclose(smooth_step_rate(x), differenced, rtol=1e-8)
+@pytest.mark.parametrize(
+    ("reach", "speed", "digit"),
+    [(3.9, 0.3, 0.01), (6.0, 0.3, 0.01), (8.0, 0.5, 0.01), (3.9, 0.3, 0.05), (3.9, 0.3, 0.001)],
+)
+@pytest.mark.parametrize("rounded", [np.round, np.floor])
+def test_a_reading_that_rises_in_steps_has_the_phases_of_the_travel(reach, speed, digit, rounded):
+    """A hundred readings a second of a coarse encoder."""
+    way = reach / speed
+    time, d = history((1.013, 0.0), (way, reach), (10.0, reach), (way, 0.0), noise=0.0)
+    read = 1e-3 * digit * rounded(1e3 * d / digit)
+    found = phases(time, read)
+    assert [phase.kind for phase in found] == ["baseline", "ramp", "hold", "unloading"]
+    starts = [time[phase.start] for phase in found]
+    late = 2.0 * digit / speed + 0.05
+    np.testing.assert_allclose(starts, [0.0, 1.013, 1.013 + way, 11.013 + way], atol=late)
+    ramp = loading_ramp(time, read)
+    assert read[ramp][-1] - read[ramp][0] == pytest.approx(1e-3 * reach, abs=2.1e-3 * digit)
+
+
+@pytest.mark.parametrize("sign", [1.0, -1.0])
+@pytest.mark.parametrize("second", [0.98, 1.0, 1.025])
+def test_a_cycle_to_both_sides_is_loaded_first_to_the_first(sign, second):
+    for seed in range(4):
+        time, d = history((1.0, 0.0), (5.0, 2.0), (10.0, -2.0 * second), (5.0, 0.0), seed=seed)
+        found = phases(time, sign * d)
+        kinds = [phase.kind for phase in found]
+        assert kinds == ["baseline", "ramp", "unloading", "ramp", "unloading"]
+        ramp = loading_ramp(time, sign * d)
+        assert time[ramp.start] == pytest.approx(1.0, abs=0.05)
+        assert time[ramp.stop - 1] == pytest.approx(6.0, abs=0.05)
 
 
 @pytest.mark.parametrize("sign", [1.0, -1.0])

@@ -6,7 +6,7 @@ import pytest
 
 from softsample.errors import InputError
 from softsample.io import read_record, read_yaml
-from softsample.records import check_record
+from softsample.records import RecordSettings, aligned_record, check_record
 
 ROOT = Path(__file__).resolve().parents[2]
 SCHEMA = read_yaml(ROOT / "workflow/schemas/record.schema.yaml")
@@ -133,3 +133,49 @@ def test_what_is_doubtful_is_a_warning():
     clipped = record(noise=0.0)
     clipped["force_N"] = clipped["force_N"].clip(lower=-0.8)
     assert "overloaded" in check(clipped)["warnings"][0]
+
+
+def test_a_ramp_that_begins_loaded_or_away_from_zero_is_a_warning():
+    begun = record()
+    begun["displacement_mm"] -= 2.0
+    (warning,) = check(begun)["warnings"]
+    assert "the ramp begins at -2 mm" in warning
+    assert "zero: {displacement: rest}" in warning
+    loaded = record()
+    loaded["force_N"] -= 0.2
+    (warning,) = check(loaded)["warnings"]
+    assert "the force before the ramp is -0.2 N" in warning
+    assert "zero: {force: rest}" in warning
+    small = record()
+    small["force_N"] -= 0.02
+    assert check(small)["warnings"] == []
+
+
+@pytest.mark.parametrize("mode", ["tension", "compression", "shear"])
+@pytest.mark.parametrize("setting", ["tension", "compression", "loading"])
+def test_the_cure_of_a_wrong_sign_turns_it(mode, setting):
+    """A file whose displacement is wrong with a setting is right with the one that is advised."""
+    reading = {"compressive": []}
+
+    def aligned(table, positive):
+        settings = RecordSettings({}, {}, positive, {"displacement": "file", "force": "file"})
+        return aligned_record(table, reading, mode, settings, SCHEMA, "r.csv")
+
+    right = -1.0 if mode == "compression" else 1.0
+    factor = {"tension": 1.0, "compression": -1.0, "loading": right}[setting]
+    table = record(sign=right)
+    table["displacement_mm"] *= -factor
+    positive = {"displacement": setting, "force": "tension"}
+    with pytest.raises(InputError, match="positive: {displacement: ") as refusal:
+        aligned(table, positive)
+    advised = str(refusal.value).split("{displacement: ")[1].split("}")[0]
+    assert aligned(table, {**positive, "displacement": advised})[1]["travel_mm"] * right > 3.0
+
+
+def test_a_title_that_decides_on_the_sign_is_named():
+    as_in_file = {"displacement": "file", "force": "file"}
+    tensile = dict.fromkeys(as_in_file, "tension")
+    settings = RecordSettings({}, {}, tensile, as_in_file)
+    table = record(sign=-1.0)
+    with pytest.raises(InputError, match="column 'force_N': .*rename the column, whose title"):
+        aligned_record(table, {"compressive": ["force"]}, "compression", settings, SCHEMA, "r.csv")

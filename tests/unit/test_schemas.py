@@ -146,6 +146,17 @@ BAD_CONFIGS = {
     "precision": (("solver", "precision", "half"), "'half' is not one of float32, float64"),
     "switch as text": (("contact", "release", "yes"), "contact.release: 'yes' is not of type"),
     "table without a name": (("samples", None, ""), "samples: '' should be non-empty"),
+    "more percents than sizes": (
+        ("floor", "element_size_mm", [0.5, 1.0]),
+        "floor.element_percent.tension: has 3 values for 2 of element_size_mm",
+    ),
+    "sizes out of order": (("floor", "element_size_mm", [2.0, 1.0, 0.5]), "does not ascend"),
+    "more weights than iterations": (("mesh", "iterations", [60]), "mesh.iterations: has another"),
+    "bounds exchanged": (("calibration", "mu_pa_min", 5e4), "mu_pa_min: 50000.0 is"),
+    "an error that no run may have": (
+        ("solver", "curve_error_percent", 1.0),
+        "solver.curve_error_percent: 1.0 is above checks.error_bound_percent_max, 0.5",
+    ),
     "braces in the folder": (("results", None, "a{b}"), "results: 'a{b}' has another form"),
 }
 

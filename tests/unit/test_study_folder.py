@@ -129,7 +129,7 @@ def test_everything_that_is_wrong_is_told_at_once(study, capsys):
         f"row {line} (T8), column 'record': 'C7.xls' has another form",
         f"row {line} (T8), column 'sample': 'T8' stands in row {line - 1} already",
         f"row {line} (T8): {study}/no.nii: no such image; correct its path",
-        f"row {line - 2} (C7): {study}/C7.nii.gz: voxels of 400 x 400 x 400 mm, expected 0.01",
+        f"row {line - 2} (C7): {study}/C7.nii.gz: voxels of 400 x 400 x 400 mm, expected 0.05",
         f"row {line - 1} (T8): {study}/T8.csv, line 61, column 'force_N': '?' is not a number",
     ):
         assert fault in told, fault

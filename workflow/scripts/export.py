@@ -30,6 +30,12 @@ with logged_to(snakemake):
             f"{snakemake.input.mesh}: regions of different stiffness are not exported; "
             "leave the column labels of the table empty to export the sample without them"
         )
+    for key in ("friction", "base_friction"):
+        if given.contact[key] is not None:
+            raise InputError(
+                f"contact.{key} is {given.contact[key]:g}: slip is not exported; export with "
+                f"--config 'contact={{{key}: null}}', and give the coefficient in the other program"
+            )
     measured = MeasuredCurve.of_record(read_record(snakemake.input.record), given.mode)
     material = OgdenMaterial.of_fit(fit)
     contact = ContactSettings(**given.contact)
@@ -41,7 +47,7 @@ with logged_to(snakemake):
     origin = f"group {fit['group']}, {fit['geometry']} geometry, {fit['verdict']}"
     for program in ("abaqus", "calculix", "febio"):
         write_card(written[f"{program}_card"], material, program, origin)
-    curve = read_table(snakemake.input.curve, text_columns=("sample",))
+    curve = read_table(snakemake.input.curve)
     own = curve["sample"] == snakemake.wildcards.sample
     write_table(written.curve, curve[own].drop(columns="sample"))
     for shape in ("mesh", "surface"):

@@ -7,7 +7,7 @@ from softsample.workflow import logged_to
 
 with logged_to(snakemake):
     given = snakemake.input
-    moduli = read_table(given.table, text_columns=("group",))
+    moduli = read_table(given.table)
     groups = [
         GroupCurves(
             row.group,

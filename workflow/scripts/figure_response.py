@@ -7,10 +7,7 @@ from softsample.workflow import logged_to
 
 with logged_to(snakemake):
     sample, shown = snakemake.wildcards.sample, snakemake.params
-    tables = {
-        geometry: read_table(snakemake.input[geometry], text_columns=("sample",))
-        for geometry in ("real", "ideal")
-    }
+    tables = {geometry: read_table(snakemake.input[geometry]) for geometry in ("real", "ideal")}
     curves = {name: table[table["sample"] == sample] for name, table in tables.items()}
     figure = response_figure(curves, shown.mode, f"Sample {sample}, {shown.mode}, {shown.cohort}")
     with written_aside(snakemake.output.png) as aside:

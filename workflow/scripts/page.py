@@ -54,7 +54,7 @@ with logged_to(snakemake):
                 for kind, text in PICTURES.items()
             ],
         }
-    intervals, groups = read_table(given.intervals, text_columns=("group",)), []
+    intervals, groups = read_table(given.intervals), []
     for at, (name, members) in enumerate(shown.groups.items()):
         verdict = read_json(given.verdict_json[at])
         reports.append(verdict)
@@ -83,7 +83,7 @@ with logged_to(snakemake):
         tables=[
             {
                 "name": Path(name).stem,
-                "frame": read_table(name, text_columns=("group", "sample")),
+                "frame": read_table(name),
                 "caption": caption(parts / f"{Path(name).stem}.rst", config),
                 "download": download(Path(name)),
             }

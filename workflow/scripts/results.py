@@ -13,7 +13,7 @@ with logged_to(snakemake):
         [read_json(name) for name in given.found],
         [read_json(name) for name in given.cuboids],
         [read_json(name) for name in given.fits],
-        read_table(given.intervals, text_columns=("group",)),
+        read_table(given.intervals),
         {group: read_json(given.verdicts[at]) for at, group in enumerate(shown.groups)},
     )
     document["provenance"] = provenance(snakemake)

@@ -6,5 +6,5 @@ from softsample.io import read_table, write_table
 from softsample.workflow import logged_to
 
 with logged_to(snakemake):
-    parts = [read_table(path, text_columns=("group",)) for path in snakemake.input.groups]
+    parts = [read_table(path) for path in snakemake.input.groups]
     write_table(snakemake.output.table, pd.concat(parts, ignore_index=True))

@@ -16,7 +16,10 @@ from matplotlib.patches import Patch
 from softsample.figures.style import colours, darkened, label_panel, lightened, page_figure, styled
 
 EVERY = 50
-"""Each how manieth measured point is drawn."""
+"""Each how manieth measured point is drawn, at most."""
+
+FEWEST = 10
+"""Measured points of a curve that are drawn, if it has so many."""
 
 LINES = {"real": "-", "ideal": (0, (3.5, 1.8))}
 WIDTHS = {"real": 1.5, "ideal": 0.9}
@@ -111,7 +114,7 @@ def draw_curves(ax: Axes, groups: Sequence[GroupCurves], palette: dict[str, str]
 
 
 def _draw_measured(ax: Axes, curve: pd.DataFrame, colour: str) -> None:
-    shown = curve.iloc[::EVERY]
+    shown = curve.iloc[:: max(1, min(EVERY, len(curve) // FEWEST))]
     ax.plot(
         shown["displacement_mm"], shown["measured_N"], "o", ms=3.8, mfc="none", mec=colour,
         mew=0.6, zorder=4,
@@ -155,7 +158,7 @@ def _keys_of_curves() -> list[Line2D]:
     """Legend entries of the left column."""
     return [
         Line2D([], [], ls="", marker="o", ms=3.2, mfc="none", mec="0.3", mew=0.6,
-               label=f"experiment (every {EVERY}th point)"),
+               label=f"experiment (every {EVERY}th point, at least {FEWEST})"),
         *(Line2D([], [], color="0.3", ls=LINES[g], label=f"model, {NAMES[g]}", lw=w)
           for g, w in WIDTHS.items()),
     ]  # fmt: skip

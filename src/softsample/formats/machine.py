@@ -185,8 +185,9 @@ def read(
     }
     ignored = [title for title in titles if title not in {column.title for column in found}]
     if own:  # the schema of records knows what else such a table may hold
-        cells |= {title: _numbers(rows, titles.index(title), 1.0) for title in ignored}
-        ignored = []
+        more = [title for title in ignored if title not in cells]
+        cells |= {title: _numbers(rows, titles.index(title), 1.0) for title in more}
+        ignored = [title for title in ignored if title not in more]
     table = pd.DataFrame(cells, index=pd.Index(kept, name="line", dtype=np.int64))
     repeated = table.duplicated()
     if repeated.any():

@@ -6,6 +6,11 @@ from functools import cached_property
 import numpy as np
 from numpy.typing import NDArray
 
+EDGES = np.array(
+    [[0, 1], [1, 2], [2, 3], [3, 0], [4, 5], [5, 6], [6, 7], [7, 4], [0, 4], [1, 5], [2, 6], [3, 7]]
+)
+"""Corners at the ends of the twelve edges of a hexahedron in VTK order."""
+
 FACES = np.array(
     [[0, 3, 2, 1], [4, 5, 6, 7], [0, 1, 5, 4], [1, 2, 6, 5], [2, 3, 7, 6], [3, 0, 4, 7]]
 )

@@ -6,14 +6,9 @@ from scipy.sparse import coo_array
 from scipy.sparse.linalg import spsolve
 
 from softsample.meshing.levelset import LevelSet
-from softsample.meshing.mesh import HexMesh
+from softsample.meshing.mesh import EDGES, HexMesh
 
 Array = NDArray[np.float64]
-
-EDGES = np.array(
-    [[0, 1], [1, 2], [2, 3], [3, 0], [4, 5], [5, 6], [6, 7], [7, 4], [0, 4], [1, 5], [2, 6], [3, 7]]
-)
-"""Corners at the ends of the twelve edges of a hexahedron in VTK order."""
 
 
 def shifted(mesh: HexMesh, surface: LevelSet, sigma: LevelSet, times: float) -> HexMesh:

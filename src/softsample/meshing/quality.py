@@ -6,14 +6,9 @@ from numpy.typing import NDArray
 
 from softsample.errors import MeshError
 from softsample.meshing.levelset import LevelSet
-from softsample.meshing.mesh import FACES, HexMesh
+from softsample.meshing.mesh import EDGES, FACES, HexMesh
 
 Array = NDArray[np.float64]
-
-EDGES = np.array(
-    [[0, 1], [1, 2], [2, 3], [3, 0], [4, 5], [5, 6], [6, 7], [7, 4], [0, 4], [1, 5], [2, 6], [3, 7]]
-)
-"""Ends of the twelve edges of a VTK hexahedron."""
 
 _CORNERS = np.array(
     [[0, 1, 3, 4], [1, 2, 0, 5], [2, 3, 1, 6], [3, 0, 2, 7],

@@ -85,8 +85,9 @@ def make_records(
             test = _test(body, mode, mu, elastic, loop, design, SPEED * speed)
             force = _force(test, faults)
             moved = np.clip(test.travel / (0.02 * test.stroke), 0.0, 1.0)
-            error = 0.01 * floor_percent * np.abs(force).max()
-            force = force + error * moved * wave(test.travel / test.stroke)
+            if floor_percent:
+                error = 0.01 * floor_percent * np.abs(force).max()
+                force = force + error * moved * wave(test.travel / test.stroke)
             records.append(Record(mode, _table(test, force, random)))
     return _relabelled(records, faults)
 

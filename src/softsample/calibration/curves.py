@@ -56,6 +56,7 @@ class CurveFamily:
         apart = np.subtract.outer(self._nodes, self._nodes) + np.eye(len(fractions))
         self._weighted = force_per_mu / np.prod(apart, axis=1)[:, None]
         self._forces = force_per_mu
+        self._last: tuple[float, Array] = (np.nan, force_per_mu[0])
 
     @classmethod
     def of_table(cls, table: pd.DataFrame, mode: str) -> Self:
@@ -106,6 +107,13 @@ class CurveFamily:
 
         A family of one mixture has the same curve for all.
         """
+        known, curve = self._last  # fits ask for the same mixture again and again
+        if fraction != known:
+            curve = self._curve(fraction)
+            self._last = fraction, curve
+        return curve
+
+    def _curve(self, fraction: float) -> Array:
         away = np.sqrt(1.0 - fraction) - self._nodes
         if len(away) == 1 or not away.all():
             return self._forces[int(np.argmin(np.abs(away)))]

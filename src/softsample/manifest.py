@@ -3,7 +3,6 @@
 import os
 from collections.abc import Iterable
 from pathlib import Path
-from typing import Any
 
 import pandas as pd
 
@@ -13,7 +12,7 @@ from softsample.files import sha256
 
 def check_files(
     manifest: pd.DataFrame, source: str | os.PathLike[str], files: Iterable[str]
-) -> dict[str, Any]:
+) -> None:
     """Compare files with the manifest's hashes.
 
     Parameters
@@ -25,11 +24,6 @@ def check_files(
     files
         Paths of the files to compare.
 
-    Returns
-    -------
-    dict
-        `files` (number) and `sha256` (file: hash).
-
     Raises
     ------
     InputError
@@ -37,13 +31,13 @@ def check_files(
     """
     root = Path(source).resolve().parent
     listed = dict(zip(manifest["file"], manifest["sha256"], strict=True))
-    found, wrong = {}, []
+    wrong = []
     for path in map(Path, files):
         name = path.resolve().relative_to(root).as_posix()
-        found[name] = sha256(path)
-        if listed.get(name) != found[name]:
+        found = sha256(path)
+        if listed.get(name) != found:
             state = "has changed" if name in listed else "is not listed"
-            wrong.append(f"  {name} {state} (sha256 {found[name][:12]}...)")
+            wrong.append(f"  {name} {state} (sha256 {found[:12]}...)")
     if wrong:
         raise InputError(
             "\n".join(
@@ -54,4 +48,3 @@ def check_files(
                 ]
             )
         )
-    return {"files": len(found), "sha256": found}

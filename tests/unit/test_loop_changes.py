@@ -1,6 +1,7 @@
 """Changes of the model, simulated at one mixture, at all others."""
 
 import numpy as np
+import pandas as pd
 import pytest
 
 import laboratory
@@ -106,3 +107,32 @@ def test_two_families_differ_at_every_mixture(family):
             -0.2 * family.force_per_mu(r, there),
             rtol=5e-3,
         )
+
+
+@pytest.mark.parametrize(("mode", "left"), [("compression", 0.75), ("tension", 1.0)])
+def test_curves_in_compression_lose_their_roughness_and_nothing_else(mode, left):
+    """With it, a fit has a false minimum wherever points of a curve are good by chance."""
+    travel = np.linspace(0.0, 3.0, 61)
+    sign = -1.0 if mode == "compression" else 1.0
+    rough = 1.0 + 1e-3 * np.random.default_rng(5).standard_normal(61)
+    smooth = {r: (1.0 + r) * 40.0 * travel**1.7 for r in (0.2, 0.5, 0.8)}
+
+    def table(factor):
+        return pd.concat([
+            pd.DataFrame({"mu1_fraction": r, "displacement_mm": sign * travel,
+                          "force_per_mu_mm2": sign * factor * curve})
+            for r, curve in smooth.items()
+        ])  # fmt: skip
+
+    plain, made = (
+        Elastic.of_tables(mode, table(factor), [], 0.5, real=table(2.0 * factor))
+        for factor in (np.ones(61), rough)
+    )
+    exact = 1e-6 * smooth[0.5]
+    assert np.abs(plain.family.curve(0.5) - exact).max() < 2e-4 * exact[-1]
+    assert made.family.curve(0.5)[0] == pytest.approx(0.0, abs=1e-9 * exact[-1])
+    off = np.linalg.norm(made.family.curve(0.5) - exact) / np.linalg.norm(exact * (rough - 1.0))
+    assert off == pytest.approx(left, abs=0.25)
+    assert (made.family.grain[0] < 1e-2 * exact[-1] * 1e-3) == (mode == "compression")
+    turned = made.variants["real_geometry"].curve(0.5) - made.family.curve(0.5)
+    assert np.abs(turned).max() < 1e-9 * exact[-1]

@@ -67,7 +67,7 @@ def test_no_window_of_noise_reaches_from_one_rest_into_another(perfect, hold, af
     travel = np.interp(time, knots, [0.0, 0.0, 3e-3, 3e-3, 0.0, 0.0])
     starts = np.searchsorted(knots, time, side="right") - 1
     phase = np.array(["baseline", "ramp", "hold", "unloading", "baseline"])[starts]
-    force = 0.2 * (travel / 3e-3) ** 2 + rng.normal(0.0, 1e-3, len(time))
+    force = 0.2 * (travel / 3e-3) ** 4 + rng.normal(0.0, 1e-3, len(time))
     made = replace(perfect[0], time=time, travel=travel, force=force, phase=phase)
     found = measure_noise(made, SETTINGS)
     assert found.white == pytest.approx(1e-3, rel=0.05)

@@ -180,14 +180,6 @@ def real_image(column):
     return lambda wildcards: find(wildcards) if wildcards.geometry != "ideal" else []
 
 
-def shipped_files():
-    """Files that come with the project and that the study reads."""
-    if not SHIPPED:
-        return []
-    columns = ("image", "record")
-    return [str(TABLE)] + [f for name in SAMPLES for c in columns for f in sample_file(name, c)]
-
-
 def known(sample):
     """The sample's id, or an error that lists those there are."""
     if sample not in SAMPLES:

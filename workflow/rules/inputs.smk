@@ -1,27 +1,13 @@
 # Check what comes in before anything is computed from it.
 
 
-rule check_manifest:
-    input:
-        manifest=str(ROOT / "resources/MANIFEST.tsv"),
-        files=sorted(shipped_files()),
-        code=library("workflow/scripts/check_manifest.py"),
-    output:
-        report="<results>/manifest.json",
-    log:
-        "<logs>/check_manifest.log",
-    message:
-        "Compare the shipped files with their manifest"
-    script:
-        "../scripts/check_manifest.py"
-
-
 rule check_inputs:
     input:
         image=study_image("image"),
         record=study_file("record"),
         # ancient: another file in the manifest does not concern a sample
-        manifest=ancient("<results>/manifest.json") if SHIPPED else [],
+        manifest=ancient(str(ROOT / "resources/MANIFEST.tsv")) if SHIPPED else [],
+        table=str(TABLE) if SHIPPED else [],
         schema=str(ROOT / "workflow/schemas/record.schema.yaml"),
         code=library("workflow/scripts/check_inputs.py"),
     output:

@@ -24,6 +24,10 @@ def refined(displacement: Array, curve: Array, times: int) -> Array:
     return np.asarray(PchipInterpolator(displacement, curve)(where))
 
 
+SMOOTH = 12
+"""Degree of polynomials that follow all of a curve but its roughness."""
+
+
 class CurveFamily:
     """Force per modulus of one sample and geometry, interpolated between computed mixtures.
 
@@ -75,11 +79,24 @@ class CurveFamily:
     def grain(self) -> Array:
         """Error that each point of a curve has of its own (k,) [m2], from fourth differences.
 
-        Their variance is 70 times its. A rough top meets the platen node by node, for one.
+        Their variance is 70 times its.
         """
         if len(self.displacement) < 5:
             return np.zeros(len(self._forces))
         return np.sqrt(np.mean(np.diff(self._forces, 4, axis=1) ** 2, axis=1) / 70.0)
+
+    def smoothed(self) -> Self:
+        """The same family without its roughness: polynomials of degree `SMOOTH`, from zero on.
+
+        A rough top meets the platen node by node, so that its curve has steps that no tissue has.
+        """
+        points = len(self.displacement)
+        if points < 2 * SMOOTH:
+            return self
+        place = np.linspace(-1.0, 1.0, points)
+        basis = np.polynomial.chebyshev.chebvander(place, SMOOTH)
+        basis, _ = np.linalg.qr((basis - basis[0])[:, 1:])  # no force at no travel
+        return type(self)(self.fractions, self.displacement, self._forces @ basis @ basis.T)
 
     def refined(self, times: int) -> Self:
         """The same family on a grid `times` as fine, by cubic splines along the travel."""

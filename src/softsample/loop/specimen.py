@@ -63,7 +63,7 @@ class Elastic:
         mixture: float,
         real: pd.DataFrame | None = None,
     ) -> Self:
-        """From the files of the workflow.
+        """From the files of the workflow; in compression without the roughness of their curves.
 
         Parameters
         ----------
@@ -78,12 +78,17 @@ class Elastic:
         real : DataFrame, optional
             Curve family of the real geometry, if the model is the cuboid.
         """
-        family = CurveFamily.of_table(curves, mode)
+
+        def read(table: pd.DataFrame) -> CurveFamily:
+            found = CurveFamily.of_table(table, mode)
+            return found.smoothed() if mode == "compression" else found
+
+        family = read(curves)
         variants: dict[str, CurveFamily | Array] = {}
         for table in changes:
             variants |= for_all_mixtures(read_changes(table, family, mode), family, mixture)
         if real is not None:
-            variants["real_geometry"] = CurveFamily.of_table(real, mode).less(family)
+            variants["real_geometry"] = read(real).less(family)
         return cls(family, variants, contact=mode == "compression")
 
     @cached_property

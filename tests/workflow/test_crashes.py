@@ -28,9 +28,13 @@ def made(path):
 
 
 def noted_as_finished(project, result):
-    """Whether Snakemake has noted that a result is complete."""
+    """Whether Snakemake holds a result for complete: first it notes it, then takes its mark off."""
     name = base64.urlsafe_b64encode(str(result).encode()).decode()
-    return any(path.name == name for path in (project.folder / ".snakemake/metadata").iterdir())
+    noted, marked = (
+        any(path.name == name for path in (project.folder / ".snakemake" / kind).iterdir())
+        for kind in ("metadata", "incomplete")
+    )
+    return noted and not marked
 
 
 def test_a_killed_job_stops_itself_alone_and_is_named(project):

@@ -8,11 +8,13 @@ import pytest
 
 import effects_page
 import laboratory
+from softsample.calibration.curves import CurveFamily
 from softsample.constitutive.ogden import OgdenMaterial
 from softsample.loop.effects import library
 from softsample.loop.effects.base import MODES, SOLID
 from softsample.loop.history import drained, followed, relaxed
 from softsample.loop.model import Material, Model, State
+from softsample.loop.specimen import Elastic, Specimen
 
 EFFECTS = library()
 ROOT = Path(__file__).resolve().parents[2]
@@ -125,6 +127,57 @@ def test_relaxation_is_exact_for_a_ramp_and_a_hold_at_uneven_times():
     held = way + tau * (np.exp(-time / tau) - np.exp(-since / tau))
     exact = force - g * np.where(since < 0.0, rising, held)
     np.testing.assert_allclose(relaxed(time, force, g, tau), exact, rtol=1e-9, atol=1e-9)
+
+
+def relaxing_strip(time, strain, nu, g, tau, bulk_relaxes):
+    """Stress per shear modulus of a strip that is stretched between rigid walls, step by step.
+
+    Plane strain: along the walls it cannot move, across it is free. The deviatoric stress relaxes,
+    and the pressure or not; the strain across is found anew at every step.
+    """
+    bulk = 2.0 * (1.0 + nu) / (3.0 * (1.0 - 2.0 * nu))
+    step = np.diff(time, prepend=2.0 * time[0] - time[1]) / tau
+    decay, gain = np.exp(-step), -np.expm1(-step) / step
+    strains = np.array([[2.0, -1.0], [-1.0, 2.0], [3.0, 3.0]]) / 3.0  # deviators and volume
+    elastic = strains * [[2.0], [2.0], [bulk]]  # stresses, by the strain along and across
+    share = np.array([g, g, g if bulk_relaxes else 0.0])
+    kept, before, found = np.zeros(3), np.zeros(3), np.empty_like(time)
+    for k in range(len(time)):
+        now = (1.0 - share + share * gain[k])[:, None] * elastic
+        past = share * (decay[k] * kept - gain[k] * before)
+        along, across = now[0] + now[2], now[1] + now[2]
+        narrowing = -(strain[k] * across[0] + past[1] + past[2]) / across[1]
+        found[k] = along @ [strain[k], narrowing] + past[0] + past[2]
+        after = elastic @ [strain[k], narrowing]
+        kept, before = decay[k] * kept + gain[k] * (after - before), after
+    return found
+
+
+def strip(nu, time, strain):
+    """Specimen of such a strip with runs of other Poisson's ratios, ``F / mu = 2 / (1 - nu)``."""
+    ends = np.array([0.0, 1.0])
+    runs = {f"poisson_{less}_less": 2.0 / (1.0 - nu + less) for less in (0.02, 0.04)}
+    base = 2.0 / (1.0 - nu)
+    changes = {name: (run - base) * ends for name, run in runs.items()}
+    elastic = Elastic(CurveFamily(np.array([0.5]), ends, base * ends[None]), changes)
+    phase = np.full(len(time), "ramp")
+    return Specimen("strip", "tension", time, strain, np.zeros_like(time), phase, elastic)
+
+
+@pytest.mark.parametrize("bulk", [0.0, 1.0])
+def test_a_bulk_modulus_that_stays_is_felt_as_in_a_strip_between_walls(bulk):
+    nu, g, tau, end = 0.42, 0.3, 8.0, 10.0
+    time = np.arange(0.0, 70.0, 0.02)
+    strain = np.minimum(time / end, 1.0)
+    specimen = strip(nu, time, strain)
+    values = {"g1": g, "tau1_s": tau, "g2": 0.0, "tau2_s": 60.0, "bulk": bulk}
+    effect = library(replace(SOLID, poisson_ratio=nu))["viscoelastic_relaxation"]
+    force = Model((effect,)).predict(specimen, State(Material(1.0, 0.5), {effect.name: values}))
+    spared, relaxing = (relaxing_strip(time, strain, nu, g, tau, way) for way in (False, True))
+    exact = spared if bulk else relaxing
+    apart = np.abs(spared - relaxing).max()
+    assert apart > 0.02 * spared.max()
+    np.testing.assert_allclose(force, exact, atol=0.1 * apart)
 
 
 def test_play_is_used_up_at_each_reversal():

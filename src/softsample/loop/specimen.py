@@ -127,6 +127,17 @@ class Elastic:
             return np.zeros_like(travel)
         return self._beyond(self._fine[1][variant].curve(mixture), travel)
 
+    def poisson_change_per_mu(self, mixture: float, travel: Array, less: Array | float) -> Array:
+        """Change of that force [m2] by a Poisson's ratio that is lower by `less`, a number or (n,).
+
+        Parabola through no change and the runs with 0.02 and 0.04 less.
+        """
+        once, twice = (
+            self.change_per_mu(f"poisson_{step}_less", mixture, travel) for step in ("0.02", "0.04")
+        )
+        x = less / 0.02
+        return np.asarray(x * (2.0 - x) * once + 0.5 * x * (x - 1.0) * twice)
+
     @cached_property
     def _parabola(self) -> Array:
         """Slope and bend (2, n) at the end of a curve, from its last part, per point of it."""

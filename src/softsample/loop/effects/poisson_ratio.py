@@ -10,13 +10,7 @@ def about(solid: OgdenMaterial) -> Effect:
     nu = solid.poisson_ratio
 
     def elastic(specimen: Specimen, mixture: float, travel: Array, values: Values) -> Array:
-        """Parabola through no change and the runs with a ratio that is lower by 0.02 and 0.04."""
-        once, twice = (
-            specimen.elastic.change_per_mu(f"poisson_{less}_less", mixture, travel)
-            for less in ("0.02", "0.04")
-        )
-        x = (nu - values["nu"]) / 0.02
-        return x * (2.0 - x) * once + 0.5 * x * (x - 1.0) * twice
+        return specimen.elastic.poisson_change_per_mu(mixture, travel, nu - values["nu"])
 
     return Effect(
         name="poisson_ratio",

@@ -4,6 +4,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from scipy.linalg import block_diag
 
 import laboratory
 from laboratory import elastic
@@ -11,6 +12,7 @@ from softsample.calibration.curves import CurveFamily
 from softsample.loop.diagnose import LoopSettings, diagnose, judgement, pose, report
 from softsample.loop.effects import library
 from softsample.loop.errors import errors, folds, held_out
+from softsample.loop.fit import Problem
 from softsample.loop.model import Material, Model, Packing, State
 from softsample.loop.noise import Noise, NoiseSettings, Whitener, covariance, measure_noise
 from softsample.loop.page import page
@@ -120,6 +122,53 @@ def test_a_whitener_of_some_blocks_is_that_of_their_covariance():
     assert more @ more == pytest.approx(
         values[keep] @ np.linalg.solve(part + np.eye(2), values[keep])
     )
+
+
+def test_an_error_that_tests_share_is_whitened_as_their_joint_covariance(perfect):
+    rng = np.random.default_rng(4)
+    matrices = [np.cov(rng.normal(size=(n, 40))) for n in (6, 9)]
+    common = [rng.normal(size=len(matrix)) for matrix in matrices]
+    made = Problem(perfect[:2], [Whitener(m, 1) for m in matrices], 0.06, common=common)
+    joint = block_diag(*matrices) + np.outer(*2 * [np.concatenate(common)])
+    residual = [rng.normal(size=(len(matrix), 3)) for matrix in matrices]
+    white = made.white(residual)
+    exact = np.concatenate(residual).T @ np.linalg.solve(joint, np.concatenate(residual))
+    np.testing.assert_allclose(white.T @ white, exact, rtol=1e-9)
+    np.testing.assert_allclose(made.white([r[:, 1] for r in residual]), white[:, 1], rtol=1e-9)
+    kept = [rng.uniform(size=len(matrix)) < 0.6 for matrix in matrices]
+    fewer = made.with_whiteners([w.on(keep) for w, keep in zip(made.whiteners, kept, strict=True)])
+    some = np.concatenate(kept)
+    exact = np.linalg.solve(joint[np.ix_(some, some)], np.concatenate(residual)[some])
+    white = fewer.white(residual)
+    np.testing.assert_allclose(white.T @ white, np.concatenate(residual)[some].T @ exact, rtol=1e-9)
+
+
+def test_a_fit_is_as_likely_as_the_joint_covariance_says(problem):
+    """Against a Problem without what tests share, by Sylvester's rule for determinants."""
+    fit = problem.fit_material()
+    alone = Problem(problem.specimens, problem.whiteners, problem.contact_zero_mm)
+    own, shared = alone.residual(fit.model, fit.state), alone.white(problem.common)
+    left = own @ own - (own[:-1] @ shared) ** 2 / (1.0 + shared @ shared)
+    expected = left + alone.misfit(fit) - own @ own + np.log1p(shared @ shared)
+    assert problem.misfit(fit) == pytest.approx(expected, rel=1e-9)
+
+
+@pytest.mark.parametrize(
+    ("off", "known", "named"), [(0.006, 0.003, False), (0.006, 0.0, True), (0.03, 0.003, True)]
+)
+def test_a_ratio_as_near_to_the_models_as_it_is_known_is_no_effect(off, known, named):
+    settings = NoiseSettings(
+        floor_percent=0.1, fine_percent=0.0, scale_percent=0.2, poisson_ratio=known
+    )
+    ratio = library()["poisson_ratio"]
+    values = {"nu": ratio.parameters[0].neutral - off}
+    state = State(Material(laboratory.MU, laboratory.MIXTURE), {"poisson_ratio": values})
+    made = [
+        replace(s, force=s.force + Model((ratio,)).predict(s, state) - Model().predict(s, state))
+        for s in laboratory.Lab(seed=8).specimens()
+    ]
+    found = diagnose(made, LoopSettings(noise=settings), [ratio])
+    assert (found.verdict == "explained") == named
 
 
 def test_before_the_platen_moves_there_is_no_floor(perfect):

@@ -12,7 +12,7 @@ from softsample.loop.effects.base import Effect
 from softsample.loop.errors import Error, errors, held_out
 from softsample.loop.fit import Fit, Problem
 from softsample.loop.limits import detection_limits
-from softsample.loop.model import FIXED, Material, Model
+from softsample.loop.model import FIXED, Model
 from softsample.loop.noise import (
     Noise,
     NoiseSettings,
@@ -107,30 +107,33 @@ def pose(specimens: Sequence[Specimen], settings: NoiseSettings) -> tuple[Proble
         specimen.reduced(max(1, noise.size // PER_BLOCK))
         for specimen, noise in zip(specimens, noises, strict=True)
     ]
-    nothing = [np.zeros(len(s.force) // block_size(s.time, settings)) for s in specimens]
-    rough = _whitened(specimens, noises, nothing, settings).fit_material()
-    predicted = [
-        blocks(rough.model.predict(s, rough.state), block_size(s.time, settings)) for s in specimens
+    nothing = [np.zeros_like(s.force) for s in specimens]
+    whiteners = _whiteners(specimens, noises, nothing, settings)
+    rough = Problem(specimens, whiteners, settings.contact_zero_mm).fit_material()
+    material = rough.state.material
+    travels = [rough.model.travel(s, rough.state) for s in specimens]
+    predicted = [rough.model.predict(s, rough.state) for s in specimens]
+    whiteners = _whiteners(specimens, noises, predicted, settings)
+    softer = [
+        material.mu
+        * s.elastic.poisson_change_per_mu(material.mixture, travel, settings.poisson_ratio)
+        for s, travel in zip(specimens, travels, strict=True)
     ]
-    return _whitened(specimens, noises, predicted, settings, rough.state.material), noises
+    return Problem(specimens, whiteners, settings.contact_zero_mm, material, softer), noises
 
 
-def _whitened(
+def _whiteners(
     specimens: Sequence[Specimen],
     noises: Sequence[Noise],
     models: Sequence[Array],
     settings: NoiseSettings,
-    start: Material | None = None,
-) -> Problem:
-    return Problem(
-        specimens,
-        [
-            Whitener(covariance(s, noise, model, settings), block_size(s.time, settings))
-            for s, noise, model in zip(specimens, noises, models, strict=True)
-        ],
-        settings.contact_zero_mm,
-        start,
-    )
+) -> list[Whitener]:
+    """Whitener of every test, its scale by what a model predicts per sample [N]."""
+    sizes = [block_size(s.time, settings) for s in specimens]
+    return [
+        Whitener(covariance(s, noise, blocks(model, size), settings), size)
+        for s, noise, model, size in zip(specimens, noises, models, sizes, strict=True)
+    ]
 
 
 def diagnose(

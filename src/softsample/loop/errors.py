@@ -96,7 +96,7 @@ def held_out(problem: Problem, fit: Fit, noises: Sequence[float]) -> dict[str, d
     report = {}
     for name, masks in folds(problem).items():
         kept = [w.on(~mask) for w, mask in zip(problem.whiteners, masks, strict=True)]
-        fitted = Problem(problem.specimens, kept, problem.contact_zero_mm).fit(fit.model, fit.state)
+        fitted = problem.with_whiteners(kept).fit(fit.model, fit.state)
         parts = residuals(fit.model, problem.specimens, informed(fitted))
         report[name] = {
             label: _error(blocks(part, w.size)[mask], noise, specimen.peak)

@@ -72,6 +72,8 @@ class Problem:
         Standard deviation of where compression begins [mm].
     start : Material, optional
         From which fits of the plain model set out too.
+    common : sequence of (n,) float64, optional
+        One standard deviation, per sample of every test [N], of an error that all tests share.
     """
 
     def __init__(
@@ -80,10 +82,15 @@ class Problem:
         whiteners: Sequence[Whitener],
         contact_zero_mm: float,
         start: Material | None = None,
+        common: Sequence[Array] = (),
     ) -> None:
         self.specimens, self.whiteners = list(specimens), list(whiteners)
         self.contact_zero_mm = contact_zero_mm
-        self.start = start
+        self.start, self.common = start, list(common)
+        parts = [w(part) for w, part in zip(self.whiteners, self.common, strict=bool(self.common))]
+        shared = np.concatenate([*parts, np.zeros(0)])
+        self._variance = 1.0 + float(shared @ shared)
+        self._direction = shared / np.sqrt(max(self._variance - 1.0, 1e-300))
 
     @property
     def labels(self) -> list[str]:
@@ -101,11 +108,19 @@ class Problem:
     def with_forces(self, forces: Sequence[Array]) -> "Problem":
         """The same tests and noise with other forces (n,) [N], one per test."""
         specimens = [replace(s, force=f) for s, f in zip(self.specimens, forces, strict=True)]
-        return Problem(specimens, self.whiteners, self.contact_zero_mm, self.start)
+        return Problem(specimens, self.whiteners, self.contact_zero_mm, self.start, self.common)
+
+    def with_whiteners(self, whiteners: Sequence[Whitener]) -> "Problem":
+        """The same tests with other noise of each, or without some of their blocks."""
+        return Problem(self.specimens, whiteners, self.contact_zero_mm, None, self.common)
 
     def white(self, parts: Sequence[Array]) -> Array:
-        """White residual of all tests from one per test."""
-        return np.concatenate([w(part) for w, part in zip(self.whiteners, parts, strict=True)])
+        """White residual (n, ...) of all tests from one (n_samples, ...) per test."""
+        own = np.concatenate([w(part) for w, part in zip(self.whiteners, parts, strict=True)])
+        if not self.common:
+            return own
+        less = 1.0 - 1.0 / np.sqrt(self._variance)
+        return np.asarray(own - np.multiply.outer(self._direction, less * self._direction @ own))
 
     def predicted(self, model: Model, state: State) -> list[Array]:
         """Predicted force of every test [N]."""
@@ -113,16 +128,17 @@ class Problem:
 
     def white_changes(self, here: Sequence[Array], there: Sequence[Sequence[Array]]) -> Array:
         """White changes (n, k) from one prediction to k others; the prior does not change."""
-        tests = [
-            whitener(np.stack([changed[t] - here[t] for changed in there], axis=1))
-            for t, whitener in enumerate(self.whiteners)
+        changes = [
+            np.stack([changed[t] - before for changed in there], axis=1)
+            for t, before in enumerate(here)
         ]
-        return np.concatenate([*tests, np.zeros((1, len(there)))])
+        return np.concatenate([self.white(changes), np.zeros((1, len(there)))])
 
     def misfit(self, fit: Fit) -> float:
         """Twice the negative logarithm of the likelihood of a fit, up to a constant."""
         white = self.residual(fit.model, fit.state)
-        return float(white @ white) + sum(w.log_determinant for w in self.whiteners)
+        own = sum(w.log_determinant for w in self.whiteners)
+        return float(white @ white + own + np.log(self._variance))
 
     def residual(self, model: Model, state: State) -> Array:
         """White residual of a state, its last entry that of the prior of the contact zero."""
@@ -154,7 +170,7 @@ class Problem:
             likeness = np.exp(-0.5 * (apart**2 + further**2))
             likeness += CORNER**2 * np.exp(-0.5 * (apart / CORNER_TIME) ** 2)
             whiteners.append(whitener.with_more(np.outer(size, size) * likeness))
-        return Problem(self.specimens, whiteners, self.contact_zero_mm)
+        return self.with_whiteners(whiteners)
 
     def fit(self, model: Model, start: State, starts: Sequence[State] = ()) -> Fit:
         """Best fit of material and effects, from one or several starts."""

@@ -40,6 +40,8 @@ class NoiseSettings:
     contact_zero_mm : float
         Standard deviation of the height of the highest point [mm]; where compression begins is
         fitted with this prior, so that only a gap beyond it counts as an effect.
+    poisson_ratio : float
+        Standard deviation of the Poisson's ratio about that of the model; all tests share it.
     """
 
     block_s: float = 0.2
@@ -50,6 +52,7 @@ class NoiseSettings:
     fine_length: float = 0.05
     scale_percent: float = 2.0
     contact_zero_mm: float = 0.06
+    poisson_ratio: float = 0.0005
 
 
 @dataclass(frozen=True)

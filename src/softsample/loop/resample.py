@@ -1,7 +1,6 @@
 """How often a selection comes out again when the records are made anew from what it left over."""
 
 from collections.abc import Sequence
-from dataclasses import replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -51,15 +50,15 @@ def confidence(
 
 def resampled(problem: Problem, fit: Fit, random: np.random.Generator) -> Problem:
     """The group with every record replaced by the fit plus stretches of its white residual."""
-    specimens = []
+    forces = []
     for specimen, whitener in zip(problem.specimens, problem.whiteners, strict=True):
         predicted = fit.model.predict(specimen, fit.state)
         white = whitener(specimen.force - predicted)
         noise = whitener.coloured(white[stretches(len(white), BLOCKS, random)])
         left = np.zeros_like(predicted)
         left[: len(noise) * whitener.size] = np.repeat(noise, whitener.size)
-        specimens.append(replace(specimen, force=predicted + left))
-    return Problem(specimens, problem.whiteners, problem.contact_zero_mm)
+        forces.append(predicted + left)
+    return problem.with_forces(forces)
 
 
 def stretches(n: int, mean: float, random: np.random.Generator) -> NDArray[np.int64]:

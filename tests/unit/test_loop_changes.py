@@ -12,6 +12,7 @@ from softsample.loop.changes import (
     elsewhere,
     for_all_mixtures,
 )
+from softsample.loop.effects.base import SOLID
 from softsample.loop.specimen import Elastic
 
 THERE = 0.6
@@ -125,7 +126,7 @@ def test_curves_in_compression_lose_their_roughness_and_nothing_else(mode, left)
         ])  # fmt: skip
 
     plain, made = (
-        Elastic.of_tables(mode, table(factor), [], 0.5, real=table(2.0 * factor))
+        Elastic.of_tables(mode, table(factor), [], SOLID, real=table(2.0 * factor))
         for factor in (np.ones(61), rough)
     )
     exact = 1e-6 * smooth[0.5]

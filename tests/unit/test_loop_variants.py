@@ -8,13 +8,14 @@ import pytest
 
 import laboratory
 from softsample.calibration.curves import CurveFamily
-from softsample.constitutive.ogden import Fibres, OgdenMaterial
+from softsample.constitutive.ogden import Fibres, OgdenMaterial, Relaxation
 from softsample.fem.boundary import ContactSettings, mode_boundary, platen_boundary
 from softsample.fem.explicit import ExplicitModel, SolverSettings
 from softsample.loop.changes import for_all_mixtures
 from softsample.loop.effects import library
 from softsample.loop.inputs import MechanicalTest, MeshedSample, VariantSettings, mesher
-from softsample.loop.specimen import Elastic
+from softsample.loop.model import Material, Model, State
+from softsample.loop.specimen import Elastic, Specimen
 from softsample.loop.variants import (
     changed_boundaries,
     changed_materials,
@@ -24,12 +25,16 @@ from softsample.meshing.cuboid import mesh_cuboid
 from softsample.meshing.hexahedral import MeshSettings
 from softsample.meshing.marks import MarkedImage
 from softsample.meshing.sample import mesh_ideal
+from softsample.protocol import History
 
 MM = 1e-3
 SOLID = OgdenMaterial((600.0, 400.0), (-8.0, 16.0), 0.49)
-ANISOTROPY, PARTIAL_BOND, PLATEN_TILT = (
-    library()[name] for name in ("anisotropy", "partial_bond", "platen_tilt")
-)
+ANISOTROPY, PARTIAL_BOND, PLATEN_TILT, RATIO, RELAXATION = (
+    library()[name]
+    for name in (
+        "anisotropy", "partial_bond", "platen_tilt", "poisson_ratio", "viscoelastic_relaxation",
+    )
+)  # fmt: skip
 SIDES = ("ahead", "behind", "beside")
 SOLVER = SolverSettings(loading_time_s=0.1)
 
@@ -128,6 +133,63 @@ def test_fibres_at_any_angle_are_made_of_three_runs(mode, travel, limit, angle):
     found = ANISOTROPY.elastic(specimen, 0.6, plain.displacement, values)
     largest = np.abs(runs["fibres_ahead"].force - plain.force).max()
     assert np.abs(found - (own.force - plain.force)).max() < limit * largest
+
+
+@pytest.mark.parametrize(
+    ("mode", "travel"), [("tension", 1.5 * MM), ("compression", 1.5 * MM), ("shear", 2.4 * MM)]
+)
+def test_other_ratios_are_made_of_two_runs(mode, travel):
+    """Against runs of their own, as parts of the change at the end."""
+    test = mechanical_test(mode, travel)
+    sample = mesh_shifted(0.0)
+    model = ExplicitModel(sample.mesh, SOLVER)
+    held = mode_boundary(sample.mesh, mode, sample.glued, test.contact)
+
+    def run(of):
+        return model.run(of, held, travel, loading_time=0.1)
+
+    plain, changed = run(SOLID), changed_materials(test)
+    runs = {name: run(changed[name]) for name in changed if name.startswith("poisson_")}
+    specimen = specimen_of(mode, plain, runs)
+    for nu, limit in ((0.493, 0.15), (0.48, 0.03), (0.42, 0.07)):
+        own = run(replace(SOLID, poisson_ratio=nu)).force - plain.force
+        found = RATIO.elastic(specimen, 0.5, plain.displacement, {"nu": nu})
+        assert np.abs(found - own).max() < limit * np.abs(own).max()
+
+
+@pytest.mark.parametrize(
+    ("mode", "travel"), [("tension", 1.5 * MM), ("compression", 1.5 * MM), ("shear", 2.4 * MM)]
+)
+def test_relaxation_that_spares_the_bulk_is_made_of_runs_with_other_ratios(mode, travel):
+    """Against a run of a solid whose isochoric stress relaxes, until the platen comes back."""
+    g, tau = 0.3, 8.0
+    history = History(np.array([0.0, 10.0, 40.0]), np.array([0.0, travel, travel]))
+    test = mechanical_test(mode, travel)
+    sample = mesh_shifted(0.0)
+    model = ExplicitModel(sample.mesh, SOLVER)
+    held = mode_boundary(sample.mesh, mode, sample.glued, test.contact)
+
+    def run(of, through=travel):
+        return model.run(of, held, through, loading_time=0.1)
+
+    own = run(replace(SOLID, relaxation=Relaxation((g,), (tau,))), history)
+    changed = changed_materials(test)
+    ratios = {name: run(changed[name]) for name in changed if name.startswith("poisson_")}
+    elastic = specimen_of(mode, run(SOLID), ratios).elastic
+    time = np.linspace(0.0, 40.0, 2001)
+    way = np.interp(time, history.time, history.travel)
+    specimen = Specimen("block", mode, time, way, 0.0 * time, np.full(2001, "ramp"), elastic)
+
+    def off(bulk):
+        """Greatest error of the effect as a part of the peak."""
+        values = {"g1": g, "tau1_s": tau, "g2": 0.0, "tau2_s": 60.0, "bulk": bulk}
+        state = State(Material(1.0, 0.5), {RELAXATION.name: values})
+        found = Model((RELAXATION,)).predict(specimen, state)
+        return np.abs(np.interp(own.time, time, found) - own.force).max() / own.force.max()
+
+    assert off(1.0) < 0.008
+    if mode != "shear":
+        assert off(0.0) > 0.04
 
 
 def wedge():

@@ -11,7 +11,7 @@ from softsample.workflow import logged_to
 with logged_to(snakemake):
     given, files = snakemake.params, snakemake.input
     verdict = read_json(files.verdict)
-    fit = read_json(files.fit)
+    solid = OgdenMaterial.of_fit(read_json(files.fit))
     specimens = [
         Specimen.of_record(
             name,
@@ -21,7 +21,7 @@ with logged_to(snakemake):
                 mode,
                 read_table(files.curves[k]),
                 [read_table(files.variants[k]), read_table(files.runs[k])],
-                fit["mu1_fraction"],
+                solid,
             ),
         )
         for k, (name, mode) in enumerate(zip(given.samples, given.modes, strict=True))
@@ -31,7 +31,7 @@ with logged_to(snakemake):
         sizes_to_confirm(verdict),
         verdict["path"][0]["threshold"],
         LoopSettings.of_config(given.loop),
-        library(OgdenMaterial.of_fit(fit)),
+        library(solid),
     )
     group, geometry = snakemake.wildcards.group, snakemake.wildcards.geometry
     table.insert(0, "geometry", geometry)

@@ -13,7 +13,7 @@ from softsample.workflow import logged_to, provenance
 with logged_to(snakemake):
     given, files = snakemake.params, snakemake.input
     settings = LoopSettings.of_config(given.loop)
-    fit = read_json(files.fit)
+    solid = OgdenMaterial.of_fit(read_json(files.fit))
     specimens = [
         Specimen.of_record(
             name,
@@ -23,13 +23,13 @@ with logged_to(snakemake):
                 mode,
                 read_table(files.curves[k]),
                 [read_table(files.variants[k])],
-                fit["mu1_fraction"],
+                solid,
                 read_table(files.real[k]) if files.get("real") else None,
             ),
         )
         for k, (name, mode) in enumerate(zip(given.samples, given.modes, strict=True))
     ]
-    effects = library(OgdenMaterial.of_fit(fit)).values()
+    effects = library(solid).values()
     found = diagnose(specimens, settings, list(effects))
     verdict = report(found, settings)
     write_json(snakemake.output.verdict, {**verdict, "provenance": provenance(snakemake)})

@@ -131,15 +131,24 @@ class OgdenMaterial:
         return float(sum(self.mu))
 
     @property
+    def mu1_fraction(self) -> float:
+        """Part of the shear modulus that is in the first term."""
+        return self.mu[0] / self.shear_modulus
+
+    @property
     def bulk_modulus(self) -> float:
         """Initial bulk modulus [Pa]."""
-        nu = self.poisson_ratio
-        return 2.0 * self.shear_modulus * (1.0 + nu) / (3.0 * (1.0 - 2.0 * nu))
+        return self.shear_modulus / compressibility(self.poisson_ratio)
 
     @property
     def even(self) -> bool:
         """Whether every exponent is an even integer, so that no eigenvalues are needed."""
         return all(float(a).is_integer() and int(a) % 2 == 0 for a in self.alpha)
+
+
+def compressibility(poisson_ratio: float) -> float:
+    """Shear modulus over bulk modulus."""
+    return 1.5 * (1.0 - 2.0 * poisson_ratio) / (1.0 + poisson_ratio)
 
 
 def unit_modulus(

@@ -7,6 +7,7 @@ from typing import Any, Self
 import numpy as np
 from numpy.typing import NDArray
 
+from softsample.constitutive.ogden import compressibility
 from softsample.loop.effects import library
 from softsample.loop.effects.base import Effect
 from softsample.loop.errors import Error, errors, held_out
@@ -114,10 +115,15 @@ def pose(specimens: Sequence[Specimen], settings: NoiseSettings) -> tuple[Proble
     travels = [rough.model.travel(s, rough.state) for s in specimens]
     predicted = [rough.model.predict(s, rough.state) for s in specimens]
     whiteners = _whiteners(specimens, noises, predicted, settings)
+    ratios = [s.elastic.poisson_ratio for s in specimens]
     softer = [
         material.mu
-        * s.elastic.poisson_change_per_mu(material.mixture, travel, settings.poisson_ratio)
-        for s, travel in zip(specimens, travels, strict=True)
+        * s.elastic.softer_change_per_mu(
+            material.mixture,
+            travel,
+            compressibility(nu - settings.poisson_ratio) / compressibility(nu),
+        )
+        for s, travel, nu in zip(specimens, travels, ratios, strict=True)
     ]
     return Problem(specimens, whiteners, settings.contact_zero_mm, material, softer), noises
 

@@ -12,6 +12,7 @@ from numpy.typing import NDArray
 from scipy.signal import savgol_filter
 
 from softsample.calibration.curves import CurveFamily
+from softsample.constitutive.ogden import OgdenMaterial, compressibility
 from softsample.loop.changes import for_all_mixtures, read_changes
 from softsample.protocol import denoised, phases, travel_sign
 
@@ -23,6 +24,9 @@ SMOOTHED_S = 2.0
 
 CURVED = 0.2
 """Last part of a curve whose bend goes on beyond its end."""
+
+LEAST_PART = 0.05
+"""What is left of a force at least when the Poisson's ratio changes."""
 
 FINER = 8
 """Points for each one of a simulated curve."""
@@ -48,11 +52,14 @@ class Elastic:
         for all.
     contact : bool
         Whether the platen can leave the sample: no force before zero travel.
+    poisson_ratio : float
+        Of the model; changes of it go from there.
     """
 
     family: CurveFamily
     variants: Mapping[str, CurveFamily | Array] = field(default_factory=dict)
     contact: bool = False
+    poisson_ratio: float = 0.49
 
     @classmethod
     def of_tables(
@@ -60,7 +67,7 @@ class Elastic:
         mode: str,
         curves: pd.DataFrame,
         changes: Sequence[pd.DataFrame],
-        mixture: float,
+        solid: OgdenMaterial,
         real: pd.DataFrame | None = None,
     ) -> Self:
         """From the files of the workflow; in compression without the roughness of their curves.
@@ -73,8 +80,8 @@ class Elastic:
             Its curve family.
         changes : sequence of DataFrame
             Its changes by variants.
-        mixture : float
-            mu1 / mu at which the changes were simulated.
+        solid : OgdenMaterial
+            With which the changes were simulated.
         real : DataFrame, optional
             Curve family of the real geometry, if the model is the cuboid.
         """
@@ -86,10 +93,12 @@ class Elastic:
         family = read(curves)
         variants: dict[str, CurveFamily | Array] = {}
         for table in changes:
-            variants |= for_all_mixtures(read_changes(table, family, mode), family, mixture)
+            variants |= for_all_mixtures(
+                read_changes(table, family, mode), family, solid.mu1_fraction
+            )
         if real is not None:
             variants["real_geometry"] = read(real).less(family)
-        return cls(family, variants, contact=mode == "compression")
+        return cls(family, variants, mode == "compression", solid.poisson_ratio)
 
     @cached_property
     def grain(self) -> float:
@@ -127,16 +136,23 @@ class Elastic:
             return np.zeros_like(travel)
         return self._beyond(self._fine[1][variant].curve(mixture), travel)
 
-    def poisson_change_per_mu(self, mixture: float, travel: Array, less: Array | float) -> Array:
-        """Change of that force [m2] by a Poisson's ratio that is lower by `less`, a number or (n,).
+    def softer_change_per_mu(self, mixture: float, travel: Array, times: Array | float) -> Array:
+        """Change of that force [m2] if the modulus over the bulk modulus is `times` the model's.
 
-        Parabola through no change and the runs with 0.02 and 0.04 less.
+        A number or (n,). Compliances add: one over the force goes with that quotient, on a parabola
+        through the model and the runs with Poisson's ratios lower by 0.02 and 0.04. At 0.493 in
+        place of 0.49 it is within a seventh of the change of a run of its own.
         """
-        once, twice = (
-            self.change_per_mu(f"poisson_{step}_less", mixture, travel) for step in ("0.02", "0.04")
-        )
-        x = less / 0.02
-        return np.asarray(x * (2.0 - x) * once + 0.5 * x * (x - 1.0) * twice)
+        force = self.force_per_mu(mixture, travel)
+        own, *others = (compressibility(self.poisson_ratio - less) for less in (0.0, 0.02, 0.04))
+        x, y = np.asarray(times) - 1.0, []
+        for step in ("0.02", "0.04"):
+            change = self.change_per_mu(f"poisson_{step}_less", mixture, travel)
+            part = np.divide(change, force, out=np.zeros_like(force), where=force != 0.0)
+            y.append(1.0 / np.maximum(1.0 + part, LEAST_PART) - 1.0)
+        a, b = (other / own - 1.0 for other in others)
+        more = x * ((b - x) / (b - a) * y[0] / a - (a - x) / (b - a) * y[1] / b)
+        return np.asarray(force / np.maximum(1.0 + more, LEAST_PART) - force)
 
     @cached_property
     def _parabola(self) -> Array:

@@ -1,6 +1,6 @@
 """The tissue is more, or less, compressible than the model."""
 
-from softsample.constitutive.ogden import OgdenMaterial
+from softsample.constitutive.ogden import OgdenMaterial, compressibility
 from softsample.loop.effects.base import SOLID, Array, Effect, Parameter, Values
 from softsample.loop.specimen import Specimen
 
@@ -10,7 +10,8 @@ def about(solid: OgdenMaterial) -> Effect:
     nu = solid.poisson_ratio
 
     def elastic(specimen: Specimen, mixture: float, travel: Array, values: Values) -> Array:
-        return specimen.elastic.poisson_change_per_mu(mixture, travel, nu - values["nu"])
+        times = compressibility(values["nu"]) / compressibility(nu)
+        return specimen.elastic.softer_change_per_mu(mixture, travel, times)
 
     return Effect(
         name="poisson_ratio",

@@ -135,6 +135,8 @@ def test_an_error_that_tests_share_is_whitened_as_their_joint_covariance(perfect
     exact = np.concatenate(residual).T @ np.linalg.solve(joint, np.concatenate(residual))
     np.testing.assert_allclose(white.T @ white, exact, rtol=1e-9)
     np.testing.assert_allclose(made.white([r[:, 1] for r in residual]), white[:, 1], rtol=1e-9)
+    own = made.coloured(white[:, 1])
+    np.testing.assert_allclose(np.concatenate(own), np.concatenate(residual)[:, 1], rtol=1e-9)
     kept = [rng.uniform(size=len(matrix)) < 0.6 for matrix in matrices]
     fewer = made.with_whiteners([w.on(keep) for w, keep in zip(made.whiteners, kept, strict=True)])
     some = np.concatenate(kept)

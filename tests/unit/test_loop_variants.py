@@ -161,9 +161,9 @@ def test_other_ratios_are_made_of_two_runs(mode, travel):
     ("mode", "travel"), [("tension", 1.5 * MM), ("compression", 1.5 * MM), ("shear", 2.4 * MM)]
 )
 def test_relaxation_that_spares_the_bulk_is_made_of_runs_with_other_ratios(mode, travel):
-    """Against a run of a solid whose isochoric stress relaxes, until the platen comes back."""
+    """Against a run of a solid whose isochoric stress relaxes, until the sample lets go."""
     g, tau = 0.3, 8.0
-    history = History(np.array([0.0, 10.0, 40.0]), np.array([0.0, travel, travel]))
+    history = History(np.array([0.0, 10.0, 40.0, 50.0]), travel * np.array([0.0, 1.0, 1.0, 0.0]))
     test = mechanical_test(mode, travel)
     sample = mesh_shifted(0.0)
     model = ExplicitModel(sample.mesh, SOLVER)
@@ -175,10 +175,10 @@ def test_relaxation_that_spares_the_bulk_is_made_of_runs_with_other_ratios(mode,
     own = run(replace(SOLID, relaxation=Relaxation((g,), (tau,))), history)
     changed = changed_materials(test)
     ratios = {name: run(changed[name]) for name in changed if name.startswith("poisson_")}
-    elastic = specimen_of(mode, run(SOLID), ratios).elastic
-    time = np.linspace(0.0, 40.0, 2001)
+    elastic = replace(specimen_of(mode, run(SOLID), ratios).elastic, contact=mode == "compression")
+    time = np.linspace(0.0, 50.0, 2501)
     way = np.interp(time, history.time, history.travel)
-    specimen = Specimen("block", mode, time, way, 0.0 * time, np.full(2001, "ramp"), elastic)
+    specimen = Specimen("block", mode, time, way, 0.0 * time, np.full(2501, "ramp"), elastic)
 
     def off(bulk):
         """Greatest error of the effect as a part of the peak."""
@@ -187,7 +187,7 @@ def test_relaxation_that_spares_the_bulk_is_made_of_runs_with_other_ratios(mode,
         found = Model((RELAXATION,)).predict(specimen, state)
         return np.abs(np.interp(own.time, time, found) - own.force).max() / own.force.max()
 
-    assert off(1.0) < 0.008
+    assert off(1.0) < 0.012
     if mode != "shear":
         assert off(0.0) > 0.04
 

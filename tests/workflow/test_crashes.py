@@ -30,11 +30,8 @@ def made(path):
 def noted_as_finished(project, result):
     """Whether Snakemake holds a result for complete: first it notes it, then takes its mark off."""
     name = base64.urlsafe_b64encode(str(result).encode()).decode()
-    noted, marked = (
-        any(path.name == name for path in (project.folder / ".snakemake" / kind).iterdir())
-        for kind in ("metadata", "incomplete")
-    )
-    return noted and not marked
+    notes = project.folder / ".snakemake"
+    return (notes / "metadata" / name).exists() and not (notes / "incomplete" / name).exists()
 
 
 def test_a_killed_job_stops_itself_alone_and_is_named(project):

@@ -11,6 +11,7 @@ from typing import Any
 import numpy as np
 import pandas as pd
 
+from softsample.blindlab.bodies import POISSON
 from softsample.blindlab.curves import MM
 from softsample.blindlab.records import Record
 from softsample.calibration.curves import CurveFamily
@@ -37,7 +38,7 @@ def elastics(table: pd.DataFrame, mixture: float) -> dict[str, Elastic]:
             np.stack([curves.pop(r) for r in mixtures]),
         )
         changes = for_all_mixtures(curves, family, mixture)
-        found[str(mode)] = Elastic(family, changes, contact=mode == "compression")
+        found[str(mode)] = Elastic(family, changes, mode == "compression", POISSON)
     return found
 
 

@@ -7,7 +7,6 @@ from typing import Any, Self
 import numpy as np
 from numpy.typing import NDArray
 
-from softsample.constitutive.ogden import compressibility
 from softsample.loop.effects import library
 from softsample.loop.effects.base import Effect
 from softsample.loop.errors import Error, errors, held_out
@@ -115,17 +114,14 @@ def pose(specimens: Sequence[Specimen], settings: NoiseSettings) -> tuple[Proble
     travels = [rough.model.travel(s, rough.state) for s in specimens]
     predicted = [rough.model.predict(s, rough.state) for s in specimens]
     whiteners = _whiteners(specimens, noises, predicted, settings)
-    ratios = [s.elastic.poisson_ratio for s in specimens]
-    softer = [
+    lower = [
         material.mu
-        * s.elastic.softer_change_per_mu(
-            material.mixture,
-            travel,
-            compressibility(nu - settings.poisson_ratio) / compressibility(nu),
+        * s.elastic.ratio_change_per_mu(
+            material.mixture, travel, s.elastic.poisson_ratio - settings.poisson_ratio
         )
-        for s, travel, nu in zip(specimens, travels, ratios, strict=True)
+        for s, travel in zip(specimens, travels, strict=True)
     ]
-    return Problem(specimens, whiteners, settings.contact_zero_mm, material, softer), noises
+    return Problem(specimens, whiteners, settings.contact_zero_mm, material, lower), noises
 
 
 def _whiteners(
@@ -206,7 +202,7 @@ def _verdict(problem: Problem, selection: Selection, settings: LoopSettings, gro
     left, before = selection.final.cost, selection.base.cost
     if left / n > rules.unknown_ratio and left - n > rules.unknown_share * (before - n):
         return "unknown"
-    allowed = 1e-4 * (noise.floor_percent**2 + noise.scale_percent**2)
+    allowed = 1e-4 * (noise.floor_percent**2 + noise.scale_percent**2) + problem.shared_error
     if growth > allowed + rules.form_doubt**2 * _contribution(problem, selection.final):
         return "unknown"
     if selection.unserved and left / n > rules.unserved_ratio:

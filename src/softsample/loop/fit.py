@@ -86,11 +86,10 @@ class Problem:
     ) -> None:
         self.specimens, self.whiteners = list(specimens), list(whiteners)
         self.contact_zero_mm = contact_zero_mm
-        self.start, self.common = start, list(common)
-        parts = [w(part) for w, part in zip(self.whiteners, self.common, strict=bool(self.common))]
-        shared = np.concatenate([*parts, np.zeros(0)])
-        self._variance = 1.0 + float(shared @ shared)
-        self._direction = shared / np.sqrt(max(self._variance - 1.0, 1e-300))
+        self.start = start
+        self.common = list(common) or [np.zeros_like(s.force) for s in self.specimens]
+        self._shared = self._own_white(self.common)
+        self._variance = 1.0 + float(self._shared @ self._shared)
 
     @property
     def labels(self) -> list[str]:
@@ -112,15 +111,34 @@ class Problem:
 
     def with_whiteners(self, whiteners: Sequence[Whitener]) -> "Problem":
         """The same tests with other noise of each, or without some of their blocks."""
-        return Problem(self.specimens, whiteners, self.contact_zero_mm, None, self.common)
+        return Problem(self.specimens, whiteners, self.contact_zero_mm, self.start, self.common)
 
     def white(self, parts: Sequence[Array]) -> Array:
         """White residual (n, ...) of all tests from one (n_samples, ...) per test."""
-        own = np.concatenate([w(part) for w, part in zip(self.whiteners, parts, strict=True)])
-        if not self.common:
-            return own
-        less = 1.0 - 1.0 / np.sqrt(self._variance)
-        return np.asarray(own - np.multiply.outer(self._direction, less * self._direction @ own))
+        own = self._own_white(parts)
+        less = self._shared / (self._variance + np.sqrt(self._variance))
+        return np.asarray(own - np.multiply.outer(self._shared, less @ own))
+
+    def coloured(self, white: Array) -> list[Array]:
+        """Block means [N] of every test with this noise from independent unit noise (n,)."""
+        more = self._shared / (1.0 + np.sqrt(self._variance))
+        own = white + self._shared * float(more @ white)
+        ends = np.cumsum([int(w.keep.sum()) for w in self.whiteners])[:-1]
+        return [
+            w.coloured(part) for w, part in zip(self.whiteners, np.split(own, ends), strict=True)
+        ]
+
+    def _own_white(self, parts: Sequence[Array]) -> Array:
+        """The same if tests shared nothing."""
+        return np.concatenate([w(part) for w, part in zip(self.whiteners, parts, strict=True)])
+
+    @property
+    def shared_error(self) -> float:
+        """Mean square of what tests share, each in parts of its peak."""
+        return float(np.mean([
+            np.mean(part**2) / s.peak**2
+            for part, s in zip(self.common, self.specimens, strict=True)
+        ]))  # fmt: skip
 
     def predicted(self, model: Model, state: State) -> list[Array]:
         """Predicted force of every test [N]."""

@@ -50,14 +50,15 @@ def confidence(
 
 def resampled(problem: Problem, fit: Fit, random: np.random.Generator) -> Problem:
     """The group with every record replaced by the fit plus stretches of its white residual."""
-    forces = []
-    for specimen, whitener in zip(problem.specimens, problem.whiteners, strict=True):
-        predicted = fit.model.predict(specimen, fit.state)
-        white = whitener(specimen.force - predicted)
-        noise = whitener.coloured(white[stretches(len(white), BLOCKS, random)])
-        left = np.zeros_like(predicted)
-        left[: len(noise) * whitener.size] = np.repeat(noise, whitener.size)
-        forces.append(predicted + left)
+    forces = problem.predicted(fit.model, fit.state)
+    left = [s.force - force for s, force in zip(problem.specimens, forces, strict=True)]
+    ends = np.cumsum([w.keep.sum() for w in problem.whiteners])[:-1]
+    drawn = [
+        part[stretches(len(part), BLOCKS, random)] for part in np.split(problem.white(left), ends)
+    ]
+    noise = problem.coloured(np.concatenate(drawn))
+    for force, means, whitener in zip(forces, noise, problem.whiteners, strict=True):
+        force[: len(means) * whitener.size] += np.repeat(means, whitener.size)
     return problem.with_forces(forces)
 
 

@@ -1,6 +1,6 @@
 """Models of ideal shapes: force per modulus of all mixtures, and how it changes with the model."""
 
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -12,6 +12,7 @@ from softsample.constitutive.ogden import unit_modulus
 from softsample.fem.boundary import ContactSettings, mode_boundary
 from softsample.fem.explicit import SolverSettings
 from softsample.fem.family import FamilySettings, family_fractions
+from softsample.loop.changes import for_all_mixtures
 from softsample.loop.inputs import MechanicalTest, MeshedSample, VariantSettings
 from softsample.loop.specimen import Elastic
 from softsample.loop.variants import (
@@ -178,7 +179,10 @@ def elastics(table: pd.DataFrame) -> dict[Key, Elastic]:
             np.stack([curves.pop(r) for r in mixtures]),
         )
         kind, shape, mode, channel = map(str, key)
-        found[kind, shape, mode, channel] = Elastic(family, curves, contact=mode == "compression")
+        changes: Mapping[str, CurveFamily | Array] = curves
+        if kind == "bonded" and channel == "force":
+            changes = for_all_mixtures(curves, family, MIXTURE)
+        found[kind, shape, mode, channel] = Elastic(family, changes, mode == "compression", POISSON)
     for (kind, shape, mode, channel), elastic in list(found.items()):
         sticking = found.get(("bonded", shape, mode, channel))
         if kind == "homogeneous" and mode == "compression" and sticking is not None:

@@ -1,6 +1,6 @@
 """The tissue is more, or less, compressible than the model."""
 
-from softsample.constitutive.ogden import OgdenMaterial, compressibility
+from softsample.constitutive.ogden import OgdenMaterial
 from softsample.loop.effects.base import SOLID, Array, Effect, Parameter, Values
 from softsample.loop.specimen import Specimen
 
@@ -10,8 +10,7 @@ def about(solid: OgdenMaterial) -> Effect:
     nu = solid.poisson_ratio
 
     def elastic(specimen: Specimen, mixture: float, travel: Array, values: Values) -> Array:
-        times = compressibility(values["nu"]) / compressibility(nu)
-        return specimen.elastic.softer_change_per_mu(mixture, travel, times)
+        return specimen.elastic.ratio_change_per_mu(mixture, travel, values["nu"])
 
     return Effect(
         name="poisson_ratio",

@@ -9,6 +9,9 @@ from softsample.loop.specimen import Specimen
 LEAST_FORCE = 0.02
 """Part of the largest force below which the part that is left of it says nothing."""
 
+LEAST_LOST = 1e-6
+"""Part of the modulus that is taken for lost at least: a slope is wanted where none is."""
+
 
 def _tissue(specimen: Specimen, force: Array, travel: Array, values: Values) -> Array:
     first = relaxed(specimen.time, force, values["g1"], values["tau1_s"])
@@ -18,24 +21,21 @@ def _tissue(specimen: Specimen, force: Array, travel: Array, values: Values) -> 
     return first + second - force
 
 
-def _left(force: Array, relaxed_force: Array, least: float) -> Array:
-    """Part of the shear modulus that is left (n,), between `least` and all of it."""
-    felt = np.abs(force) > LEAST_FORCE * np.abs(force).max()
-    left = np.divide(relaxed_force, force, out=np.ones_like(force), where=felt)
-    return np.clip(left, least, 1.0)
-
-
 def _elastic(specimen: Specimen, mixture: float, travel: Array, values: Values) -> Array:
     """What a bulk modulus that stays adds, by the correspondence of elastic and relaxed.
 
-    With less of its shear modulus the tissue is less compressible: its Poisson's ratio rises.
+    With less of its shear modulus the tissue is less compressible: its Poisson's ratio rises. The
+    change is proportional to what has relaxed, on the way back too, where that is more than is
+    left of the elastic force; how much it is goes by the part of the modulus that is left.
     """
     if not values["bulk"]:
         return np.zeros_like(travel)
     force = specimen.elastic.force_per_mu(mixture, travel)
-    after = _tissue(specimen, force, travel, values)
-    left = _left(force, after, max(0.0, 1.0 - values["g1"] - values["g2"]))
-    return values["bulk"] * specimen.elastic.softer_change_per_mu(mixture, travel, left)
+    lost = force - _tissue(specimen, force, travel, values)
+    felt = np.maximum(np.abs(force), LEAST_FORCE * np.abs(force).max())
+    most = min(values["g1"] + values["g2"], 1.0)
+    part = np.clip(lost * np.sign(force) / felt, LEAST_LOST, max(most, LEAST_LOST))
+    return values["bulk"] * specimen.elastic.softer_part(mixture, travel, 1.0 - part) * lost / part
 
 
 EFFECT = Effect(

@@ -53,9 +53,21 @@ def test_the_cohort_is_that_of_its_tables():
     ideal = cohort[(cohort["geometry"] == "ideal") & cohort["group"].str.startswith("TC")]
     named = ideal["classes"].str.contains("real_geometry").sum()
     assert f"In the cohort it is {named} of the {len(ideal)} groups" in PAGE
+    before, after = (ideal[f"held_out_{when}_percent"] for when in ("before", "after"))
+    assert (after < before).all()
+    fall = f"from {before.min():.0f} to {before.max():.0f} % of the peak"
+    assert f"{fall} to {after.min():.1f} to {after.max():.0f} % in all five" in PAGE
     real = cohort[cohort["geometry"] == "real"]
     assert (real["verdict"] == "none").all()
     assert "On the real geometry all ten groups are `none`" in PAGE
+    known = (
+        pd.read_csv(DOCS / "data/reproduction/recovery.csv").groupby("group")["mu_true_pa"].first()
+    )
+    axial = (
+        real[real["group"].str.startswith("TC")].set_index("group")["mu_before_pa"].astype(float)
+    )
+    off = 100.0 * (axial / known[axial.index] - 1.0)
+    assert f"are {off.min():+.1f} to {off.max():+.1f} % off" in PAGE
     runs = pd.read_csv(DOCS / "data/loop/confirmation.csv")
     nearest = runs.loc[runs["evidence"].idxmax()]
     evidence = f"other exponents in {nearest['group']}, has evidence {nearest['evidence']:.0f}"

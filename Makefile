@@ -110,9 +110,11 @@ check-study: $(stamp)
 	@$(call given,DIR)
 	$(bin)/python -m softsample check "$(DIR)"
 
+# Snakemake refuses a file of settings without keys
+study: own = $(shell grep -qsE '^[[:space:]]*[^#[:space:]]' "$(DIR)/study.yaml" && echo '"$(DIR)/study.yaml"')
 study: $(stamp)
 	@$(call given,DIR)
-	$(call study,--configfile $(CONFIG) "$(DIR)/study.yaml" --config "samples=$(DIR)/samples.tsv" "results=$(DIR)/results",$(DIR)/results)
+	$(call study,$(if $(CONFIG)$(own),--configfile $(CONFIG) $(own)) --config "samples=$(DIR)/samples.tsv" "results=$(DIR)/results",$(DIR)/results)
 
 docs: $(stamp)
 	$(bin)/snakemake --cores $(CORES) reproduction

@@ -5,6 +5,7 @@ from typing import Any
 
 import numpy as np
 
+from softsample.calibration.slsqp import agreeing
 from softsample.errors import SimulationError
 from softsample.fem.element import hex_geometry, lumped_mass
 from softsample.meshing.mesh import HexMesh
@@ -123,7 +124,7 @@ def calibration_checks(fits: Iterable[Report]) -> list[dict[str, Any]]:
             check(f"active bounds ({where})", len(fit["active_bounds"]), allowed)
             | {"active_bounds": list(fit["active_bounds"])}
         )
-        converged = any(start["converged"] for start in fit["starts"])
+        converged = any(start["converged"] for start in agreeing(fit["starts"]))
         checks.append(check(f"optimiser converged ({where})", float(converged), 1.0, "=="))
     return checks
 

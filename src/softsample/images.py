@@ -72,7 +72,7 @@ def check_image(
             f"{tuple(int(i) for i in wrong[0])}; export the image again"
         )
     low, middle, high = (float(value) for value in np.percentile(data, [1, 50, 99]))
-    if high <= low:
+    if np.ptp(data) == 0.0:
         raise InputError(f"{source}: the image is constant ({low:g}); choose another file")
     return {
         "shape": list(data.shape),

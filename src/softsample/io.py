@@ -107,6 +107,8 @@ def _counts(content: Any) -> int:
 def read_table(path: PathLike, text_columns: tuple[str, ...] = ()) -> pd.DataFrame:
     """Read a CSV (`.tsv`: tab-separated) table with a header; lines with `#` are comments.
 
+    Empty cells are NaN, and nothing else is: `NA` may be the name of a sample.
+
     Parameters
     ----------
     path
@@ -118,7 +120,9 @@ def read_table(path: PathLike, text_columns: tuple[str, ...] = ()) -> pd.DataFra
     text = dict.fromkeys(("sample", "group", *text_columns), str)
     separator = "\t" if Path(path).suffix == ".tsv" else ","
     try:
-        return pd.read_csv(path, sep=separator, comment="#", dtype=text)
+        return pd.read_csv(
+            path, sep=separator, comment="#", dtype=text, keep_default_na=False, na_values=[""]
+        )
     except (pd.errors.ParserError, pd.errors.EmptyDataError, UnicodeDecodeError) as error:
         raise InputError(f"{path}: not a table with a header: {error}") from error
 

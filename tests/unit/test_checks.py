@@ -107,7 +107,11 @@ def fit_report(geometry, bounds, converged=True):
         "geometry": geometry,
         "model": "ogden2",
         "active_bounds": bounds,
-        "starts": [{"converged": False}, {"converged": converged}],
+        "starts": [
+            {"converged": False, "area_error_percent": 3.001},
+            {"converged": converged, "area_error_percent": 3.0},
+            {"converged": True, "area_error_percent": 9.0},
+        ],
     }
 
 

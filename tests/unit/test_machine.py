@@ -141,6 +141,10 @@ CONTENTS = {
         b'Time (s);Disp (mm);Load (N)\n0.0;"1,0";2\n',
         r"numbers with a comma \(1,0\) and with a point \(0.0\)",
     ),
+    "whole thousands": (
+        b"Time (s)\tDisp (mm)\tLoad (mN)\n0\t0\t998\n1\t1\t1,002\n",
+        "1,002 may be a decimal or have a mark of thousands, as 998 has no comma",
+    ),
     "commas between commas": (
         b"Time (s),Disp (mm),Load (N)\n0,00,1,00,2,00\n",
         "line 2: 6 cells below 3 titles; if these are decimal commas",

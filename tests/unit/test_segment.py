@@ -260,6 +260,7 @@ def bad_images():
         "NaN": (broken, affine, InputError, "image has 1 NaN or infinite voxels"),
         "metres": (image, in_metres, InputError, "voxel size .* outside 0.05 to 2 mm"),
         "affine": (image, np.eye(3), InputError, "finite 4 x 4 matrix"),
+        "offset": (image - 0.1 * image.max(), affine, SegmentationError, "are negative"),
         "two": (two, affine, SegmentationError, r"two samples found, of \d+ and \d+ mm3; crop"),
         "noise": (noise, affine, SegmentationError, "no sample found"),
         "small": (small + noise, affine, SegmentationError, "no sample found"),
@@ -287,6 +288,13 @@ def test_too_much_tilt_and_senseless_axes_are_refused():
         segment(image, affine)
     with pytest.raises(InputError, match="parallel"):
         segment(image, affine, loading_axis=(0.0, 0.0, 1.0), shear_axis=(0.0, 0.0, 2.0))
+
+
+def test_a_background_that_was_set_to_zero_is_no_obstacle():
+    image, affine = SCANS["plain"].image(SHAPE)
+    masked = np.where(image < 0.1 * np.percentile(image, 99), 0, image)
+    result = segment(masked, affine)
+    assert 1e9 * result.volume == pytest.approx(truth().volume, rel=0.01)
 
 
 def test_noise_of_a_dark_background_is_no_signal():

@@ -17,6 +17,8 @@ import pyvista
 import toy
 import yaml
 
+from softsample.workflow import FAILED, STARTED
+
 ROOT = Path(__file__).resolve().parents[2]
 DRY = ("-n", "--quiet", "host")  # with the table of jobs
 NOTHING = "Nothing to be done"
@@ -359,16 +361,33 @@ def test_glue_and_regions_drawn_in_the_image_reach_the_real_mesh(project):
 
 def test_after_a_failure_the_report_holds_the_groups_that_came_through(project):
     project.table.write_text(project.table.read_text() + "C\tCC\tshear\tA.nii.gz\tA.csv\n")
-    for sample in "AB":
-        for geometry in ("real", "ideal"):
-            file = project.results / f"fields/{sample}/{geometry}.json"
+    table = [line.split("\t")[:2] for line in project.table.read_text().splitlines()[1:]]
+    for sample, group in table[:2]:
+        for name in (
+            *(f"fields/{sample}/real.json", f"fields/{sample}/ideal.json"),
+            *(f"band/{sample}.json", f"sensitivity/{sample}/real.json"),
+            *(f"loop/{group}/verdict.json", f"loop/{group}/ideal/verdict.json"),
+        ):
+            file = project.results / name
             file.parent.mkdir(parents=True, exist_ok=True)
             file.write_text("{}")
-    whole = jobs(project.run("reported", *DRY)[1])
-    partial = jobs(project.run("reported", *DRY, SOFTSAMPLE_PARTIAL="1")[1])
-    assert whole["check_inputs"] == 3
-    assert partial["check_inputs"] == 2
-    assert partial["table_moduli"] == partial["numbers"] == 1
+
+    def partial():
+        return project.run("reported", *DRY, SOFTSAMPLE_PARTIAL="1")[1]
+
+    assert jobs(project.run("reported", *DRY)[1])["check_inputs"] == 3
+    assert jobs(partial())["check_inputs"] == 2
+    assert jobs(partial())["table_moduli"] == jobs(partial())["numbers"] == 1
+    for name in ("export/A_real.log", "segment/A.log"):  # what is not reported may fail
+        log = project.results / "logs" / name
+        log.parent.mkdir(parents=True, exist_ok=True)
+        log.write_text(f"{STARTED}\n{FAILED}the image\n")
+        if name.startswith("export"):
+            assert jobs(partial())["check_inputs"] == 2
+    assert jobs(partial()).get("check_inputs", 0) < 2
+    band = project.results / f"band/{table[1][0]}.json"
+    band.unlink()
+    assert "no group of samples came through" in partial()
 
 
 def test_a_killed_run_leaves_no_half_file_and_resumes(project):

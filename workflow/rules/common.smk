@@ -55,16 +55,33 @@ def checked_study():
     return table, {row["sample"]: row for row in rows}
 
 
-def finished(rows):
-    """Rows of the groups whose samples all came through to a run at their optimum."""
-    lacking = {
-        row["group"]
-        for row in rows.values()
-        if not all(
-            Path(config["results"], "fields", row["sample"], f"{name}.json").is_file()
-            for name in GEOMETRIES
-        )
-    }
+REPORTED = {
+    *("check_inputs", "segment", "measure", "mesh", "simulate", "calibrate", "confirm"),
+    *("band", "sensitivity", "variants", "diagnose", "checks"),
+}
+
+
+def finished(rows, failures):
+    """Rows of the groups that have what the report needs, none of it of a job that failed since."""
+    names = sorted({*rows, *(row["group"] for row in rows.values())}, key=len, reverse=True)
+
+    def owner(job):
+        stage, _, rest = job.partition("/")
+        own = (name for name in names if rest == name or rest.startswith(f"{name}_"))
+        return next(own, None) if stage in REPORTED else None
+
+    def complete(row):
+        sample, group = row["sample"], row["group"]
+        needed = [
+            *(f"fields/{sample}/{geometry}.json" for geometry in GEOMETRIES),
+            *(f"band/{sample}.json", f"sensitivity/{sample}/real.json"),
+            *(f"loop/{group}/verdict.json", f"loop/{group}/ideal/verdict.json"),
+        ]
+        there = all(Path(config["results"], name).is_file() for name in needed)
+        return there and not {sample, group} & failed
+
+    failed = {owner(job) for job, _ in failures}
+    lacking = {row["group"] for row in rows.values() if not complete(row)}
     return {name: row for name, row in rows.items() if row["group"] not in lacking}
 
 
@@ -74,10 +91,10 @@ TABLE, SAMPLES = checked_study()
 # After a run in which samples failed, tables and figures of the others can still be had.
 LEFT_OUT, FAILURES = [], []
 if os.environ.get("SOFTSAMPLE_PARTIAL"):
-    came_through = finished(SAMPLES)
+    FAILURES = failed_jobs(f"{config['results']}/logs")
+    came_through = finished(SAMPLES, FAILURES)
     LEFT_OUT = [name for name in SAMPLES if name not in came_through]
     SAMPLES = came_through
-    FAILURES = failed_jobs(f"{config['results']}/logs")
     if not SAMPLES:
         raise WorkflowError("no group of samples came through; there is nothing to report")
 GROUPS = {

@@ -58,7 +58,7 @@ rule table_geometry_effects:
     input:
         biases=expand("<results>/geometry_effects/bias/{group}.csv", group=GROUPS),
         cuboids=expand("<results>/cuboid/{sample}.json", sample=SAMPLES),
-        paper=PAPER[1] if SHIPPED else [],
+        paper=PAPER[1] if PAPERS else [],
         code=library("workflow/scripts/table_geometry_effects.py"),
     output:
         effects="<results>/tables/geometry_effects.csv",

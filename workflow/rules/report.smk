@@ -4,7 +4,7 @@
 rule table_moduli:
     input:
         **fits("ogden2", "json"),
-        paper=PAPER[0] if SHIPPED else [],
+        paper=PAPER[0] if PAPERS else [],
         code=library("workflow/scripts/table_moduli.py"),
     output:
         table=report(
@@ -26,7 +26,7 @@ rule table_moduli:
 use rule table_moduli as table_moduli_one_term with:
     input:
         **fits("ogden1", "json"),
-        paper=PAPER[0] if SHIPPED else [],
+        paper=PAPER[0] if PAPERS else [],
         code=library("workflow/scripts/table_moduli.py"),
     output:
         table=report(
@@ -68,7 +68,7 @@ rule table_summary:
     input:
         moduli=moduli_tables().values(),
         geometry="<results>/tables/geometry.csv",
-        paper=PAPER[1] if SHIPPED else [],
+        paper=PAPER[1] if PAPERS else [],
         code=library("workflow/scripts/table_summary.py"),
     output:
         table=report(

@@ -69,7 +69,6 @@ with logged_to(snakemake):
     )
     report = {
         "travel_mm": 1e3 * measured.travel,
-        "nominal_strain": measured.travel / mesh.highest,
         "against_calibrated_curve_percent": 100
         * float(abs(direct - modelled).max() / abs(modelled).max()),
         **run_report(run),

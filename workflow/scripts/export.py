@@ -31,10 +31,12 @@ with logged_to(snakemake):
             "leave the column labels of the table empty to export the sample without them"
         )
     for key in ("friction", "base_friction"):
-        if given.contact[key] is not None:
+        if given.mode == "compression" and given.contact[key] is not None:
             raise InputError(
-                f"contact.{key} is {given.contact[key]:g}: slip is not exported; export with "
-                f"--config 'contact={{{key}: null}}', and give the coefficient in the other program"
+                f"contact.{key} is {given.contact[key]:g}: slip is not exported; export a sample "
+                f"that sticks with --config 'contact={{{key}: null}}' results=ANOTHER_FOLDER, and "
+                "give the other program the coefficient and the material of "
+                f"{snakemake.input.fit}"
             )
     measured = MeasuredCurve.of_record(read_record(snakemake.input.record), given.mode)
     material = OgdenMaterial.of_fit(fit)

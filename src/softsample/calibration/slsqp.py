@@ -1,6 +1,6 @@
 """Calibration as in the study: SLSQP on the absolute area between measured and modelled curve."""
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from itertools import product
 from typing import Any
@@ -290,6 +290,12 @@ def _active(x: Array, bounds: Mapping[str, tuple[float, float]]) -> list[str]:
     return active
 
 
+def agreeing(starts: Sequence[Mapping[str, Any]]) -> list[Mapping[str, Any]]:
+    """Starts of a calibration that reached the least area, within 1 %."""
+    best = min(start["area_error_percent"] for start in starts)
+    return [s for s in starts if s["area_error_percent"] < 1.01 * best + 1e-3]
+
+
 def _fit(search: Search, x: Array, starts: list[dict[str, Any]]) -> Fit:
     objective, active = search.objective, _active(x, search.bounds)
     mu, *shape = search.unpack(x)
@@ -298,8 +304,6 @@ def _fit(search: Search, x: Array, starts: list[dict[str, Any]]) -> Fit:
         force = objective.force(sample, mu, *shape)
         area_error[sample] = curve.area_between(force) / curve.area
         rms[sample] = float(np.sqrt(np.mean((force - curve.force) ** 2)))
-    best = min(start["area_error_percent"] for start in starts)
-    agreeing = [s for s in starts if s["area_error_percent"] < 1.01 * best + 1e-3]
-    success = not active and any(s["converged"] for s in agreeing)
+    success = not active and any(start["converged"] for start in agreeing(starts))
     named = dict(zip(objective.bounds, shape, strict=True))
     return Fit(mu, named, area_error, rms, starts, active, success)

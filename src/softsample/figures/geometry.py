@@ -20,12 +20,8 @@ CONTOUR = "#E69F00"
 FINE = 3
 """Points of a slice for each voxel at which the distance is taken for the contour."""
 
-PLANES = (
-    (2, "MRI and contour, from above"),
-    (1, "MRI and contour, front"),
-    (0, "MRI and contour, side"),
-)
-"""Image axis that a slice is normal to, and what it shows."""
+SIGHTS = ("side", "front", "from above")
+"""How a slice normal to x, y or z of the sample sees it."""
 
 
 @dataclass(frozen=True)
@@ -59,6 +55,13 @@ class SegmentedImage:
     def voxel_mm(self) -> Array:
         """Voxel edges (3,) [mm]."""
         return np.asarray(np.linalg.norm(self.affine[:3, :3], axis=0))
+
+    @property
+    def views(self) -> list[tuple[int, str]]:
+        """Image axes that slices are normal to, and what such a slice shows."""
+        in_sample = self.sample_to_world[:3, :3].T @ self.affine[:3, :3]
+        nearest = np.argmax(np.abs(in_sample), axis=0)
+        return [(axis, f"MRI and contour, {SIGHTS[nearest[axis]]}") for axis in (2, 1, 0)]
 
     def surface(self) -> Surface:
         """Segmented surface in the sample frame."""
@@ -104,9 +107,9 @@ def geometry_figure(
     figure = page_figure(height_mm=130.0)
     parts: Any = figure.subfigures(2, 1, height_ratios=[1.0, 1.0], hspace=0.04)
     upper, lower = parts
-    widths = [extent(image, axis)[0] for axis, _ in PLANES]
+    widths = [extent(image, axis)[0] for axis, _ in image.views]
     slices = upper.subplots(1, 3, width_ratios=widths)
-    for ax, letter, (axis, name) in zip(slices, "abc", PLANES, strict=True):
+    for ax, letter, (axis, name) in zip(slices, "abc", image.views, strict=True):
         draw_slice(ax, image, axis)
         label_panel(ax, letter, name)
     shapes = (

@@ -1,6 +1,7 @@
 """What features of the shape do to the bias, and prescribed displacements against contact."""
 
 from collections.abc import Mapping
+from string import ascii_lowercase
 
 import numpy as np
 import pandas as pd
@@ -34,7 +35,9 @@ def effects_figure(effects: pd.DataFrame, needed: pd.DataFrame, title: str) -> F
     figure = page_figure(height_mm=22.0 + 6.5 * len(pairs))
     axes = figure.subplots(1, len(panels), squeeze=False, sharey=True)[0]
     paper = {(row["terms"], row["mode"]): row["paper_percent"] for row in needed.to_dict("records")}
-    for ax, letter, (terms, mode, part) in zip(axes, "abc", panels, strict=False):
+    for ax, letter, (terms, mode, part) in zip(
+        axes, ascii_lowercase[: len(panels)], panels, strict=True
+    ):
         label_panel(ax, letter, f"{_loading(mode)}\n{PANELS[terms]}")
         _draw_biases(ax, part, pairs, MODE_COLOURS[mode.split("+")[-1]])
         if (terms, mode) in paper:

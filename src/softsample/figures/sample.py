@@ -10,7 +10,6 @@ from numpy.typing import NDArray
 from scipy.ndimage import map_coordinates
 
 from softsample.figures.geometry import (
-    PLANES,
     SegmentedImage,
     draw_slice,
     extent,
@@ -57,8 +56,10 @@ def sample_figure(
     """
     figure = page_figure(height_mm=130.0)
     parts: Any = figure.subfigures(2, 1, hspace=0.04)
-    slices = parts[0].subplots(1, 3, width_ratios=[extent(image, axis)[0] for axis, _ in PLANES])
-    for ax, letter, (axis, name) in zip(slices, "abc", PLANES, strict=True):
+    slices = parts[0].subplots(
+        1, 3, width_ratios=[extent(image, axis)[0] for axis, _ in image.views]
+    )
+    for ax, letter, (axis, name) in zip(slices, "abc", image.views, strict=True):
         draw_slice(ax, image, axis)
         label_panel(ax, letter, name)
     surface = uncertain_surface(image, sigma)

@@ -73,6 +73,9 @@ KINDS = (
 
 NUMBER = re.compile(r"[+-]?(\d+[.,]?\d*|[.,]\d+)([eE][+-]?\d+)?", re.ASCII)
 
+THOUSANDS = re.compile(r"[+-]?[1-9]\d{0,2},\d{3}", re.ASCII)
+"""A number that may have a mark of thousands."""
+
 
 @dataclass(frozen=True)
 class Column:
@@ -362,16 +365,26 @@ def _with_unit(column: Column, row: Sequence[str], given: Mapping[str, str], tex
 
 
 def _decimal_comma(rows: Sequence[Sequence[str]], found: Sequence[Column], path: PathLike) -> bool:
-    """Whether the numbers have decimal commas; both marks in a file are refused."""
-    cells = [_cell(row, column.place) for row in rows for column in found]
-    commas = next((cell for cell in cells if "," in cell and NUMBER.fullmatch(cell)), None)
-    points = next((cell for cell in cells if "." in cell and NUMBER.fullmatch(cell)), None)
-    if commas and points:
+    """Whether the numbers have decimal commas; what may be marks of thousands is refused."""
+    columns = [[_cell(row, column.place) for row in rows] for column in found]
+    cells = [cell for column in columns for cell in column if NUMBER.fullmatch(cell)]
+    commas = [cell for cell in cells if "," in cell]
+    point = next((cell for cell in cells if "." in cell), None)
+    if commas and point:
         raise InputError(
-            f"{path}: numbers with a comma ({commas}) and with a point ({points}); export without "
-            "marks of thousands"
+            f"{path}: numbers with a comma ({commas[0]}) and with a point ({point}); export "
+            "without marks of thousands"
         )
-    return commas is not None
+    marked = commas and all(map(THOUSANDS.fullmatch, commas))
+    for column in columns if marked else ():
+        whole = next((cell for cell in column if cell.lstrip("+-").isdigit()), None)
+        comma = next((cell for cell in column if "," in cell), None)
+        if whole and comma:
+            raise InputError(
+                f"{path}: {comma} may be a decimal or have a mark of thousands, as {whole} has no "
+                "comma; export without marks of thousands, or all rows with decimals"
+            )
+    return bool(commas)
 
 
 def _numbers(rows: Sequence[Sequence[str]], place: int, factor: float) -> Any:

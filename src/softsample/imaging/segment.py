@@ -23,6 +23,9 @@ MM = 1e-3
 HALF = 0.5
 """Share of tissue at the boundary: the local half-maximum."""
 
+LEAST_NOISE = 1e-3
+"""Noise relative to the tissue at least: programs that mask the background leave none there."""
+
 MIN_TEXTURE = 0.02
 """Smallest standard deviation of the tissue about its level nearby, relative."""
 
@@ -314,8 +317,16 @@ def tissue_share(image: Array, spacing: Array, settings: SegmentationSettings) -
             "no sample found: the largest bright region has no interior; check the image and"
             " its scale"
         )
+    around = intensity.surroundings(image, rough, spacing, 2.0 * margin)
+    level = float(np.median(image[interior]))
+    if np.median(around) < -LEAST_NOISE * level:
+        raise SegmentationError(
+            f"the surroundings of the sample are negative ({np.median(around):.4g}); give"
+            " magnitudes as scanned, which are zero where there is no signal"
+        )
     noise = intensity.noise_level(image, rough, spacing, 2.0 * margin)
-    square = image**2 - np.mean(intensity.surroundings(image, rough, spacing, 2.0 * margin) ** 2)
+    noise = max(noise, LEAST_NOISE * level)
+    square = image**2 - np.mean(around**2)
     image = intensity.without_noise_floor(image, noise)
     floor = float(np.mean(intensity.surroundings(image, rough, spacing, 2.0 * margin)))
     level = float(np.median(image[interior]))

@@ -3,6 +3,7 @@
 Every name is always defined, so that one set of captions serves studies of any make-up.
 """
 
+import re
 from collections.abc import Iterable, Mapping, Sequence
 from typing import Any
 
@@ -68,8 +69,9 @@ def caption_numbers(
 
 
 def substitutions(numbers: Mapping[str, str]) -> str:
-    """Definitions `.. |name| replace:: text`, one a line."""
-    return "".join(f".. |{name}| replace:: {text}\n" for name, text in numbers.items())
+    """Definitions `.. |name| replace:: text`, one a line; an id with `_` at its end is no link."""
+    plain = {name: re.sub(r"_(?!\w)", r"\\_", text) for name, text in numbers.items()}
+    return "".join(f".. |{name}| replace:: {text}\n" for name, text in plain.items())
 
 
 def percent(value: float) -> str:

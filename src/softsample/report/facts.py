@@ -50,7 +50,7 @@ def sample_facts(
         (
             "Run at the optimum",
             "; ".join(
-                f"{name}: nominal strain {written(report['nominal_strain'])}, "
+                f"{name}: nominal strain {written(report['travel_mm'] / cuboid['height_mm'])}, "
                 f"{written(report['against_calibrated_curve_percent'])} % of peak from the "
                 "calibrated curve"
                 for name, report in run.items()

@@ -30,8 +30,8 @@ def prescribed_table(curves: Mapping[tuple[str, str], pd.DataFrame]) -> pd.DataF
     -------
     DataFrame
         `sample`, `geometry`, `agrees_2_percent_strain`, `agrees_5_percent_strain`, and
-        100 (prescribed / contact - 1) at the paper's strain and at the end, whose strain is
-        `end_strain`.
+        100 (prescribed / contact - 1) at the paper's strain (NaN beyond the end) and at
+        the end, whose strain is `end_strain`.
     """
     rows = []
     for (sample, geometry), curve in curves.items():
@@ -47,7 +47,9 @@ def prescribed_table(curves: Mapping[tuple[str, str], pd.DataFrame]) -> pd.DataF
                     for t in TOLERANCES
                 },
                 "paper_strain": PAPER_STRAIN,
-                "at_paper_strain_percent": float(np.interp(PAPER_STRAIN, strain[1:], ratio)),
+                "at_paper_strain_percent": float(
+                    np.interp(PAPER_STRAIN, strain[1:], ratio, right=np.nan)
+                ),
                 "end_strain": float(strain[-1]),
                 "at_end_percent": float(ratio[-1]),
             }

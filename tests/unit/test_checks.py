@@ -107,11 +107,7 @@ def fit_report(geometry, bounds, converged=True):
         "geometry": geometry,
         "model": "ogden2",
         "active_bounds": bounds,
-        "starts": [
-            {"converged": False, "area_error_percent": 3.001},
-            {"converged": converged, "area_error_percent": 3.0},
-            {"converged": True, "area_error_percent": 9.0},
-        ],
+        "converged": converged,
     }
 
 

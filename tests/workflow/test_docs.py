@@ -74,11 +74,13 @@ def test_make_knows_what_the_pages_tell_it(command):
 @pytest.mark.parametrize("command", [c for c in commands() if c.startswith("snakemake ")])
 def test_the_workflow_plans_what_the_pages_ask_for(command, tmp_path):
     """With places for those that the reader fills in; what it then does, the studies test."""
-    (tmp_path / "my.yaml").write_text("mesh:\n  element_size_mm: 1.0\n")
+    for name in ("my", "study"):
+        (tmp_path / f"{name}.yaml").write_text("mesh:\n  element_size_mm: 1.0\n")
     assert "--cores" in command or "profiles/slurm" in command  # which says how many jobs
     places = {
         "PATH/samples.tsv": "resources/cohort/samples.tsv",
         "results=DIR": f"results={tmp_path}/DIR",
+        "PATH/study.yaml": str(tmp_path / "study.yaml"),
         "my.yaml": str(tmp_path / "my.yaml"),
     }
     for place, path in places.items():

@@ -1,6 +1,6 @@
 """Calibration as in the study: SLSQP on the absolute area between measured and modelled curve."""
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
 from dataclasses import dataclass
 from itertools import product
 from typing import Any
@@ -60,8 +60,6 @@ class Fit:
         Every start: where from, where to, objective, iterations, SLSQP's message.
     active_bounds : list of str
         Bounds on which the optimum lies.
-    success : bool
-        Whether the best start converged away from all bounds.
     """
 
     mu: float
@@ -70,7 +68,6 @@ class Fit:
     rms: dict[str, float]
     starts: list[dict[str, Any]]
     active_bounds: list[str]
-    success: bool
 
     @property
     def parameters(self) -> tuple[float, ...]:
@@ -81,6 +78,18 @@ class Fit:
     def mu1_fraction(self) -> float:
         """mu1 / mu, dimensionless."""
         return self.shape["mu1_fraction"]
+
+    @property
+    def converged(self) -> bool:
+        """Whether a start that reached the least area, within 1 %, converged."""
+        best = min(start["area_error_percent"] for start in self.starts)
+        near = [s for s in self.starts if s["area_error_percent"] < 1.01 * best + 1e-3]
+        return any(start["converged"] for start in near)
+
+    @property
+    def success(self) -> bool:
+        """Whether it converged away from all bounds."""
+        return self.converged and not self.active_bounds
 
     @property
     def mu1(self) -> float:
@@ -103,6 +112,7 @@ class Fit:
             "area_error_percent": {name: 100.0 * e for name, e in self.area_error.items()},
             "rms_N": self.rms,
             "active_bounds": self.active_bounds,
+            "converged": self.converged,
             "success": self.success,
             "verdict": verdict,
             "iterations": sum(start["iterations"] for start in self.starts),
@@ -290,12 +300,6 @@ def _active(x: Array, bounds: Mapping[str, tuple[float, float]]) -> list[str]:
     return active
 
 
-def agreeing(starts: Sequence[Mapping[str, Any]]) -> list[Mapping[str, Any]]:
-    """Starts of a calibration that reached the least area, within 1 %."""
-    best = min(start["area_error_percent"] for start in starts)
-    return [s for s in starts if s["area_error_percent"] < 1.01 * best + 1e-3]
-
-
 def _fit(search: Search, x: Array, starts: list[dict[str, Any]]) -> Fit:
     objective, active = search.objective, _active(x, search.bounds)
     mu, *shape = search.unpack(x)
@@ -304,6 +308,5 @@ def _fit(search: Search, x: Array, starts: list[dict[str, Any]]) -> Fit:
         force = objective.force(sample, mu, *shape)
         area_error[sample] = curve.area_between(force) / curve.area
         rms[sample] = float(np.sqrt(np.mean((force - curve.force) ** 2)))
-    success = not active and any(start["converged"] for start in agreeing(starts))
     named = dict(zip(objective.bounds, shape, strict=True))
-    return Fit(mu, named, area_error, rms, starts, active, success)
+    return Fit(mu, named, area_error, rms, starts, active)

@@ -55,6 +55,7 @@ def checked_study():
     return table, {row["sample"]: row for row in rows}
 
 
+# Stages that the report rests on; an export, say, may have failed.
 REPORTED = {
     *("check_inputs", "segment", "measure", "mesh", "simulate", "calibrate", "confirm"),
     *("band", "sensitivity", "variants", "diagnose", "checks"),

@@ -123,10 +123,11 @@ class Problem:
         """Block means [N] of every test with this noise from independent unit noise (n,)."""
         more = self._shared / (1.0 + np.sqrt(self._variance))
         own = white + self._shared * float(more @ white)
-        ends = np.cumsum([int(w.keep.sum()) for w in self.whiteners])[:-1]
-        return [
-            w.coloured(part) for w, part in zip(self.whiteners, np.split(own, ends), strict=True)
-        ]
+        return [w.coloured(part) for w, part in zip(self.whiteners, self.by_test(own), strict=True)]
+
+    def by_test(self, white: Array) -> list[Array]:
+        """Parts of a white residual (n,) that belong to each test."""
+        return np.split(white, np.cumsum([w.keep.sum() for w in self.whiteners])[:-1])
 
     def _own_white(self, parts: Sequence[Array]) -> Array:
         """The same if tests shared nothing."""

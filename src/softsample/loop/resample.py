@@ -52,10 +52,8 @@ def resampled(problem: Problem, fit: Fit, random: np.random.Generator) -> Proble
     """The group with every record replaced by the fit plus stretches of its white residual."""
     forces = problem.predicted(fit.model, fit.state)
     left = [s.force - force for s, force in zip(problem.specimens, forces, strict=True)]
-    ends = np.cumsum([w.keep.sum() for w in problem.whiteners])[:-1]
-    drawn = [
-        part[stretches(len(part), BLOCKS, random)] for part in np.split(problem.white(left), ends)
-    ]
+    white = problem.by_test(problem.white(left))
+    drawn = [part[stretches(len(part), BLOCKS, random)] for part in white]
     noise = problem.coloured(np.concatenate(drawn))
     for force, means, whitener in zip(forces, noise, problem.whiteners, strict=True):
         force[: len(means) * whitener.size] += np.repeat(means, whitener.size)

@@ -11,6 +11,7 @@ from laboratory import elastic
 from softsample.calibration.curves import CurveFamily
 from softsample.loop.diagnose import LoopSettings, diagnose, judgement, pose, report
 from softsample.loop.effects import library
+from softsample.loop.effects.base import Parameter
 from softsample.loop.errors import errors, folds, held_out
 from softsample.loop.fit import Problem
 from softsample.loop.model import Material, Model, Packing, State
@@ -442,6 +443,47 @@ def test_what_the_model_is_known_to_leave_out_comes_before_what_fits_better():
     best, chosen = selection.steps[0].candidates[0], selection.steps[0].chosen
     assert (best.name, chosen.name) == ("real_geometry", "late_contact")
     assert selection.classes["late_contact"] == ["late_contact", "real_geometry"]
+
+
+@pytest.mark.parametrize(("scale", "spoils"), [(1.01, False), (1.1, True)])
+def test_a_fit_further_off_than_the_records_are_doubted_spoils_them(problem, scale, spoils):
+    """Noise and floor allow 1 % of the peak, and 2 % of the force."""
+    plain = problem.fit_material()
+    material = replace(plain.state.material, mu=scale * plain.state.material.mu)
+    other = replace(plain, state=replace(plain.state, material=material))
+    assert problem.spoiled(plain, other) is spoils
+    assert not problem.spoiled(other, plain)
+
+
+@pytest.mark.parametrize(("off", "kept"), [(0.02, True), (0.25, False)])
+def test_a_detail_is_not_bought_with_the_scale_of_a_test(off, kept):
+    """A slow wave in the hold of compression, and an effect that makes it and scales that test."""
+
+    def wave(specimen):
+        hold = (specimen.mode == "compression") & (specimen.phase == "hold")
+        return 2e-3 * hold * np.sin(0.8 * specimen.time)
+
+    def instrument(specimen, force, travel, values):
+        scale = off if specimen.mode == "compression" else 0.0
+        return force + values["share"] * (scale * force + wave(specimen))
+
+    offset = library()["force_offset"]
+    ripple = replace(
+        offset,
+        name="ripple",
+        parameters=(Parameter("share", "1", 0.0, 2.0, 1.0),),
+        instrument=instrument,
+    )
+    specimens = [
+        replace(s, force=s.force + wave(s)) for s in laboratory.PLANTED["force_offset"].specimens()
+    ]
+    found = diagnose(specimens, LoopSettings(), [offset, ripple])
+    assert "ripple" in [step.chosen.name for step in found.selection.steps if step.chosen]
+    names = ("force_offset", "ripple") if kept else ("force_offset",)
+    assert sorted(found.final.model.names) == sorted(names)
+    assert set(found.selection.classes) == set(names)
+    worst = max(parts["all"].rms / parts["all"].peak for parts in found.after.values())
+    assert worst < 0.05
 
 
 def test_a_size_that_cannot_be_negative_gains_nothing_from_the_opposite(problem):

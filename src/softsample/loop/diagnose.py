@@ -12,7 +12,7 @@ from softsample.loop.effects.base import Effect
 from softsample.loop.errors import Error, errors, held_out
 from softsample.loop.fit import Fit, Problem
 from softsample.loop.limits import detection_limits
-from softsample.loop.model import FIXED, Model
+from softsample.loop.model import FIXED
 from softsample.loop.noise import (
     Noise,
     NoiseSettings,
@@ -161,7 +161,7 @@ def diagnose(
     spread = [noise.block for noise in noises]
     before, after = errors(problem, base, spread), errors(problem, final, spread)
     held_out_before = held_out(problem, base, spread)
-    verdict = _verdict(problem, selection, settings, _pooled(after) - _pooled(before))
+    verdict = _verdict(selection, settings.selection)
     explained = verdict == "explained"
     return Diagnosis(
         problem,
@@ -175,35 +175,17 @@ def diagnose(
     )
 
 
-def _pooled(found: Errors) -> float:
-    """Mean square error of all tests, each in parts of its peak."""
-    return float(np.mean([(parts["all"].rms / parts["all"].peak) ** 2 for parts in found.values()]))
-
-
-def _contribution(problem: Problem, fit: Fit) -> float:
-    """Mean square of what effects add to the forces, each test in parts of its peak."""
-    with_them = problem.predicted(fit.model, fit.state)
-    without = problem.predicted(Model(), fit.state)
-    return float(np.mean([
-        np.mean((a - b) ** 2) / specimen.peak**2
-        for a, b, specimen in zip(with_them, without, problem.specimens, strict=True)
-    ]))  # fmt: skip
-
-
-def _verdict(problem: Problem, selection: Selection, settings: LoopSettings, growth: float) -> str:
+def _verdict(selection: Selection, rules: SelectionSettings) -> str:
     """What is missing.
 
     An explanation that leaves the records further off than floor and doubt of its form allow is
-    none; `growth` is what it adds to the mean square error, in parts of the peak. Nor is one to
-    which the records ask loudly for something more that no effect serves.
+    none. Nor is one to which the records ask loudly for something more that no effect serves.
     """
-    rules, noise = settings.selection, settings.noise
     n = len(selection.final.white)
     left, before = selection.final.cost, selection.base.cost
     if left / n > rules.unknown_ratio and left - n > rules.unknown_share * (before - n):
         return "unknown"
-    allowed = 1e-4 * (noise.floor_percent**2 + noise.scale_percent**2) + problem.shared_error
-    if growth > allowed + rules.form_doubt**2 * _contribution(problem, selection.final):
+    if selection.problem.spoiled(selection.base, selection.final):
         return "unknown"
     if selection.unserved and left / n > rules.unserved_ratio:
         return "unknown"

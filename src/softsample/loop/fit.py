@@ -133,13 +133,24 @@ class Problem:
         """The same if tests shared nothing."""
         return np.concatenate([w(part) for w, part in zip(self.whiteners, parts, strict=True)])
 
-    @property
-    def shared_error(self) -> float:
-        """Mean square of what tests share, each in parts of its peak."""
-        return float(np.mean([
-            np.mean(part**2) / s.peak**2
-            for part, s in zip(self.common, self.specimens, strict=True)
-        ]))  # fmt: skip
+    def spoiled(self, before: Fit, after: Fit) -> bool:
+        """Whether one fit is further off the records than another, by more than is doubted.
+
+        A wrong scale of a whole test is one degree of freedom among hundreds: the likelihood puts
+        up with it for the sake of a detail. So the residuals are compared as they are, with the
+        variance that noise, floor, doubt of form and what the tests share let one expect.
+        """
+        excess = 0.0
+        for k, (specimen, whitener) in enumerate(zip(self.specimens, self.whiteners, strict=True)):
+            doubted = whitener.variance + np.mean(whitener.blocks(self.common[k]) ** 2)
+            now, then = (
+                np.mean(
+                    whitener.blocks(specimen.force - fit.model.predict(specimen, fit.state)) ** 2
+                )
+                for fit in (after, before)
+            )
+            excess += float(now - then - doubted) / specimen.peak**2
+        return excess > 0.0
 
     def predicted(self, model: Model, state: State) -> list[Array]:
         """Predicted force of every test [N]."""

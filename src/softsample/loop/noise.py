@@ -206,6 +206,11 @@ class Whitener:
         """Of the covariance of the blocks that count."""
         return float(2.0 * np.log(np.diag(self._factor)).sum())
 
+    @property
+    def variance(self) -> float:
+        """Of the blocks that count [N2], in the mean."""
+        return float(np.mean(np.diag(self._matrix)[self.keep]))
+
     def blocks(self, residual: Array) -> Array:
         """Block means of a residual per sample, of the blocks that count."""
         return blocks(residual, self.size)[self.keep]

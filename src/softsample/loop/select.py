@@ -161,6 +161,7 @@ def select(problem: Problem, effects: Sequence[Effect], settings: SelectionSetti
     search.forward(found)
     if search.exchange():
         search.forward()
+    search.retract()
     return Selection(
         search.doubting,
         library,
@@ -185,6 +186,7 @@ class _Search:
     current: Fit
     steps: list[Step] = field(default_factory=list)
     classes: dict[str, list[str]] = field(default_factory=dict)
+    earlier: list[tuple[Problem, Fit, dict[str, list[str]]]] = field(default_factory=list)
 
     def forward(self, found: Sequence[Signature] | None = None) -> None:
         """One effect after the other, until no more are asked for."""
@@ -194,7 +196,7 @@ class _Search:
             self.steps.append(step)
             if step.chosen is None:
                 break
-            self._take(self.doubting, step.chosen, step.members)
+            self._take(self.doubting, self.current, step.chosen, step.members)
 
     def exchange(self) -> bool:
         """Replace the first effect for which another is better beside those that came later.
@@ -207,9 +209,19 @@ class _Search:
             if step.chosen is not None and step.chosen.name != effect.name:
                 self.steps.append(step)
                 del self.classes[effect.name]
-                self._take(problem, step.chosen, step.members)
+                self._take(problem, others, step.chosen, step.members)
                 return True
         return False
+
+    def retract(self) -> None:
+        """Take back what came last, if the records do without it and it spoils them."""
+        while len(self.current.model.effects) > 1:
+            problem, fit, classes = self.earlier.pop()
+            if fit.cost > self.settings.unknown_ratio * len(fit.white):
+                break
+            if not self.doubting.spoiled(fit, self.current):
+                break
+            self.doubting, self.current, self.classes = problem, fit, classes
 
     def _round(
         self, problem: Problem, current: Fit, found: Sequence[Signature] | None = None
@@ -219,8 +231,9 @@ class _Search:
             found = signatures(problem, current, open_effects)
         return _round(problem, current, found, self.threshold, self.settings)
 
-    def _take(self, problem: Problem, chosen: Candidate, members: list[str]) -> None:
+    def _take(self, problem: Problem, current: Fit, chosen: Candidate, members: list[str]) -> None:
         """Add what was chosen, doubt its form, and drop what it has made superfluous."""
+        self.earlier.append((problem, current, dict(self.classes)))
         self.classes[chosen.name] = members
         self.doubting = self._doubted(problem, chosen.fit)
         fit = self.doubting.fit(chosen.fit.model, chosen.fit.state)

@@ -379,6 +379,15 @@ def test_relaxation_goes_by_the_clock_of_the_test(small):
     np.testing.assert_allclose(ten.force, one.force, atol=1e-9 * one.force.max())
 
 
+def test_a_snapshot_has_the_travel_at_which_its_nodes_are(small):
+    """A step is 1 % of this short run, so that the travel of the step before would be off."""
+    boundary = glued_boundary(small, "shear", small.glued(0.0))
+    model = ExplicitModel(small, SETTINGS)
+    for snapshot in model.run(MATERIAL, boundary, 0.5e-3, snapshots=[0.2, 0.5, 0.6]).snapshots:
+        glued = snapshot.displacement[snapshot.held == PLATEN]
+        np.testing.assert_allclose(glued @ boundary.direction, snapshot.travel, rtol=1e-4)
+
+
 def test_snapshots_are_taken_at_their_times(small):
     model = ExplicitModel(small, SETTINGS)
     boundary = platen_boundary(small, ContactSettings())

@@ -438,7 +438,7 @@ class _March:
             self._advance(np.linspace(start, end, n + 1), (end - start) / n)
             self._check(end / ends[-1])
             if np.any(np.abs(stops - end) < 0.6 * self.schedule.tick):
-                self._take_snapshot()
+                self._take_snapshot(end)
             if progress is not None:
                 progress(end / ends[-1])
         self._advance(np.full(2, ends[-1]), self.dt)
@@ -489,12 +489,12 @@ class _March:
         strain, hourglass = self.model.flat(motion.state)[:2].sum(axis=1, dtype=np.float64)
         r.energies.append(np.array([travel[-1], strain, hourglass, kinetic, r.work]))
 
-    def _take_snapshot(self) -> None:
-        motion = self.motion
+    def _take_snapshot(self, time: float) -> None:
+        motion, clock = self.motion, self.schedule.clock(np.array(time))
         touched = (motion.held == kernels.PLATEN)[:, None]
         self.records.snapshots.append(
             Snapshot(
-                float(self.schedule.travel(self.clock)),
+                float(self.schedule.travel(clock)),
                 motion.u[:, :3].astype(np.float64),
                 motion.held.copy(),
                 np.where(touched, motion.force[:, :3], 0.0).astype(np.float64),

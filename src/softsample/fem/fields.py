@@ -31,7 +31,7 @@ class Snapshot:
     held : (n_nodes,) int8
         What holds each node (FREE, BASE, PLATEN).
     contact_force : (n_nodes, 3) float64
-        Force of the moving platen on each node [N].
+        Force of the moving platen on each node [N], of the time step that led here.
     """
 
     travel: float

@@ -26,7 +26,7 @@ def terms(mode="compression", size=0.5, settings=SETTINGS):
 def test_terms_by_hand():
     root = np.sqrt(3.0)
     assert terms() == pytest.approx(
-        {"geometry": 2.0, "time": 0.5 / root, "mesh": 6.0 / root, "hourglass": 0.3 / root,
+        {"geometry": 2.0, "time": 0.5 / root, "mesh": -6.0 / root, "hourglass": 0.3 / root,
          "element": 4.0 / root}
     )  # fmt: skip
 
@@ -74,16 +74,22 @@ def test_row_of_the_modulus_by_hand():
     row = table.loc["mu"]
     expected = {
         "statistics": 3.0, "contact_zero": 40.0, "geometry": 6.0, "time": 6.0,
-        "mesh": np.hypot(18.0, 24.0), "hourglass": 0.0, "element": 12.0,
+        "mesh": 18.0 + 24.0, "hourglass": 0.0, "element": 12.0,
     }  # fmt: skip
     for name, value in expected.items():
         assert row[f"{name}_percent"] == pytest.approx(0.1 * value)
     measured = 1.644854 * np.sqrt(9.0 + 1600.0 + 36.0 + 36.0)
     assert row["high_without_floor_pa"] - 1000.0 == pytest.approx(measured, rel=1e-6)
     assert 1000.0 - row["low_without_floor_pa"] == pytest.approx(measured, rel=1e-6)
-    total = np.hypot(measured, 1.644854 * np.sqrt(900.0 + 144.0))
+    total = np.hypot(measured, 1.644854 * np.sqrt(42.0**2 + 144.0))
     assert row["high_pa"] - 1000.0 == pytest.approx(total, rel=1e-6)
     assert table.loc["mu2", "statistics_percent"] == pytest.approx(2.5)
+
+
+def test_a_mesh_too_stiff_in_one_test_and_too_soft_in_the_other_cancels():
+    forces = FORCES | {("C", "real", "ogden2"): force(mesh=-1.5)}
+    row = interval_table([fit()], forces).set_index("modulus").loc["mu"]
+    assert row["mesh_percent"] == pytest.approx(0.0)
 
 
 def test_one_term_has_one_row():

@@ -19,7 +19,8 @@ MEASURED = ("statistics", "geometry", "contact_zero", "time")
 """Terms of record, image and loading time."""
 
 FLOOR = ("mesh", "hourglass", "element")
-"""Terms that the choice of mesh and element leaves open."""
+"""Terms that the choice of mesh and element leaves open: it is wrong in the same sense in all
+samples, so that their forces keep the sign."""
 
 COARSE = "elements of twice the size"
 HOURGLASS = ("half the hourglass stiffness", "twice the hourglass stiffness")
@@ -45,8 +46,8 @@ class FloorSettings:
 
 
 def rectangular(half_width: float) -> float:
-    """Standard deviation of a value that lies anywhere within limits."""
-    return abs(half_width) / float(np.sqrt(3.0))
+    """Standard deviation of a value that lies anywhere within limits; keeps the limit's sign."""
+    return half_width / float(np.sqrt(3.0))
 
 
 def force_terms(
@@ -57,7 +58,7 @@ def force_terms(
     element_size_mm: float,
     settings: FloorSettings,
 ) -> dict[str, float]:
-    """Standard deviations of a sample's modelled force [%], by term.
+    """Standard deviations of a sample's modelled force [%], by term; signed, those of the floor.
 
     Parameters
     ----------
@@ -74,7 +75,7 @@ def force_terms(
     settings : FloorSettings
         Floor of mesh and element.
     """
-    hourglass = max(abs(changes[name]["modulus_percent"]) for name in HOURGLASS)
+    softer, stiffer = (changes[name]["modulus_percent"] for name in HOURGLASS)
     richardson = changes[COARSE]["modulus_percent"] / (2.0**settings.mesh_order - 1.0)
     element = np.interp(
         np.log(element_size_mm),
@@ -85,7 +86,7 @@ def force_terms(
         "geometry": 0.5 * (band["high_percent"] - band["low_percent"]),
         "time": rectangular(error_bound_percent),
         "mesh": rectangular(richardson),
-        "hourglass": rectangular(hourglass),
+        "hourglass": rectangular(max(-softer, stiffer, key=abs)),
         "element": rectangular(float(element)),
     }
 
@@ -100,7 +101,8 @@ def interval_rows(
     fit : mapping
         `calibration/{group}/{geometry}/{model}.json`.
     forces : mapping
-        `force_terms` by sample. Errors of different samples are independent.
+        `force_terms` by sample. What the floor's do to the modulus adds up over the samples, other
+        errors of different samples are independent.
 
     Returns
     -------
@@ -120,7 +122,7 @@ def interval_rows(
         }
         for term in ("geometry", "time", *FLOOR):
             parts = [change * forces[s][term] for s, change in per_percent.items()]
-            terms[term] = float(np.linalg.norm(parts))
+            terms[term] = abs(sum(parts)) if term in FLOOR else float(np.linalg.norm(parts))
         without = z * float(np.linalg.norm([terms[term] for term in MEASURED]))
         half = float(np.hypot(without, z * np.linalg.norm([terms[term] for term in FLOOR])))
         value = fit[key]

@@ -547,8 +547,11 @@ def test_the_page_says_what_is_undecided(found):
     assert verdict["effects"][0]["separating_experiment"] in text
     assert "| shear | hold |" in text
     assert "Not identifiable from these records: " in text
+    assert "`force_offset`\n" in text
+    assert "not kept" not in text
     empty = {**verdict, "verdict": "unknown", "effects": []}
     assert "no effect of the library explains" in page("A7", empty)
+    assert "`force_offset`, not kept" in page("A7", empty)
 
 
 def test_detection_limits_stand_by_what_was_seen(found):

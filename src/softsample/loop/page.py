@@ -107,10 +107,11 @@ def _before_after(before: Mapping[str, float], after: Mapping[str, float]) -> li
 
 
 def _path(verdict: Mapping[str, Any]) -> list[str]:
-    lines = []
+    lines, found = [], [effect["name"] for effect in verdict["effects"]]
     for number, step in enumerate(verdict["path"], start=1):
         ranking = ", ".join(f"`{c['name']}` {c['evidence']:.0f}" for c in step["candidates"][:5])
         chosen = f"`{step['chosen']}`" if step["chosen"] else "nothing passes"
+        chosen += ", not kept" if step["chosen"] not in (None, *found) else ""
         lines.append(
             f"{number}. threshold {step['threshold']:.0f}: {ranking or 'no candidate'} - {chosen}"
         )

@@ -37,7 +37,7 @@ help:
 	echo "make test       unit, verification, regression and workflow tests"
 	echo "make test-long  also the tests that take minutes each"
 	echo "make check      ruff, snakefmt, mypy, snakemake --lint"
-	echo "make bench      speed of the solver on this machine, into results/bench/"
+	echo "make bench      bench-solver (its speed on this machine, into results/bench/) and bench-imaging"
 	echo "make bench-scale  what 1,000 samples take on 2, 64 and 1,024 cores, by the study in results/: docs/cluster.md"
 	echo "make verify     the solver against exact solutions and other solvers: docs/verification.md"
 	echo "make bench-imaging  accuracy of segmentation and mesh on made-up images: docs/accuracy.md"
@@ -144,7 +144,7 @@ check: $(stamp)
 	$(bin)/mypy
 	$(bin)/python tests/workflow/lint.py
 
-bench: bench-solver bench-imaging bench-scale
+bench: bench-solver bench-imaging
 
 bench-solver: $(stamp)
 	$(bin)/python benchmarks/solver.py results/bench/solver.json

@@ -74,6 +74,13 @@ def _contradictions(config: Mapping[str, Any]) -> Iterator[tuple[str, str]]:
     low, high = (config["calibration"][f"mu_pa_{end}"] for end in ("min", "max"))
     if low >= high:
         yield "calibration.mu_pa_min", f"{low} is not below mu_pa_max, {high}; exchange them"
+    alpha = config["material"]["alpha"]
+    if alpha[0] == alpha[1]:
+        yield "material.alpha", f"{alpha} is one term twice; its shares cannot be told apart"
+    for name in ("alpha1", "alpha2"):
+        low, high = config["exponents"][name]
+        if low >= high:
+            yield f"exponents.{name}", f"{low} is not below {high}; exchange or widen them"
     error, bound = solver["curve_error_percent"], config["checks"]["error_bound_percent_max"]
     if error > bound:
         yield (

@@ -21,7 +21,7 @@ from softsample.calibration.measured import MeasuredCurve
 from softsample.calibration.slsqp import CalibrationSettings, fit_ogden
 from softsample.calibration.uncertainty import Uncertainty, UncertaintySettings
 from softsample.constitutive.ogden import nominal_stress, unit_modulus
-from softsample.errors import CalibrationError
+from softsample.errors import CalibrationError, InputError
 from softsample.fem.boundary import ContactSettings, mode_boundary
 from softsample.fem.explicit import ExplicitModel, SolverSettings
 from softsample.fem.exponents import ExponentSettings, exponent_grid, simulate_exponents
@@ -33,7 +33,7 @@ HEIGHT, AREA = 13e-3, 4.6e-4  # of a bar [m], [m2]
 TRAVEL = {"T1": 0.25 * HEIGHT, "C1": 0.3 * HEIGHT}
 MODES = {"T1": "tension", "C1": "compression"}
 SETTINGS = ExponentSettings((-12.0, -4.0), (8.0, 20.0), 5, 5)
-GRID = exponent_grid(SETTINGS, FamilySettings(0.05, 0.95))
+GRID = exponent_grid(SETTINGS, FamilySettings(0.05, 0.95), (-8.0, 16.0))
 
 
 def bar(sample, travel, fraction, alpha):
@@ -206,13 +206,20 @@ def test_p_value_is_that_of_two_degrees_of_freedom():
     assert found["p_value"] == pytest.approx(np.exp(-1.0), rel=1e-3)
 
 
+def test_free_exponents_hold_those_of_the_study():
+    with pytest.raises(InputError, match=r"material.alpha.1: 30 is outside exponents.alpha2, 8 to"):
+        exponent_grid(SETTINGS, FamilySettings(), (-8.0, 30.0))
+
+
 def test_simulated_grid_is_made_of_runs():
     """Every point of the grid is the run of that material, at real exponents."""
     mesh = mesh_cuboid(6e-3, 6e-3, 4e-3, 2e-3)
     model = ExplicitModel(mesh, SolverSettings())
     top = np.flatnonzero(mesh.points[:, 2] > 3.99e-3)
     boundary = mode_boundary(mesh, "tension", top, ContactSettings())
-    grid = exponent_grid(ExponentSettings((-9.5, -3.5), (6.5, 14.5), 2, 2), FamilySettings())
+    grid = exponent_grid(
+        ExponentSettings((-9.5, -3.5), (6.5, 14.5), 2, 2), FamilySettings(), (-8.0, 12.0)
+    )
     seen = []
     curves = simulate_exponents(
         model, boundary, 1e-3, grid, 0.49, 0.02, lambda label, done: seen.append(done)

@@ -77,6 +77,25 @@ def test_an_added_sample_takes_the_place_of_the_worked_one(study):
     assert result.samples == 2
 
 
+def test_a_folder_of_slices_is_added_as_the_table_wants_it(study):
+    """Its name has dots as a rule, and would be taken for a file's ending."""
+    slices = study.parent / "1.2.840.113619"
+    slices.mkdir()
+    (slices / "1.dcm").touch()
+    arguments = [
+        "--mode",
+        "tension",
+        "--image",
+        str(slices),
+        "--record",
+        str(study.parent / "R.csv"),
+    ]
+    (study.parent / "R.csv").touch()
+    assert main(["add", str(study), *arguments, "--sample", "D1"]) == 0
+    assert "D1\tD1\ttension\t1.2.840.113619/\tR.csv" in (study / "samples.tsv").read_text()
+    assert not [fault for fault in check_study(study).faults if "another form" in fault]
+
+
 def test_an_added_sample_overwrites_nothing(study, capsys):
     assert add(study) == 0
     kept = (study / "C7.csv").read_bytes()
@@ -152,8 +171,23 @@ def test_masks_and_labels_are_checked_too(study):
     assert "stiffness" not in "\n".join(check_study(study).faults)
 
 
-def test_a_folder_without_a_study_says_how_to_make_one(tmp_path, capsys):
-    assert main(["check", str(tmp_path / "none")]) == 1
+@pytest.mark.parametrize("column", ["bond_mask", "labels"])
+def test_marks_that_are_no_whole_numbers_are_refused_before_the_run(study, column):
+    add(study)
+    marks = np.full((40, 40, 30), 0.5, dtype=np.float32)
+    nibabel.save(nibabel.Nifti1Image(marks, AFFINE), study / "marks.nii")
+    table = study / "samples.tsv"
+    text = table.read_text().replace("image\trecord\n", f"image\trecord\t{column}\n")
+    text = text.replace("\tcompression\t", "\ttension\t")
+    table.write_text(text.replace("C7.csv\n", "C7.csv\tmarks.nii\n"))
+    assert "48000 voxels hold no whole number from 0 on" in "\n".join(check_study(study).faults)
+
+
+@pytest.mark.parametrize(
+    "command", [["check"], ["add", "--mode", "shear", "--image", "a", "--record", "b"]]
+)
+def test_a_folder_without_a_study_says_how_to_make_one(command, tmp_path, capsys):
+    assert main([*command, str(tmp_path / "none")]) == 1
     assert "no such table; make a study with: make new-study DIR=" in capsys.readouterr().err
 
 

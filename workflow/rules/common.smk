@@ -59,6 +59,7 @@ def checked_study():
 REPORTED = {
     *("check_inputs", "segment", "measure", "mesh", "simulate", "calibrate", "confirm"),
     *("band", "sensitivity", "variants", "diagnose", "checks"),
+    *("figure_sample", "figure_response", "figure_strain"),
 }
 
 
@@ -121,9 +122,10 @@ wildcard_constraints:
 
 @cache
 def imported(path):
-    """Files of src/ that a file imports directly."""
-    found = []
-    for node in ast.walk(ast.parse(path.read_text(encoding="utf-8"))):
+    """Files of src/ that a file imports directly, or by looking through its own folder."""
+    text = path.read_text(encoding="utf-8")
+    found = list(path.parent.glob("*.py")) if "iter_modules(__path__)" in text else []
+    for node in ast.walk(ast.parse(text)):
         if isinstance(node, ast.ImportFrom):
             names = [node.module, *(f"{node.module}.{a.name}" for a in node.names)]
         elif isinstance(node, ast.Import):
@@ -183,8 +185,12 @@ def study_file(column):
 
 
 def sample_image(sample, column):
-    """The image that a column of the sample's row names, first, and the files that it consists of."""
-    return [file for path in sample_file(sample, column) for file in files_of(path)]
+    """The image that a column of the sample's row names, first, and the files that it consists of.
+
+    The time of a folder says less than those files: what is hidden in it, say, is none of them.
+    """
+    found = [file for path in sample_file(sample, column) for file in files_of(path)]
+    return [ancient(file) if os.path.isdir(file) else file for file in found]
 
 
 def study_image(column):
@@ -203,6 +209,13 @@ def known(sample):
     if sample not in SAMPLES:
         raise WorkflowError(f"no sample {sample!r} in {TABLE}; there are {', '.join(SAMPLES)}")
     return sample
+
+
+def samples_of(group):
+    """The group's samples, or an error that lists the groups there are."""
+    if group not in GROUPS:
+        raise WorkflowError(f"no group {group!r} in {TABLE}; there are {', '.join(GROUPS)}")
+    return GROUPS[group]
 
 
 def row_value(column):
@@ -224,7 +237,7 @@ def members(group, model):
     if group not in GROUPS:
         raise WorkflowError(f"no group {group!r} in {TABLE}; there are {', '.join(GROUPS)}")
     modes = {"ogden1": ["compression"]}.get(model, ["tension", "compression", "shear"])
-    return [name for name in GROUPS[group] if SAMPLES[name]["mode"] in modes]
+    return [name for name in samples_of(group) if SAMPLES[name]["mode"] in modes]
 
 
 def calibration_curves(ending):
@@ -289,7 +302,7 @@ def calibration_of(sample, geometry, kind):
 def of_members(pattern):
     """Input function: a file for every sample of the group."""
     return lambda wildcards: expand(
-        pattern, sample=GROUPS[wildcards.group], **dict(wildcards.items())
+        pattern, sample=samples_of(wildcards.group), **dict(wildcards.items())
     )
 
 

@@ -25,7 +25,7 @@ rule geometry_curves:
         mesh=config["mesh"],
         preload_mm=config["protocol"]["preload_mm"],
         top_normal_deg=config["measurement"]["top_normal_deg"],
-        effects=EFFECTS,
+        effects={key: EFFECTS[key] for key in EFFECTS if key != "prescribed_strain"},
         material=config["material"],
         family=config["family"],
         solver=config["solver"],
@@ -46,7 +46,7 @@ rule geometry_bias:
     log:
         "<logs>/geometry_bias/{group}.log",
     params:
-        samples=lambda wildcards: GROUPS[wildcards.group],
+        samples=lambda wildcards: samples_of(wildcards.group),
         settings=config["calibration"],
     message:
         "Bias with features of the shape changed: group {wildcards.group}"

@@ -54,8 +54,8 @@ rule diagnose:
     benchmark:
         "<benchmarks>/diagnose/{group}.tsv"
     params:
-        samples=lambda wildcards: GROUPS[wildcards.group],
-        modes=lambda wildcards: [SAMPLES[name]["mode"] for name in GROUPS[wildcards.group]],
+        samples=lambda wildcards: samples_of(wildcards.group),
+        modes=lambda wildcards: [SAMPLES[name]["mode"] for name in samples_of(wildcards.group)],
         loop=config["loop"],
     message:
         "Diagnose the residual: group {wildcards.group}"
@@ -161,8 +161,8 @@ rule confirm_verdict:
     log:
         "<logs>/confirm_verdict/{group}_{geometry}.log",
     params:
-        samples=lambda wildcards: GROUPS[wildcards.group],
-        modes=lambda wildcards: [SAMPLES[name]["mode"] for name in GROUPS[wildcards.group]],
+        samples=lambda wildcards: samples_of(wildcards.group),
+        modes=lambda wildcards: [SAMPLES[name]["mode"] for name in samples_of(wildcards.group)],
         loop=config["loop"],
     message:
         "Confirm the verdict: group {wildcards.group}, {wildcards.geometry} geometry"

@@ -250,7 +250,7 @@ rule figure3:
 
 rule figure_sample:
     input:
-        image=study_file("image"),
+        image=study_image("image"),
         distance="<results>/segmentation/{sample}_distance.nii.gz",
         sigma="<results>/segmentation/{sample}_sigma.nii.gz",
         segmentation="<results>/segmentation/{sample}.json",

@@ -22,7 +22,6 @@ rule simulate:
         solver=config["solver"],
         contact=config["contact"],
         family=config["family"],
-        protocol=config["protocol"],
     message:
         "Simulate unit-modulus curves: {wildcards.sample}, {wildcards.geometry} geometry, {wildcards.model}"
     script:
@@ -54,8 +53,6 @@ rule confirm:
         material=config["material"],
         solver=config["solver"],
         contact=config["contact"],
-        family=config["family"],
-        protocol=config["protocol"],
     message:
         "Run at the optimum: {wildcards.sample}, {wildcards.geometry} geometry"
     script:
@@ -84,7 +81,6 @@ rule sensitivity:
         material=config["material"],
         solver=config["solver"],
         contact=config["contact"],
-        protocol=config["protocol"],
     message:
         "Sensitivity to mesh, hourglass control and precision: {wildcards.sample}, {wildcards.geometry} geometry"
     script:
@@ -116,7 +112,6 @@ rule band:
         material=config["material"],
         solver=config["solver"],
         contact=config["contact"],
-        protocol=config["protocol"],
     message:
         "Shear modulus within the uncertainty of the boundary: {wildcards.sample}"
     script:
@@ -142,7 +137,6 @@ rule series:
         material=config["material"],
         solver=config["solver"],
         contact=config["contact"],
-        protocol=config["protocol"],
     message:
         "Series of meshes for ParaView: {wildcards.sample}, {wildcards.geometry} geometry"
     script:

@@ -21,7 +21,7 @@ with logged_to(snakemake):
     mesh, _, cell_data = read_mesh_with_data(given.mesh)
     sigma, _, _ = read_distance(given.sigma, given.segmentation)
     image = SegmentedImage(
-        *read_image(given.image),
+        *read_image(given.image[0]),
         *read_distance(given.distance, given.segmentation),
         np.array(report["sample_to_world"]),
     )

@@ -17,7 +17,7 @@ with logged_to(snakemake):
     given, files = snakemake.params, snakemake.input
     keys, effects = dict(given.mesh), dict(given.effects)
     size = effects.pop("element_size_mm") * MM
-    del keys["element_size_mm"], effects["prescribed_strain"]
+    del keys["element_size_mm"]
     shift, preload = keys.pop("boundary_shift_mm") * MM, given.preload_mm * MM
     cuboid = read_json(files.cuboid)
     edges = tuple(cuboid[f"{name}_mm"] * MM for name in ("length", "width", "height"))

@@ -19,7 +19,11 @@ with logged_to(snakemake):
             material=given.material,
         ),
         MeasuredCurve.of_record(read_record(snakemake.input.record), given.mode).travel,
-        exponent_grid(ExponentSettings(**given.exponents), FamilySettings(**given.family)),
+        exponent_grid(
+            ExponentSettings(**given.exponents),
+            FamilySettings(**given.family),
+            given.material["alpha"],
+        ),
         given.material["poisson_ratio"],
         read_json(snakemake.input.family)["loading_time_s"],
         progress_bar(),

@@ -3,7 +3,7 @@
 Real exponents take the solver's path by eigenvalues.
 """
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from itertools import product
 
@@ -11,6 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from softsample.constitutive.ogden import unit_modulus
+from softsample.errors import InputError
 from softsample.fem.boundary import Boundary
 from softsample.fem.explicit import ExplicitModel
 from softsample.fem.family import FamilySettings, family_fractions
@@ -38,15 +39,30 @@ class ExponentSettings:
     mixtures: int = 5
 
 
-def exponent_grid(settings: ExponentSettings, family: FamilySettings) -> dict[str, Array]:
-    """Nodes of `mu1_fraction`, `alpha1` and `alpha2`, ascending."""
+def exponent_grid(
+    settings: ExponentSettings, family: FamilySettings, alpha: Sequence[float]
+) -> dict[str, Array]:
+    """Nodes of `mu1_fraction`, `alpha1` and `alpha2`, ascending.
+
+    Raises
+    ------
+    InputError
+        If an exponent of the study, `alpha`, at which the finer mesh is known, lies outside.
+    """
+    ranges = {"alpha1": settings.alpha1, "alpha2": settings.alpha2}
+    for k, ((name, (low, high)), exponent) in enumerate(zip(ranges.items(), alpha, strict=True)):
+        if not low <= exponent <= high:
+            raise InputError(
+                f"material.alpha.{k}: {exponent:g} is outside exponents.{name}, {low:g} to "
+                f"{high:g}; free exponents set out from those of the study, so widen the range"
+            )
     unit = -np.cos(np.pi * np.arange(settings.nodes) / (settings.nodes - 1))
     mixtures = FamilySettings(family.mu1_fraction_min, family.mu1_fraction_max, settings.mixtures)
     return {
         "mu1_fraction": family_fractions(mixtures),
         **{
             name: 0.5 * (low + high) + 0.5 * (high - low) * unit
-            for name, (low, high) in (("alpha1", settings.alpha1), ("alpha2", settings.alpha2))
+            for name, (low, high) in ranges.items()
         },
     }
 

@@ -14,9 +14,10 @@ from softsample.formats import Volume
 from softsample.formats.machine import described, read
 from softsample.images import check_image, on_grid_of
 from softsample.io import PathLike, read_image, read_samples, read_yaml
+from softsample.meshing.marks import MarkedImage
 from softsample.meshing.regions import relative_stiffness
 from softsample.records import RecordSettings, aligned_record
-from softsample.study import ROOT, SETTINGS, TABLE
+from softsample.study import ROOT, SETTINGS, TABLE, table_of
 from softsample.validation import check_config, sample_faults, sample_rows
 
 
@@ -43,15 +44,10 @@ def check_study(folder: PathLike) -> Inspection:
     """Check settings, table, images and records of a study folder; nothing stops at the first."""
     home = Path(folder)
     result = Inspection()
-    if not (home / TABLE).is_file():
-        result.faults.append(
-            f"{home / TABLE}: no such table; make a study with: make new-study DIR={home}"
-        )
-        return result
     settings = _settings(home, result)
     schema = _schema("samples")
     try:
-        table = read_samples(home / TABLE)
+        table = read_samples(table_of(home))
         rows = sample_rows(table, str(home / TABLE))
     except InputError as error:
         result.faults.append(str(error))
@@ -120,7 +116,7 @@ def _check_row(
     if image:
         names = (row.get("sample", ""), "sample")
         attempt("segmentation", lambda path: _mask(path, names, image))
-        attempt("bond_mask", lambda path: _mask(path, ("bond_mask",), image))
+        attempt("bond_mask", lambda path: _glued(path, image))
         attempt("labels", lambda path: _labels(path, image, settings))
 
 
@@ -139,12 +135,18 @@ def _mask(path: str, segments: Sequence[str], image: Volume) -> None:
     on_grid_of(image, *read_image(path, segments), path)
 
 
+def _glued(path: str, image: Volume) -> None:
+    data, affine = read_image(path, ("bond_mask",))
+    MarkedImage.in_world(data, affine, np.eye(4), path)
+    on_grid_of(image, data, affine, path)
+
+
 def _labels(path: str, image: Volume, settings: Mapping[str, Any]) -> None:
     data, affine = read_image(path)
+    marked = MarkedImage.in_world(data, affine, np.eye(4), path)
     on_grid_of(image, data, affine, path)
     try:
-        found = np.unique(data.astype(np.int64))
-        relative_stiffness(found, settings["material"]["region_stiffness"])
+        relative_stiffness(np.unique(marked.values), settings["material"]["region_stiffness"])
     except InputError as error:
         raise InputError(f"{path}: {error}") from error
 

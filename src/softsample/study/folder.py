@@ -5,7 +5,7 @@ from pathlib import Path
 
 from softsample.errors import InputError
 from softsample.io import PathLike, read_lines, read_samples, write_text
-from softsample.study import ROOT, SETTINGS, TABLE
+from softsample.study import ROOT, SETTINGS, TABLE, table_of
 
 WORKED = {"image": "images/C3.nii.gz", "record": "records/C3.csv"}
 """Files of the cohort that make the worked sample."""
@@ -64,7 +64,7 @@ def add_sample(
     InputError
         If a file or the study is not there, or a name is taken.
     """
-    table = Path(folder) / TABLE
+    table = table_of(Path(folder))
     name = sample or Path(image).name.split(".")[0]
     columns = list(read_samples(table).columns)
     sources = {"image": Path(image), "record": Path(record)}
@@ -77,7 +77,8 @@ def add_sample(
         elif not targets[column].exists():
             shutil.copyfile(source, targets[column])
     cells = {"sample": name, "group": group or name, "mode": mode}
-    cells |= {column: source.name for column, source in sources.items()}
+    for column, source in sources.items():
+        cells[column] = source.name + "/" * source.is_dir()
     lines, _ = read_lines(table, "save the table as tab-separated text")
     kept = [f"# {line}" if line.startswith(f"{EXAMPLE}\t") else line for line in lines]
     row = "\t".join(cells.get(column, "") for column in columns)

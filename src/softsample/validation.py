@@ -59,7 +59,28 @@ def check_config(config: Mapping[str, Any], schema: Schema, source: str) -> None
 
 def _contradictions(config: Mapping[str, Any]) -> Iterator[tuple[str, str]]:
     """Places of values that are right each for itself, but not beside another one."""
-    floor, mesh, solver = config["floor"], config["mesh"], config["solver"]
+    yield from _of_accuracy(config["floor"], config["mesh"], config["solver"], config["checks"])
+    yield from _of_material(config["material"]["alpha"], config["loop"]["variants"]["exponent"])
+    ranges = {
+        "calibration.mu_pa_min": [config["calibration"][f"mu_pa_{end}"] for end in ("min", "max")],
+        **{f"exponents.{name}": config["exponents"][name] for name in ("alpha1", "alpha2")},
+    }
+    for place, (low, high) in ranges.items():
+        if low >= high:
+            yield place, f"{low} is not below the upper end, {high}; exchange or widen them"
+    if config["contact"]["base_platen"] and not config["contact"]["side_walls"]:
+        yield (
+            "contact.base_platen",
+            "true without side_walls, so that no node of a wall could touch it; set it false",
+        )
+
+
+def _of_accuracy(
+    floor: Mapping[str, Any],
+    mesh: Mapping[str, Any],
+    solver: Mapping[str, Any],
+    checks: Mapping[str, Any],
+) -> Iterator[tuple[str, str]]:
     sizes = floor["element_size_mm"]
     if sizes != sorted(set(sizes)):
         yield "floor.element_size_mm", f"{sizes} does not ascend; sort it, with element_percent"
@@ -71,23 +92,25 @@ def _contradictions(config: Mapping[str, Any]) -> Iterator[tuple[str, str]]:
             )
     if len(mesh["surface_weights"]) != len(mesh["iterations"]):
         yield "mesh.iterations", "has another length than surface_weights; give one for each weight"
-    low, high = (config["calibration"][f"mu_pa_{end}"] for end in ("min", "max"))
-    if low >= high:
-        yield "calibration.mu_pa_min", f"{low} is not below mu_pa_max, {high}; exchange them"
-    alpha = config["material"]["alpha"]
-    if alpha[0] == alpha[1]:
-        yield "material.alpha", f"{alpha} is one term twice; its shares cannot be told apart"
-    for name in ("alpha1", "alpha2"):
-        low, high = config["exponents"][name]
-        if low >= high:
-            yield f"exponents.{name}", f"{low} is not below {high}; exchange or widen them"
-    error, bound = solver["curve_error_percent"], config["checks"]["error_bound_percent_max"]
+    error, bound = solver["curve_error_percent"], checks["error_bound_percent_max"]
     if error > bound:
         yield (
             "solver.curve_error_percent",
             f"{error} is above checks.error_bound_percent_max, {bound}, so that each run would "
             "fail its check; raise both",
         )
+
+
+def _of_material(alpha: Sequence[float], step: float) -> Iterator[tuple[str, str]]:
+    if alpha[0] == alpha[1]:
+        yield "material.alpha", f"{alpha} is one term twice; its shares cannot be told apart"
+    for k, exponent in enumerate(alpha):
+        if exponent + step == 0.0:
+            yield (
+                f"material.alpha.{k}",
+                f"{exponent} + {step}, the step of loop.variants.exponent, is the exponent 0 in a "
+                "run of the loop; give another step",
+            )
 
 
 @dataclass(frozen=True)

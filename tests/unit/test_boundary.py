@@ -3,6 +3,7 @@
 import numpy as np
 import pytest
 
+from softsample.errors import InputError
 from softsample.fem.boundary import (
     ContactSettings,
     glued_boundary,
@@ -64,6 +65,13 @@ def test_platen_starts_at_the_highest_node(crooked):
 def test_surface_nodes_off_the_base_may_touch(cuboid):
     candidates = platen_boundary(cuboid, EVERYTHING).candidates
     np.testing.assert_array_equal(candidates, np.setdiff1d(cuboid.boundary, cuboid.bottom))
+
+
+def test_a_platen_inside_the_sample_and_a_bond_of_nothing_are_refused(cuboid):
+    with pytest.raises(InputError, match="gap: -0.001 m would put the platen into the sample"):
+        platen_boundary(cuboid, EVERYTHING, gap=-1e-3)
+    with pytest.raises(InputError, match="no node of the mesh is glued"):
+        glued_boundary(cuboid, "shear", np.empty(0, dtype=np.int64))
 
 
 def test_without_side_walls_only_faces_that_look_up_may_touch(cuboid):

@@ -121,6 +121,26 @@ def test_loading_too_fast_for_the_law_is_slowed_down():
     assert pace.error_percent <= 0.5
 
 
+@pytest.mark.parametrize("least", [0.004, 0.01, 0.02, 0.04])
+def test_loading_that_crushes_elements_is_slowed_down(least):
+    """Half of a time that is long enough is tried, and not taken if it crushes."""
+
+    def run(time):
+        if time < least:
+            raise SimulationError("J = nan")
+        return SimpleNamespace(force=np.ones(5))
+
+    assert find_pace(run, 0.01, 0.5).loading_time == pytest.approx(max(least, 0.005))
+
+
+def test_loading_that_crushes_elements_at_any_pace_is_refused():
+    def run(time):
+        raise SimulationError(f"J = nan in {time} s")
+
+    with pytest.raises(SimulationError, match="J = nan in 0.04 s"):
+        find_pace(run, 0.01, 0.5)
+
+
 def test_loading_that_no_time_makes_static_is_refused():
     rng = np.random.default_rng(0)
     with pytest.raises(SimulationError, match="inertia still changes the force by"):

@@ -3,7 +3,8 @@
 import numpy as np
 import pytest
 
-from softsample.meshing.optimise import CORNERS, Problem, Stage, optimise, shape_energy
+from softsample.meshing.mesh import CORNERS
+from softsample.meshing.optimise import Problem, Stage, optimise, shape_energy
 
 CUBE = np.array(
     [[0, 0, 0], [1, 0, 0], [1, 1, 0], [0, 1, 0], [0, 0, 1], [1, 0, 1], [1, 1, 1], [0, 1, 1]],

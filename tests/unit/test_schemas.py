@@ -129,10 +129,18 @@ BAD_CONFIGS = {
         "mesh.element_size_mm: 0.0 is less than the minimum of 0.1; expected: edge length",
     ),
     "one exponent": (("material", "alpha", [-8.0]), "material.alpha: .* is too short"),
+    "an exponent that the loop would make zero": (
+        ("material", "alpha", [-2.0, 16.0]),
+        "material.alpha.0: -2.0 . 2.0, the step of loop.variants.exponent, is the exponent 0",
+    ),
+    "a base that no wall can touch": (
+        ("contact", "side_walls", False),
+        "contact.base_platen: true without side_walls",
+    ),
     "one term twice": (("material", "alpha", [2.0, 2.0]), "material.alpha: .*is one term twice"),
     "free exponents without room": (
         ("exponents", "alpha1", [-8.0, -8.0]),
-        "exponents.alpha1: -8.0 is not below -8.0",
+        "exponents.alpha1: -8.0 is not below the upper end, -8.0",
     ),
     "exponent zero": (("material", "alpha", [-8.0, 0]), "material.alpha.1: .*an exponent"),
     "shift in micrometres": (

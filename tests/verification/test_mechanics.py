@@ -8,6 +8,8 @@ from scipy.optimize import brentq, minimize
 
 import naive
 from softsample.constitutive.ogden import Fibres, OgdenMaterial, Relaxation, ogden_energy
+from softsample.errors import InputError, SimulationError
+from softsample.fem import explicit
 from softsample.fem.boundary import ContactSettings, glued_boundary, platen_boundary
 from softsample.fem.explicit import ExplicitModel, Gravity, SolverSettings
 from softsample.fem.kernels import BASE, FREE, PLATEN
@@ -255,6 +257,20 @@ def test_untared_weight_is_half_and_half_and_gone_if_glued_after_settling(small)
     np.testing.assert_allclose(tared, light.force, atol=0.02 * light.force.max())
 
 
+def test_a_gap_is_kept_above_the_settled_top(small):
+    model = ExplicitModel(small, replace(SETTINGS, loading_time_s=0.4))
+    touching, late = (
+        model.run(
+            SOFT, platen_boundary(small, ContactSettings(), gap=gap), travel, gravity=Gravity()
+        )
+        for gap, travel in ((0.0, 0.2e-3), (0.1e-3, 0.3e-3))
+    )
+    shifted = np.interp(late.displacement - 0.1e-3, touching.displacement, touching.platen_force)
+    scale = np.abs(touching.platen_force).max()
+    np.testing.assert_allclose(late.platen_force, shifted, atol=0.03 * scale)
+    assert np.abs(late.platen_force[late.displacement < 0.09e-3]).max() < 0.01 * scale
+
+
 def test_platen_is_brought_to_the_settled_top(small):
     """Zero travel is then the first touch of the sagged sample, not of the unloaded one."""
     model = ExplicitModel(small, replace(SETTINGS, loading_time_s=0.4))
@@ -377,6 +393,38 @@ def test_relaxation_goes_by_the_clock_of_the_test(small):
     one = model.run(slow, boundary, UP_HOLD_DOWN)
     ten = model.run(fast, boundary, History(0.1 * UP_HOLD_DOWN.time, UP_HOLD_DOWN.travel))
     np.testing.assert_allclose(ten.force, one.force, atol=1e-9 * one.force.max())
+
+
+def test_a_platen_that_does_not_reach_the_sample_is_named(small):
+    boundary = platen_boundary(small, ContactSettings(), gap=1e-3)
+    with pytest.raises(SimulationError, match=r"nothing was strained in 0.1 mm of travel.*gap"):
+        ExplicitModel(small, SETTINGS).run(MATERIAL, boundary, 0.1e-3)
+
+
+def test_elements_that_are_crushed_end_a_run(small, monkeypatch):
+    monkeypatch.setattr(explicit, "LEAST_STEP", 0.9)
+    boundary = platen_boundary(small, ContactSettings())
+    with pytest.raises(
+        SimulationError, match=r"has shrunk to .* s at .*raise solver: loading_time_s"
+    ):
+        ExplicitModel(small, SETTINGS).run(MATERIAL, boundary, 1.2e-3)
+
+
+def test_a_mesh_without_a_free_node_is_refused():
+    flat = mesh_cuboid(3e-3, 3e-3, 0.5e-3, 0.5e-3)
+    with pytest.raises(
+        SimulationError, match="no node is free to move; lower mesh: element_size_mm"
+    ):
+        ExplicitModel(flat, SETTINGS).run(
+            MATERIAL, glued_boundary(flat, "tension", flat.glued(0.0)), 0.1e-3
+        )
+
+
+@pytest.mark.parametrize("times", [[0.0, 1.0], [0.5, 0.5], [1.0, 0.5], [0.5, 2.0]])
+def test_times_of_snapshots_that_are_none_of_the_test_are_refused(small, times):
+    boundary = glued_boundary(small, "shear", small.glued(0.0))
+    with pytest.raises(InputError, match="do not ascend from above 0 to 1 s"):
+        ExplicitModel(small, SETTINGS).run(MATERIAL, boundary, 0.1e-3, snapshots=times)
 
 
 def test_a_snapshot_has_the_travel_at_which_its_nodes_are(small):

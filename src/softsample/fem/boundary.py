@@ -5,8 +5,9 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from softsample.errors import InputError
 from softsample.fem.kernels import BASE, FREE, PLATEN, Platens
-from softsample.meshing.mesh import HexMesh
+from softsample.meshing.mesh import HexMesh, face_vectors
 from softsample.protocol import DIRECTIONS
 
 
@@ -94,6 +95,8 @@ def mode_boundary(
 
 def glued_boundary(mesh: HexMesh, mode: str, glued: NDArray[np.int64]) -> Boundary:
     """Base fixed, `glued` nodes moved rigidly: tension and shear tests."""
+    if len(glued) == 0:
+        raise InputError("no node of the mesh is glued to the platen; check the bond")
     nowhere = np.array([[0.0, 0.0, -1.0, np.inf], [0.0, 0.0, 1.0, np.inf]])
     return Boundary(
         _held(mesh, glued),
@@ -125,8 +128,10 @@ def platen_boundary(
     tilt_deg : tuple of float
         Rotation of the platen about x and y [degrees], in this order.
     gap : float
-        Way of the platen before it gets there [m]; negative if it starts inside the sample.
+        Way of the platen before it gets there [m], not negative.
     """
+    if gap < 0.0:
+        raise InputError(f"gap: {gap:g} m would put the platen into the sample; 0 is the least")
     base_glued = contact.base_friction is None
     held = _held(mesh, np.empty(0, dtype=np.int64))
     touchable = mesh.boundary if contact.side_walls else _upward_nodes(mesh)
@@ -165,7 +170,6 @@ def _tilted(angles_deg: tuple[float, float]) -> NDArray[np.float64]:
 
 def _upward_nodes(mesh: HexMesh, cosine: float = 0.2) -> NDArray[np.int64]:
     """Nodes of boundary faces whose unit normal has a z component above `cosine`."""
-    corners = mesh.points[mesh.boundary_quads]
-    normal = np.cross(corners[:, 2] - corners[:, 0], corners[:, 3] - corners[:, 1])
+    normal = face_vectors(mesh.points, mesh.boundary_quads)
     up = normal[:, 2] > cosine * np.linalg.norm(normal, axis=1)
     return np.unique(mesh.boundary_quads[up])

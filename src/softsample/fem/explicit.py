@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from softsample.constitutive.ogden import OgdenMaterial
-from softsample.errors import SimulationError
+from softsample.errors import InputError, SimulationError
 from softsample.fem import kernels
 from softsample.fem.blocks import aligned, groups_first, is_grouped, pack
 from softsample.fem.boundary import Boundary
@@ -29,6 +29,9 @@ JACOBI_SWEEPS = {"float32": 3, "float64": 4}
 
 BACKENDS = {"vector": None, "scalar": 0}
 """Kernel argument `lane` of each backend."""
+
+LEAST_STEP = 1e-3
+"""Part of the first stable time step below which elements are crushed, and a run would not end."""
 
 
 @dataclass(frozen=True)
@@ -124,7 +127,7 @@ class Run:
     energies : dict of (n_slices,) float64
         `displacement` [m], `strain`, `hourglass`, `kinetic`, `work` [J] along the way.
     snapshots : tuple of Snapshot
-        In the order they were asked for.
+        In the order of time.
     steps : int
         Number of time steps.
     smallest_step_s : float
@@ -314,7 +317,8 @@ class ExplicitModel:
             Displacements [m] to start from, at rest: where an earlier run ended. The platens'
             planes are where `boundary` has them.
         snapshots : sequence of float
-            Times of the test [s] at which to keep the deformed shape; a single ramp lasts 1 s.
+            Times of the test [s] at which to keep the deformed shape, ascending from above 0; a
+            single ramp lasts 1 s.
         spectral : bool, optional
             Force the path by eigenvalues.
         progress : callable, optional
@@ -323,11 +327,14 @@ class ExplicitModel:
         Raises
         ------
         InputError
-            If the platen does not travel.
+            If the platen does not travel, or the times of snapshots are none of the test's.
         SimulationError
-            When an element inverts or the solution stops being finite.
+            When an element inverts, the solution stops being finite or nothing is strained.
         """
         history = loading if isinstance(loading, History) else History.ramp(loading)
+        times, end = np.array([0.0, *snapshots]), history.time[-1]
+        if np.any(np.diff(times) <= 0.0) or times[-1] > (1.0 + 1e-9) * end:
+            raise InputError(f"snapshots at {times[1:]} s do not ascend from above 0 to {end:g} s")
         pace = np.sqrt(self.settings.reference_modulus_pa / material.shear_modulus)
         duration = float(pace) * (loading_time or self.settings.loading_time_s)
         schedule = Schedule(history, duration, duration if gravity else 0.0)
@@ -335,7 +342,7 @@ class ExplicitModel:
         if start is not None:
             march.begin(start, self.internal_force(start, material, spectral)[1][:2].sum())
         with flushed_denormals():
-            march.go(np.asarray(snapshots, float), progress)
+            march.go(times[1:], progress)
         return march.result()
 
 
@@ -373,7 +380,7 @@ class _March:
         self.elements = model.elements(material.shear_modulus)
         self.solid = model.solid(material, spectral)
         self.platens = boundary.platens()
-        self.dt = self.clock = self.critical = 0.0
+        self.dt = self.clock = self.critical = self.first_step = 0.0
         self.rng = np.random.default_rng(0)
         self.records = _Records()
         state, terms = model.blank_state(), self.solid.prony.size
@@ -405,15 +412,18 @@ class _March:
         self.platens = self.platens._replace(planes=planes, glued=(base, base[:0]))
 
     def _lower_platen(self) -> None:
-        """Glue the platen to the settled sample, or bring it to the highest point."""
+        """Glue the platen to the settled sample, or bring it down with the highest point."""
         self.platens = self.boundary.platens()
         glued = self.boundary.held == kernels.PLATEN
         self.motion.held[glued] = kernels.PLATEN
         if np.isfinite(self.platens.planes[1, 3]):
             ids = self.platens.candidates
-            place = self.model.mesh.points[ids] + self.motion.u[ids, :3]
             planes = self.platens.planes.copy()
-            planes[1, 3] = (place @ planes[1, :3]).max()
+            rest = self.model.mesh.points[ids]
+            heights = [
+                (place @ planes[1, :3]).max() for place in (rest, rest + self.motion.u[ids, :3])
+            ]
+            planes[1, 3] += heights[1] - heights[0]
             self.platens = self.platens._replace(planes=planes)
         self._free()
 
@@ -433,7 +443,7 @@ class _March:
                 and abs(start - self.schedule.settling) < self.schedule.tick
             ):
                 self._lower_platen()
-            allowed = self.model.settings.safety_factor * self._critical_step()
+            allowed = self._allowed_step(end / ends[-1])
             n = int(np.ceil((end - start) / allowed))
             self._advance(np.linspace(start, end, n + 1), (end - start) / n)
             self._check(end / ends[-1])
@@ -501,6 +511,18 @@ class _March:
             )
         )
 
+    def _allowed_step(self, fraction: float) -> float:
+        """A stable step for the next slice; one that has shrunk to nothing is refused."""
+        allowed = self.model.settings.safety_factor * self._critical_step()
+        self.first_step = self.first_step or allowed
+        if allowed < LEAST_STEP * self.first_step:
+            raise SimulationError(
+                f"the stable time step has shrunk to {allowed:.2g} s at {100 * fraction:.0f} % of "
+                "the loading time, as elements are crushed; raise solver: loading_time_s, or end "
+                "the record at a smaller strain"
+            )
+        return allowed
+
     def _critical_step(self) -> float:
         """``2 / omega_max`` of the current tangent, extrapolated to the end of the next slice."""
         model, motion = self.model, self.motion
@@ -540,7 +562,8 @@ class _March:
                 f"element {worst} near {np.round(centre, 2).tolist()} mm has J = "
                 f"{1.0 + float(dilatation[worst]):.3g} at {100 * fraction:.0f} % of the loading "
                 f"time ({travel:.2f} mm of travel); lower solver: safety_factor, raise "
-                "solver: hourglass_coefficient, or end the record at a smaller strain"
+                "solver: loading_time_s or hourglass_coefficient, or end the record at a smaller "
+                "strain"
             )
 
     def result(self) -> Run:
@@ -579,6 +602,11 @@ class _March:
         columns = ("displacement", "strain", "hourglass", "kinetic", "work")
         along = dict(zip(columns, np.array(self.records.energies).T, strict=True))
         strain, hourglass = along["strain"], along["hourglass"]
+        if not strain.any():
+            raise SimulationError(
+                f"nothing was strained in {1e3 * along['displacement'][-1]:.3g} mm of travel: the "
+                "platen does not reach the sample; choose a smaller gap, or a longer record"
+            )
         imbalance = np.abs(strain + hourglass + along["kinetic"] - along["work"]).max()
         loaded = strain > 0.01 * strain.max()
         return {

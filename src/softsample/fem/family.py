@@ -89,9 +89,10 @@ def pace_error(fast: Run, slow: Run, ratio: float) -> float:
 def find_pace(simulate: Callable[[float], Run], shortest: float, wanted: float) -> Pace:
     """The shortest loading time whose curve has an error of `wanted` % of peak at most.
 
-    T starts at `shortest` and is doubled until curves in T and 2 T differ by little enough. How
-    the error fell in the last doubling says how much shorter than T the loading may be; the run in
-    that time is judged by the slow one again, and T is kept if it was too fast after all.
+    T starts at `shortest`, or where a first run comes through, and is doubled until curves in T and
+    2 T differ by little enough. How the error fell in the last doubling says how much shorter than
+    T the loading may be; the run in that time is judged by the slow one again, and T is kept if it
+    was too fast after all.
 
     Parameters
     ----------
@@ -105,18 +106,19 @@ def find_pace(simulate: Callable[[float], Run], shortest: float, wanted: float) 
     Raises
     ------
     SimulationError
-        If 32 times the first loading time is still too fast.
+        If 32 times the first loading time is still too fast, or elements are crushed in 4 times
+        `shortest`.
     """
-    time, before = shortest, None
-    fast = simulate(time)
+    time, fast = _first_run(simulate, shortest)
+    before = None
     for _ in range(6):
         slow = simulate(2.0 * time)
         error = pace_error(fast, slow, 0.5)
         if error <= wanted:
             order = 2.0 if before is None else max(1.0, np.log2(before / max(error, TINY)))
             better = time * max(0.5, float((error / (0.8 * wanted)) ** (1.0 / order)))
-            if better < time:
-                run = simulate(better)
+            run = _attempt(simulate, better) if better < time else None
+            if run:
                 shorter = Pace(better, run, pace_error(run, slow, 0.5 * better / time))
                 if shorter.error_percent <= wanted:
                     return shorter
@@ -126,6 +128,22 @@ def find_pace(simulate: Callable[[float], Run], shortest: float, wanted: float) 
         f"inertia still changes the force by {error:.2g} % of its peak in a loading time of "
         f"{0.5 * time:.2g} s; raise solver: curve_error_percent or loading_time_s"
     )
+
+
+def _first_run(simulate: Callable[[float], Run], shortest: float) -> tuple[float, Run]:
+    """The first of `shortest` and its next two doubles [s] in which a run comes through."""
+    for loading_time in (shortest, 2.0 * shortest):
+        if run := _attempt(simulate, loading_time):
+            return loading_time, run
+    return 4.0 * shortest, simulate(4.0 * shortest)
+
+
+def _attempt(simulate: Callable[[float], Run], loading_time: float) -> Run | None:
+    """A run that may be too fast: inertia can crush elements."""
+    try:
+        return simulate(loading_time)
+    except SimulationError:
+        return None
 
 
 def simulate_family(

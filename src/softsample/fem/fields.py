@@ -7,7 +7,7 @@ from numpy.typing import NDArray
 
 from softsample.fem.element import hex_geometry
 from softsample.fem.kernels import PLATEN
-from softsample.meshing.mesh import HexMesh
+from softsample.meshing.mesh import HexMesh, face_vectors
 
 Array = NDArray[np.float64]
 
@@ -85,8 +85,7 @@ def contact_report(mesh: HexMesh, snapshot: Snapshot) -> dict[str, float]:
 def _touching_area(mesh: HexMesh, snapshot: Snapshot) -> Array:
     """Part of the contact area that belongs to each node (n_nodes,) [m2]."""
     quads = mesh.boundary_quads
-    corners = (mesh.points + snapshot.displacement)[quads]
-    normal = 0.5 * np.cross(corners[:, 2] - corners[:, 0], corners[:, 3] - corners[:, 1])
+    normal = face_vectors(mesh.points + snapshot.displacement, quads)
     held = snapshot.held[quads] == PLATEN
     flat = normal[:, 2] > FLAT * np.linalg.norm(normal, axis=1)
     projected = np.where(flat | held.all(axis=1), np.maximum(normal[:, 2], 0.0), 0.0)

@@ -32,13 +32,15 @@ def largest_eigenvalue(
     Raises
     ------
     SimulationError
-        If the stiffness is not positive.
+        If the stiffness is not positive, or no node is free.
 
     References
     ----------
     C. Lanczos, J. Res. Natl. Bur. Stand. 45 (1950) 255, doi:10.6028/jres.045.026.
     """
     free = mass > 0.0
+    if not free.any():
+        raise SimulationError("no node is free to move; lower mesh: element_size_mm")
     inverse = np.divide(1.0, mass, out=np.zeros_like(mass), where=free)
     q = start * free
     q /= np.sqrt(np.vdot(q, q * mass))
@@ -51,9 +53,12 @@ def largest_eigenvalue(
         beta = np.sqrt(np.vdot(w, w * mass))
         off[k] = beta
         before, q = q, w / beta
-    values, vectors = eigh_tridiagonal(diagonal, off[:-1])
-    bound = float(values[-1] + abs(off[-1] * vectors[-1, -1]))
-    if not (np.isfinite(bound) and values[-1] > 0.0):
+    largest = bound = 0.0
+    if np.isfinite([diagonal, off]).all():
+        values, vectors = eigh_tridiagonal(diagonal, off[:-1])
+        largest = float(values[-1])
+        bound = largest + float(abs(off[-1] * vectors[-1, -1]))
+    if largest <= 0.0:
         raise SimulationError(
             "the stiffness of the mesh is not positive; check the mesh quality report "
             "and lower solver: safety_factor"

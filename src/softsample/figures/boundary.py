@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 from softsample.figures.render import Look, Renderer, draw_surface
 from softsample.figures.style import MODE_NAMES, PALETTE, label_panel, page_figure, styled
 from softsample.figures.surface import OBLIQUE, mesh_surface
-from softsample.meshing.mesh import HexMesh
+from softsample.meshing.mesh import HexMesh, face_vectors
 from softsample.protocol import DIRECTIONS
 
 Array = NDArray[np.float64]
@@ -95,8 +95,7 @@ def _draw(ax: Axes, held: HeldSample, renderer: Renderer) -> None:
 
 def _seen_nodes(mesh: HexMesh) -> NDArray[np.int64]:
     """Nodes of the faces that are turned to the eye."""
-    corners = mesh.points[mesh.boundary_quads]
-    normal = np.cross(corners[:, 2] - corners[:, 0], corners[:, 3] - corners[:, 1])
+    normal = face_vectors(mesh.points, mesh.boundary_quads)
     return np.unique(mesh.boundary_quads[normal @ OBLIQUE.towards_eye > 0.0])
 
 

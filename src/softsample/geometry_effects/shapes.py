@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 from scipy.interpolate import RBFInterpolator
 
 from softsample.errors import MeshError
-from softsample.meshing.mesh import HexMesh
+from softsample.meshing.mesh import HexMesh, face_vectors
 
 Array = NDArray[np.float64]
 Ids = NDArray[np.int64]
@@ -29,10 +29,10 @@ PROFILE = 201
 
 def top_quads(mesh: HexMesh, normal_deg: float) -> Ids:
     """(n, 4) faces of the upper half whose normals are within `normal_deg` of vertical."""
-    corners = mesh.points[mesh.boundary_quads]
-    normal = np.cross(corners[:, 2] - corners[:, 0], corners[:, 3] - corners[:, 1])
+    normal = face_vectors(mesh.points, mesh.boundary_quads)
     steep = normal[:, 2] > np.cos(np.radians(normal_deg)) * np.linalg.norm(normal, axis=1)
-    return mesh.boundary_quads[steep & (corners[:, :, 2].mean(axis=1) > 0.5 * mesh.highest)]
+    middle = mesh.points[mesh.boundary_quads, 2].mean(axis=1)
+    return mesh.boundary_quads[steep & (middle > 0.5 * mesh.highest)]
 
 
 def section_areas(mesh: HexMesh, heights: Array) -> Array:

@@ -5,7 +5,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from softsample.errors import InputError, MeshError
 from softsample.meshing.marks import MarkedImage
-from softsample.meshing.mesh import HexMesh
+from softsample.meshing.mesh import HexMesh, face_vectors
 
 Array = NDArray[np.float64]
 Ids = NDArray[np.int64]
@@ -94,7 +94,7 @@ def bonded_area(mesh: HexMesh, glued: Ids) -> Array:
     position = np.full(len(mesh.points), -1)
     position[glued] = np.arange(len(glued))
     corners = position[mesh.boundary_quads]
-    area = _face_vectors(mesh)[:, 2]
+    area = face_vectors(mesh.points, mesh.boundary_quads)[:, 2]
     whole = np.all(corners >= 0, axis=1) & (area > 0.0)
     shares = np.repeat(0.25 * area[whole], 4)
     return np.bincount(corners[whole].ravel(), shares, len(glued)).astype(np.float64)
@@ -102,13 +102,7 @@ def bonded_area(mesh: HexMesh, glued: Ids) -> Array:
 
 def _top_quads(mesh: HexMesh) -> Ids:
     """(n, 4) faces in the upper half of a mesh that look more up than sideways."""
-    vectors = _face_vectors(mesh)
+    vectors = face_vectors(mesh.points, mesh.boundary_quads)
     upward = vectors[:, 2] > np.sqrt(0.5) * np.linalg.norm(vectors, axis=1)
     middle = mesh.points[mesh.boundary_quads, 2].mean(axis=1)
     return mesh.boundary_quads[upward & (middle > 0.5 * mesh.highest)]
-
-
-def _face_vectors(mesh: HexMesh) -> Array:
-    """(n, 3) outward normals times area [m2] of the faces on the surface."""
-    a, b, c, d = mesh.points[mesh.boundary_quads].transpose(1, 0, 2)
-    return 0.5 * np.cross(c - a, d - b)

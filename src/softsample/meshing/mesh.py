@@ -16,6 +16,20 @@ FACES = np.array(
 )
 """Corners of the six faces of a hexahedron in VTK order, outward by the right-hand rule."""
 
+CORNERS = np.array(
+    [
+        [0, 1, 3, 4], [1, 2, 0, 5], [2, 3, 1, 6], [3, 0, 2, 7],
+        [4, 7, 5, 0], [5, 4, 6, 1], [6, 5, 7, 2], [7, 6, 4, 3],
+    ]
+)  # fmt: skip
+"""Each corner of a hexahedron in VTK order with its three neighbours, right-handed."""
+
+
+def face_vectors(points: NDArray[np.float64], quads: NDArray[np.int64]) -> NDArray[np.float64]:
+    """(n, 3) normals times area of the faces `quads` (n, 4) between `points` (n_nodes, 3)."""
+    a, b, c, d = points[quads].transpose(1, 0, 2)
+    return np.asarray(0.5 * np.cross(c - a, d - b))
+
 
 @dataclass(frozen=True)
 class HexMesh:
@@ -49,7 +63,7 @@ class HexMesh:
 
     @cached_property
     def edge_length(self) -> float:
-        """Typical element edge [m]: cube root of the mean bounding volume of the elements."""
+        """Typical element edge [m]: that of cubes with the elements' median diagonal."""
         corners = self.points[self.hexes]
         diagonal = np.linalg.norm(corners[:, 6] - corners[:, 0], axis=1)
         return float(np.median(diagonal) / np.sqrt(3.0))

@@ -8,16 +8,10 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.optimize import minimize
 
+from softsample.meshing.mesh import CORNERS
+
 Array = NDArray[np.float64]
 Ids = NDArray[np.int64]
-
-CORNERS = np.array(
-    [
-        [0, 1, 3, 4], [1, 2, 0, 5], [2, 3, 1, 6], [3, 0, 2, 7],
-        [4, 7, 5, 0], [5, 4, 6, 1], [6, 5, 7, 2], [7, 6, 4, 3],
-    ]
-)  # fmt: skip
-"""Each corner of a VTK hexahedron with its three neighbours, right-handed."""
 
 
 @numba.njit(cache=True, error_model="numpy")

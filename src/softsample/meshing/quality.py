@@ -6,14 +6,10 @@ from numpy.typing import NDArray
 
 from softsample.errors import MeshError
 from softsample.meshing.levelset import LevelSet
-from softsample.meshing.mesh import EDGES, FACES, HexMesh
+from softsample.meshing.mesh import CORNERS, EDGES, FACES, HexMesh
 
 Array = NDArray[np.float64]
 
-_CORNERS = np.array(
-    [[0, 1, 3, 4], [1, 2, 0, 5], [2, 3, 1, 6], [3, 0, 2, 7],
-     [4, 7, 5, 0], [5, 4, 6, 1], [6, 5, 7, 2], [7, 6, 4, 3]]
-)  # fmt: skip
 _SIGNS = np.array(
     [[-1, 1, 1, -1, -1, 1, 1, -1], [-1, -1, 1, 1, -1, -1, 1, 1], [-1, -1, -1, -1, 1, 1, 1, 1]]
 )  # derivative of the eight corner functions along the three axes, times eight, at the centre
@@ -30,7 +26,7 @@ def scaled_jacobian(mesh: HexMesh) -> Array:
     ----------
     .. [1] P. Knupp et al., The Verdict geometric quality library, SAND2007-1751 (2006).
     """
-    return _scaled_jacobian(mesh.points, mesh.hexes, _CORNERS, _SIGNS)
+    return _scaled_jacobian(mesh.points, mesh.hexes, CORNERS, _SIGNS)
 
 
 @numba.njit(cache=True)

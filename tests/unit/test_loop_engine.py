@@ -1,5 +1,6 @@
 """Parts of the loop one by one: noise, whitening, folds, screening, page, report."""
 
+import re
 from dataclasses import replace
 
 import numpy as np
@@ -549,6 +550,9 @@ def test_the_page_says_what_is_undecided(found):
     assert "Not identifiable from these records: " in text
     assert "`force_offset`\n" in text
     assert "not kept" not in text
+    assert re.search(r"would have been seen: .*force_offset [\d.]+ mN[,.]", text)
+    verdict["detection_limits"]["platen_slip"] = {"value": 0.31, "unit": "1"}
+    assert "platen_slip 0.31." in page("A7", verdict)
     empty = {**verdict, "verdict": "unknown", "effects": []}
     assert "no effect of the library explains" in page("A7", empty)
     assert "`force_offset`, not kept" in page("A7", empty)

@@ -121,5 +121,6 @@ def _path(verdict: Mapping[str, Any]) -> list[str]:
 def _limits(verdict: Mapping[str, Any]) -> list[str]:
     lines = ["Not identifiable from these records: " + ", ".join(verdict["not_identifiable"]) + "."]
     limits = verdict["detection_limits"].items()
-    named = ", ".join(f"{name} {x['value']:.2g} {x['unit']}" for name, x in limits)
+    sizes = (f"{name} {x['value']:.2g} {x['unit']}".removesuffix(" 1") for name, x in limits)
+    named = ", ".join(sizes)
     return [*lines, "", f"Smallest sizes that would have been seen: {named}."]

@@ -140,16 +140,13 @@ class Problem:
         up with it for the sake of a detail. So the residuals are compared as they are, with the
         variance that noise, floor, doubt of form and what the tests share let one expect.
         """
+        left = [residuals(fit.model, self.specimens, fit.state) for fit in (before, after)]
         excess = 0.0
-        for k, (specimen, whitener) in enumerate(zip(self.specimens, self.whiteners, strict=True)):
-            doubted = whitener.variance + np.mean(whitener.blocks(self.common[k]) ** 2)
-            now, then = (
-                np.mean(
-                    whitener.blocks(specimen.force - fit.model.predict(specimen, fit.state)) ** 2
-                )
-                for fit in (after, before)
-            )
-            excess += float(now - then - doubted) / specimen.peak**2
+        for specimen, whitener, *parts in zip(
+            self.specimens, self.whiteners, *left, self.common, strict=True
+        ):
+            then, now, shared = (float(np.mean(whitener.blocks(part) ** 2)) for part in parts)
+            excess += (now - then - shared - whitener.variance) / specimen.peak**2
         return excess > 0.0
 
     def predicted(self, model: Model, state: State) -> list[Array]:

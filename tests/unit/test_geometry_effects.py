@@ -107,6 +107,16 @@ def test_variants_of_each_mode(tilted):
     assert volume == pytest.approx(exact, rel=2e-3)
 
 
+def test_a_sample_lower_than_its_cuboid_leaves_no_gap():
+    """As with a flat top whose boundary is shifted inwards."""
+    cuboid = mesh_cuboid(*EDGES, 1e-3)
+    lower = moved(cuboid, lambda x, y, z: (x, y, 0.99 * z))
+    found = variants(Shape(lower, cuboid, EDGES, 30.0), "compression", 1e-3, EffectSettings())
+    assert found["gap_times_1"].gap == 0.0
+    boundary = found["gap_times_1"].boundary("compression", ContactSettings())
+    assert boundary.planes[1, 3] == pytest.approx(EDGES[2])
+
+
 def test_a_platen_with_a_gap_meets_the_cuboid_late_and_glue_reaches_as_deep_as_it_is_told(tilted):
     contact = ContactSettings()
     late = Variant(tilted.cuboid, 0.0, gap=0.3e-3).boundary("compression", contact)

@@ -2,6 +2,7 @@
 
 import re
 from dataclasses import replace
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -20,7 +21,7 @@ from softsample.loop.noise import Noise, NoiseSettings, Whitener, covariance, me
 from softsample.loop.page import page
 from softsample.loop.resample import resampled, stretches
 from softsample.loop.screen import family_wise, null_threshold, penalty, signatures
-from softsample.loop.select import explained_alike, select
+from softsample.loop.select import Candidate, Step, _Search, explained_alike, select
 from softsample.loop.specimen import Elastic, Specimen, blocks
 
 SETTINGS = NoiseSettings()
@@ -485,6 +486,40 @@ def test_a_detail_is_not_bought_with_the_scale_of_a_test(off, kept):
     assert set(found.selection.classes) == set(names)
     worst = max(parts["all"].rms / parts["all"].peak for parts in found.after.values())
     assert worst < 0.05
+
+
+def test_an_effect_that_was_exchanged_does_not_come_back(monkeypatch):
+    """A, B and C were chosen, D is better than A; taken back are D, then C."""
+
+    def fit(*names):
+        effects = tuple(SimpleNamespace(name=name) for name in names)
+        return SimpleNamespace(model=Model(effects), state=None, cost=1.0, white=np.ones(9))
+
+    class Search(_Search):
+        def _round(self, problem, current, found=None):
+            chosen = Candidate("D", fit(*current.model.names, "D"), 1.0, 1.0)
+            return Step(12.0, [chosen], chosen, ["D"])
+
+        def _doubting_others(self, name):
+            others = [n for n in self.current.model.names if n != name]
+            return self.problem, fit(*others)
+
+        def _doubted(self, problem, fit):
+            return problem
+
+    spoiling = SimpleNamespace(fit=lambda model, state: fit(*model.names), spoiled=lambda *_: True)
+    monkeypatch.setattr("softsample.loop.select._pruned", lambda problem, fit, settings: fit)
+    search = Search(spoiling, [], LoopSettings().selection, 12.0, spoiling, fit())
+    for names in ("A", "AB", "ABC"):
+        search._take(
+            spoiling, search.current, Candidate(names[-1], fit(*names), 1.0, 1.0), [names[-1]]
+        )
+    assert search.current.model.names == ("A", "B", "C")
+    assert search.exchange()
+    assert search.current.model.names == ("B", "C", "D")
+    search.retract()
+    assert search.current.model.names == ("B", "C")
+    assert list(search.classes) == ["B", "C"]
 
 
 def test_a_size_that_cannot_be_negative_gains_nothing_from_the_opposite(problem):

@@ -103,7 +103,7 @@ def variants(
         found[f"relief_times_{factor:g}"] = Variant(mesh, preload)
     if mode == "compression":
         for factor in settings.gap_factors:
-            gap = factor * (shape.real.highest - height)
+            gap = factor * max(0.0, shape.real.highest - height)
             found[f"gap_times_{factor:g}"] = replace(found["cuboid"], gap=gap)
     else:
         for depth in settings.bond_depths_mm:

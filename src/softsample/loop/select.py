@@ -209,13 +209,14 @@ class _Search:
             if step.chosen is not None and step.chosen.name != effect.name:
                 self.steps.append(step)
                 del self.classes[effect.name]
+                self.earlier.clear()
                 self._take(problem, others, step.chosen, step.members)
                 return True
         return False
 
     def retract(self) -> None:
         """Take back what came last, if the records do without it and it spoils them."""
-        while len(self.current.model.effects) > 1:
+        while self.earlier and len(self.current.model.effects) > 1:
             problem, fit, classes = self.earlier.pop()
             if fit.cost > self.settings.unknown_ratio * len(fit.white):
                 break

@@ -102,9 +102,10 @@ FULL_SCORE = """
 ## All sizes and designs
 
 Written from [data/blind-full/score.json](data/blind-full/score.json): {judged} of {planned}
-experiments, {seeds} of each effect, design, size and floor. Over the 25 effects: how many were
-noticed, how many of these in the right class, how many of all wrongly named. False alarms; kinds
-without a name, at any size, called unknown or none; pairs at 1x with both classes named.
+experiments, {seeds} of each effect, design, size and floor, by an earlier state of the loop than
+the score above. Over the 25 effects: how many were noticed, how many of these in the right class,
+how many of all wrongly named. False alarms; kinds without a name, at any size, called unknown or
+none; pairs at 1x with both classes named.
 
 | design | floor | size | noticed | class right | wrong | false alarms | strangers | pairs |
 |---|---|---|---|---|---|---|---|---|"""

@@ -37,7 +37,7 @@ help:
 	echo "make test       unit, verification, regression and workflow tests"
 	echo "make test-long  also the tests that take minutes each"
 	echo "make check      ruff, snakefmt, mypy, snakemake --lint"
-	echo "make bench      bench-solver (its speed on this machine, into results/bench/) and bench-imaging"
+	echo "make bench      bench-solver (speed of the solver, into results/bench/) and bench-imaging"
 	echo "make bench-scale  what 1,000 samples take on 2, 64 and 1,024 cores, by the study in results/: docs/cluster.md"
 	echo "make verify     the solver against exact solutions and other solvers: docs/verification.md"
 	echo "make bench-imaging  accuracy of segmentation and mesh on made-up images: docs/accuracy.md"

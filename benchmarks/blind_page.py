@@ -102,10 +102,9 @@ FULL_SCORE = """
 ## All sizes and designs
 
 Written from [data/blind-full/score.json](data/blind-full/score.json): {judged} of {planned}
-experiments, {seeds} of each effect, design, size and floor, by an earlier state of the loop than
-the score above. Over the 25 effects: how many were noticed, how many of these in the right class,
-how many of all wrongly named. False alarms; kinds without a name, at any size, called unknown or
-none; pairs at 1x with both classes named.
+experiments, {seeds} of each effect, design, size and floor. Over the 25 effects: how many were
+noticed, how many of these in the right class, how many of all wrongly named. False alarms; kinds
+without a name, at any size, called unknown or none; pairs at 1x with both classes named.
 
 | design | floor | size | noticed | class right | wrong | false alarms | strangers | pairs |
 |---|---|---|---|---|---|---|---|---|"""
@@ -121,6 +120,11 @@ CONFUSION = """
 ![What was planted against what was answered](figures/blind/confusion.png)
 """
 
+ASUNDER = """
+The score further up is of bodies from number {} on, the tables of all sizes of those from {} on:
+the two were not run by the same state of the loop.
+"""
+
 Rows = Mapping[tuple[Any, ...], Mapping[str, Any]]
 
 
@@ -129,10 +133,14 @@ def page() -> str:
     lines = [HEAD, *_table(EFFECTS)]
     for title, (kinds, words) in NEXT.items():
         lines += ["", title, "", words, "", *_table(kinds)]
-    if SCORE.exists():
-        lines += _score(json.loads(SCORE.read_text(encoding="utf-8")))
-    if FULL.exists():
-        lines += _full(json.loads(FULL.read_text(encoding="utf-8")))
+    bodies = []
+    for path, section in ((SCORE, _score), (FULL, _full)):
+        if path.exists():
+            found = json.loads(path.read_text(encoding="utf-8"))
+            lines += section(found)
+            bodies.append(found["seal"]["provenance"]["settings"]["bodies"]["first"])
+    if len(set(bodies)) == 2:
+        lines.append(ASUNDER.format(*bodies).rstrip())
     return "\n".join(lines) + "\n"
 
 

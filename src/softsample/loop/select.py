@@ -176,7 +176,10 @@ def select(problem: Problem, effects: Sequence[Effect], settings: SelectionSetti
 
 @dataclass
 class _Search:
-    """State of a selection: what has been chosen, and the noise with the doubt of its form."""
+    """State of a selection: what has been chosen, and the noise with the doubt of its form.
+
+    `earlier` holds what `doubting`, `current` and `classes` would be without each choice.
+    """
 
     problem: Problem
     library: list[Effect]

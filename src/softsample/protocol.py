@@ -13,6 +13,9 @@ Array = NDArray[np.float64]
 DIRECTIONS = {"tension": (0.0, 0.0, 1.0), "compression": (0.0, 0.0, -1.0), "shear": (1.0, 0.0, 0.0)}
 """Direction of the moving platen's travel in each test mode (sample frame)."""
 
+PRESSED_MODES = ("compression", "confined_compression")
+"""Modes in which the platen presses and can leave the sample."""
+
 REACHED = 0.95
 """A ramp counts as the loading ramp if it reaches this part of the record's largest travel."""
 

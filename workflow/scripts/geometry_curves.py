@@ -3,12 +3,12 @@
 from softsample.calibration.measured import MeasuredCurve
 from softsample.fem.boundary import ContactSettings
 from softsample.fem.explicit import SolverSettings
-from softsample.fem.family import FamilySettings, family_fractions
 from softsample.geometry_effects.shapes import Shape
 from softsample.geometry_effects.variants import EffectSettings, simulate, variants
 from softsample.io import read_distance, read_json, read_record, write_table
 from softsample.meshing.hexahedral import MeshSettings
 from softsample.meshing.sample import mesh_ideal, mesh_real
+from softsample.response.unit import FamilySettings, family_fractions
 from softsample.workflow import logged_to, progress_bar
 
 MM = 1e-3

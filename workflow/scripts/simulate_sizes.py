@@ -1,9 +1,9 @@
 """What effects of a verdict do to a sample's force, run at their sizes (rule `simulate_sizes`)."""
 
 from softsample.io import read_distance, read_json, read_marks, read_record, write_table
-from softsample.loop.changes import table_of_changes
 from softsample.loop.confirm import at_size, simulate_sizes, sizes_to_confirm
-from softsample.loop.inputs import MechanicalTest, mesher
+from softsample.response.changes import table_of_changes
+from softsample.response.pieces import MechanicalTest, mesher
 from softsample.workflow import logged_to
 
 with logged_to(snakemake):

@@ -18,11 +18,11 @@ from softsample.loop.diagnose import LoopSettings, pose
 from softsample.loop.effects import library
 from softsample.loop.effects.base import Effect, Values
 from softsample.loop.fit import Fit
-from softsample.loop.inputs import MechanicalTest, MeshedSample
 from softsample.loop.model import Model, State
 from softsample.loop.screen import penalty
 from softsample.loop.specimen import Specimen
-from softsample.loop.variants import MARGIN, changed_boundaries, paced
+from softsample.response.perturbations import MARGIN, changed_boundaries, paced
+from softsample.response.pieces import MechanicalTest, MeshedSample
 
 Array = NDArray[np.float64]
 Runs = list[tuple[float, OgdenMaterial, Boundary]]
@@ -203,8 +203,8 @@ def at_size(name: str) -> str:
 
 
 def _simulated(name: str) -> Callable[[Specimen, float, Array, Values], Array]:
-    return lambda specimen, mixture, travel, values: specimen.elastic.change_per_mu(
-        at_size(name), mixture, travel
+    return lambda specimen, fraction, travel, values: specimen.elastic.change_per_mu(
+        at_size(name), fraction, travel
     )
 
 

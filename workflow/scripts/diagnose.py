@@ -8,7 +8,7 @@ from softsample.figures.style import save
 from softsample.io import read_json, read_record, read_table, write_json, write_text, written_aside
 from softsample.loop.candidates import candidates
 from softsample.loop.diagnose import LoopSettings, diagnose
-from softsample.loop.held_out import hold_out_text, specimens_of
+from softsample.loop.held_out import hold_out_text, tests_of
 from softsample.loop.leave_out import left_out_errors
 from softsample.loop.page import page
 from softsample.loop.verdict import document
@@ -16,26 +16,20 @@ from softsample.workflow import logged_to, progress_bar, provenance
 
 with logged_to(snakemake):
     given, files = snakemake.params, snakemake.input
-    settings, hold_out = LoopSettings.of_config(given.loop), given.hold_out
-    solid = OgdenMaterial.of_fit(read_json(files.fit))
+    settings, solid = LoopSettings.of_config(given.loop), OgdenMaterial.of_fit(read_json(files.fit))
     real = [read_table(path) for path in files.get("real", [])] or [None] * len(given.rows)
-    shapes = [IdealShape.of_report(read_json(path)) for path in files.cuboids]
-    tests = [
-        specimen
-        for k, row in enumerate(given.rows)
-        for specimen in specimens_of(
-            row,
-            read_record(files.records[k]),
-            (read_table(files.curves[k]), [read_table(files.perturbations[k])], solid, real[k]),
-            shapes[k].height,
-            hold_out,
-        )
+    responses = [
+        (read_table(curves), [read_table(changes)], solid.poisson_ratio, of_real)
+        for curves, changes, of_real in zip(files.curves, files.perturbations, real, strict=True)
     ]
+    records = [read_record(path) for path in files.records]
+    heights = [IdealShape.of_report(read_json(path)).height for path in files.cuboids]
+    tests = tests_of(given.rows, records, responses, heights, given.hold_out)
     own = [test for test in tests if test.name in given.samples]
-    effects = candidates(own, shapes[0].height, solid)
+    effects = candidates(own, heights[0], solid)
     found = diagnose(own, settings, effects)
     left_out = left_out_errors(tests, given.folds, settings, effects, progress_bar())
-    rule = hold_out_text(hold_out, given.leave_out)
+    rule = hold_out_text(given.hold_out, given.leave_out)
     verdict = document(found, left_out, settings, solid, given.rows, rule)
     write_json(snakemake.output.verdict, {**verdict, "provenance": provenance(snakemake)})
     write_text(snakemake.output.page, page(snakemake.wildcards.group, verdict))

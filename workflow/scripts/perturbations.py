@@ -29,5 +29,8 @@ with logged_to(snakemake):
     mesh_shifted = mesher(geometry, shape, lambda: (grid(), marks()), given)
     material = OgdenMaterial.of_fit(read_json(files.fit))
     test = MechanicalTest.of(material, reach(records, given["mode"]), given)
-    found = perturbations_of(geometry, shape, mesh_shifted, test, progress_bar())
-    write_table(snakemake.output.changes, table_of_changes(test.mode, *found))
+    displacement, changes = perturbations_of(geometry, shape, mesh_shifted, test, progress_bar())
+    write_table(
+        snakemake.output.changes,
+        table_of_changes(test.mode, material.mu1_fraction, displacement, changes),
+    )

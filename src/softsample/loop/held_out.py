@@ -6,13 +6,12 @@ from typing import Any
 import numpy as np
 import pandas as pd
 
-from softsample.constitutive.ogden import OgdenMaterial
 from softsample.holdout import held_out
 from softsample.loop.specimen import FORCE, NORMAL, Specimen
 from softsample.records import Record
 from softsample.response.elastic import Elastic
 
-Tables = tuple[pd.DataFrame, list[pd.DataFrame], OgdenMaterial, pd.DataFrame | None]
+Tables = tuple[pd.DataFrame, list[pd.DataFrame], float, pd.DataFrame | None]
 
 
 def specimens_of(
@@ -31,8 +30,8 @@ def specimens_of(
     record : Record
         Of the sample.
     tables : tuple
-        Response, changes of it, the material they were simulated with, and the response of the
-        real geometry if the model is the ideal one.
+        Response, changes of it, Poisson's ratio, and the response of the real geometry if the
+        model is the ideal one.
     height : float
         Of the idealised shape [m].
     hold_out : sequence of mapping
@@ -50,6 +49,18 @@ def specimens_of(
         )
         for channel in ((FORCE, NORMAL) if has_normal else (FORCE,))
     ]
+
+
+def tests_of(
+    rows: Sequence[Mapping[str, str]],
+    records: Sequence[Record],
+    tables: Sequence[Tables],
+    heights: Sequence[float],
+    hold_out: Sequence[Mapping[str, Any]],
+) -> list[Specimen]:
+    """Tests of several samples, see `specimens_of`."""
+    every = zip(rows, records, tables, heights, strict=True)
+    return [test for sample in every for test in specimens_of(*sample, hold_out)]
 
 
 def hold_out_text(hold_out: Sequence[Mapping[str, Any]], leave_out: str | None) -> str:

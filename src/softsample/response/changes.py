@@ -42,18 +42,31 @@ def read_changes(
         name.removesuffix(ending): np.interp(
             curves.displacement, travel, 1e-6 * sign * table[name].to_numpy()
         )
-        for name in table.columns.drop("displacement_mm")
+        for name in table.columns
         if name.endswith(ending) and not name.endswith(others)
     }
 
 
 def table_of_changes(
-    mode: str, displacement: Array, changes: Mapping[str, Array]
-) -> dict[str, Array]:
-    """Columns of their file from travels [m] and changes of the force per modulus (n,) [m2]."""
+    mode: str, fraction: float, displacement: Array, changes: Mapping[str, Array]
+) -> pd.DataFrame:
+    """Their file.
+
+    Parameters
+    ----------
+    mode : str
+        Of the test.
+    fraction : float
+        Modulus fraction at which the changes were simulated.
+    displacement : (n,) float64
+        Displacements of the platen [m].
+    changes : mapping of (n,) float64
+        Changes of the force per modulus [m2] by perturbation.
+    """
     sign = travel_sign(mode)
     columns = {f"{name}_mm2": 1e6 * sign * change for name, change in changes.items()}
-    return {"displacement_mm": 1e3 * sign * displacement, **columns}
+    table = {"mu1_fraction": fraction, "displacement_mm": 1e3 * sign * displacement}
+    return pd.DataFrame({**table, **columns})
 
 
 def for_all_fractions(

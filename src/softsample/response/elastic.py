@@ -9,7 +9,7 @@ import numpy as np
 import pandas as pd
 from numpy.typing import NDArray
 
-from softsample.constitutive.ogden import OgdenMaterial, compressibility
+from softsample.constitutive.ogden import compressibility
 from softsample.protocol import PRESSED_MODES
 from softsample.response.changes import for_all_fractions, read_changes
 from softsample.response.curves import ResponseCurves
@@ -49,7 +49,7 @@ class Elastic:
         mode: str,
         curves: pd.DataFrame,
         changes: Sequence[pd.DataFrame],
-        solid: OgdenMaterial,
+        poisson_ratio: float,
         real: pd.DataFrame | None = None,
         channel: str = "force",
     ) -> Self:
@@ -63,8 +63,8 @@ class Elastic:
             Its unit-modulus response.
         changes : sequence of DataFrame
             Its changes by perturbations of the model.
-        solid : OgdenMaterial
-            With which the changes were simulated.
+        poisson_ratio : float
+            With which all of it was simulated.
         real : DataFrame, optional
             Response of the real geometry, if the model is the ideal one.
         channel : str
@@ -74,13 +74,13 @@ class Elastic:
         perturbations: dict[str, ResponseCurves | Array] = {}
         for table in changes:
             perturbations |= for_all_fractions(
-                read_changes(table, found, mode, channel), found, solid.mu1_fraction
+                read_changes(table, found, mode, channel), found, float(table["mu1_fraction"][0])
             )
         if real is not None:
             difference = ResponseCurves.of_table(real, mode, channel).minus(found)
             perturbations["real_geometry"] = difference
         pressed = mode in PRESSED_MODES and channel == "force"
-        return cls(found, perturbations, pressed, solid.poisson_ratio)
+        return cls(found, perturbations, pressed, poisson_ratio)
 
     @cached_property
     def grain(self) -> float:

@@ -20,7 +20,6 @@ from softsample.fem.lanes import (
     like,
     load,
     log,
-    maximum,
     reciprocal_sqrt,
     scatter_add,
     store,
@@ -204,11 +203,15 @@ def _cofactors(h):
 
 @_inline
 def _inverse_square_cube_root(dilatation):
-    """J^(-2/3) by Newton's iteration for J^(-1/3), quadratic and free of branches."""
-    third, four = like(dilatation, 1.0 / 3.0), like(dilatation, 4.0)
-    J = like(dilatation, 1.0) + dilatation
-    y = maximum(like(dilatation, 1.0) - third * dilatation, third)
-    for _ in range(5):
+    """J^(-2/3) by Newton's iteration for J^(-1/3), from a Pade approximant.
+
+    Quadratic and free of branches; to 1e-7 from J = 0.1 to 6, beyond rounding from 0.3 to 3.
+    """
+    one, third = like(dilatation, 1.0), like(dilatation, 1.0 / 3.0)
+    four, J = like(dilatation, 4.0), one + dilatation
+    share = third * dilatation
+    y = (one + share) / (one + share + share)
+    for _ in range(4):
         y = y * (four - J * y * y * y) * third
     return y * y
 

@@ -10,7 +10,13 @@ from softsample.errors import InputError
 
 Array = NDArray[np.float64]
 
-DIRECTIONS = {"tension": (0.0, 0.0, 1.0), "compression": (0.0, 0.0, -1.0), "shear": (1.0, 0.0, 0.0)}
+DIRECTIONS = {
+    "tension": (0.0, 0.0, 1.0),
+    "compression": (0.0, 0.0, -1.0),
+    "shear": (1.0, 0.0, 0.0),
+    "pure_shear": (0.0, 0.0, 1.0),
+    "confined_compression": (0.0, 0.0, -1.0),
+}
 """Direction of the moving platen's travel in each test mode (sample frame)."""
 
 PRESSED_MODES = ("compression", "confined_compression")

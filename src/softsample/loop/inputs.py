@@ -17,6 +17,7 @@ from softsample.meshing.marks import MarkedImage
 from softsample.meshing.mesh import HexMesh
 from softsample.meshing.regions import relative_stiffness
 from softsample.meshing.sample import SampleMesh, mesh_ideal, mesh_real
+from softsample.shapes import IdealShape
 
 Array = NDArray[np.float64]
 
@@ -123,7 +124,7 @@ class MeshedSample:
 def mesher(
     geometry: str,
     grid: tuple[Array, Array, float],
-    cuboid: Mapping[str, float],
+    cuboid: Mapping[str, Any],
     marks: Mapping[str, MarkedImage],
     given: Mapping[str, Any],
 ) -> Callable[[float], MeshedSample]:
@@ -136,7 +137,7 @@ def mesher(
     grid : tuple
         Its signed distance, where its origin is [m], and its spacing [m].
     cuboid : mapping
-        `length_mm`, `width_mm` and `height_mm`.
+        Report of the idealised shape, ``cuboid/{sample}.json``.
     marks : mapping
         `bond_mask` and `labels` of the real geometry, if there are any.
     given : mapping
@@ -144,12 +145,8 @@ def mesher(
     """
     size = given["element_size_mm"] * MM
     if geometry == "ideal":
-        length, width, height = (
-            cuboid[f"{name}_mm"] * MM for name in ("length", "width", "height")
-        )
-        return lambda out: MeshedSample.of(
-            mesh_ideal(length + 2.0 * out, width + 2.0 * out, height + out, size)
-        )
+        shape = IdealShape.of_report(cuboid)
+        return lambda out: MeshedSample.of(mesh_ideal(shape.grown(out), size))
     keys = {name: value for name, value in given["mesh"].items() if name != "element_size_mm"}
     segmented = keys.pop("boundary_shift_mm") * MM
     return lambda out: MeshedSample.of(

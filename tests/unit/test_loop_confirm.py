@@ -15,6 +15,7 @@ from softsample.loop.effects import library
 from softsample.meshing.sample import mesh_ideal
 from softsample.response.perturbations import simulate_perturbations
 from softsample.response.pieces import MechanicalTest, MeshedSample, PerturbationSettings
+from softsample.shapes import IdealShape
 
 MM = 1e-3
 STEPS = {
@@ -31,8 +32,8 @@ STEPS = {
 @pytest.mark.parametrize("mode", ["tension", "compression"])
 def test_an_effect_at_the_step_of_a_variant_is_that_variant(mode):
     def mesh_shifted(shift):
-        edges = (8 * MM + 2 * shift, 6 * MM + 2 * shift, 7 * MM + shift)
-        return MeshedSample.of(mesh_ideal(*edges, 1.5 * MM))
+        shape = IdealShape("cuboid", 8 * MM, 6 * MM, 7 * MM)
+        return MeshedSample.of(mesh_ideal(shape.grown(shift), 1.5 * MM))
 
     solid, solver = (
         OgdenMaterial((600.0, 400.0), (-8.0, 16.0), 0.49),
@@ -53,8 +54,8 @@ def test_an_effect_at_the_step_of_a_variant_is_that_variant(mode):
 @pytest.mark.parametrize("mode", ["tension", "compression"])
 def test_changes_are_for_the_steps_that_effects_know_whatever_the_settings(mode):
     def mesh_shifted(shift):
-        edges = (8 * MM + 2 * shift, 6 * MM + 2 * shift, 7 * MM + shift)
-        return MeshedSample.of(mesh_ideal(*edges, 1.5 * MM))
+        shape = IdealShape("cuboid", 8 * MM, 6 * MM, 7 * MM)
+        return MeshedSample.of(mesh_ideal(shape.grown(shift), 1.5 * MM))
 
     default = PerturbationSettings()
     half = PerturbationSettings(1.0, 0.05, 0.5, shift_mm=0.05)

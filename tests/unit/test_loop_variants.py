@@ -26,6 +26,7 @@ from softsample.response.perturbations import (
     simulate_perturbations,
 )
 from softsample.response.pieces import MechanicalTest, MeshedSample, PerturbationSettings, mesher
+from softsample.shapes import IdealShape
 
 MM = 1e-3
 SOLID = OgdenMaterial((600.0, 400.0), (-8.0, 16.0), 0.49)
@@ -40,8 +41,8 @@ SOLVER = SolverSettings(loading_time_s=0.1)
 
 
 def mesh_shifted(shift):
-    edges = (9 * MM + 2 * shift, 7 * MM + 2 * shift, 6 * MM + shift)
-    return MeshedSample.of(mesh_ideal(*edges, 1.0 * MM))
+    shape = IdealShape("cuboid", 9 * MM, 7 * MM, 6 * MM)
+    return MeshedSample.of(mesh_ideal(shape.grown(shift), 1.0 * MM))
 
 
 def mechanical_test(mode, travel, fibre_ratio=0.1):

@@ -82,7 +82,7 @@ def test_every_other_config_changes_the_study_and_is_accepted(path):
         ("records", RecordSettings, set()),
         ("segmentation", SegmentationSettings, set()),
         ("measurement", MeasurementSettings, {"-preload_mm"}),
-        ("mesh", MeshSettings, {"element_size_mm", "boundary_shift_mm"}),
+        ("mesh", MeshSettings, {"element_size_mm", "elements_across", "boundary_shift_mm"}),
         ("contact", ContactSettings, set()),
         ("solver", SolverSettings, set()),
         ("family", FamilySettings, set()),

@@ -1,13 +1,12 @@
 """Evidence of a verdict's effects, run at their sizes (rule `confirm_verdict`)."""
 
-from softsample.shapes import IdealShape
-
 from softsample.constitutive.ogden import OgdenMaterial
 from softsample.io import read_json, read_record, read_table, write_table
 from softsample.loop.candidates import candidates
 from softsample.loop.confirm import confirmations, sizes_to_confirm
 from softsample.loop.diagnose import LoopSettings
 from softsample.loop.held_out import tests_of
+from softsample.shapes import IdealShape
 from softsample.workflow import logged_to
 
 with logged_to(snakemake):

@@ -1,7 +1,5 @@
 """Trace what the calibrated model leaves over to the effect that it lacks (rule `diagnose`)."""
 
-from softsample.shapes import IdealShape
-
 from softsample.constitutive.ogden import OgdenMaterial
 from softsample.figures.loop import loop_figure
 from softsample.figures.style import save
@@ -12,6 +10,7 @@ from softsample.loop.held_out import hold_out_text, tests_of
 from softsample.loop.leave_out import left_out_errors
 from softsample.loop.page import page
 from softsample.loop.verdict import document
+from softsample.shapes import IdealShape
 from softsample.workflow import logged_to, progress_bar, provenance
 
 with logged_to(snakemake):

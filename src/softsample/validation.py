@@ -60,7 +60,7 @@ def check_config(config: Mapping[str, Any], schema: Schema, source: str) -> None
 def _contradictions(config: Mapping[str, Any]) -> Iterator[tuple[str, str]]:
     """Places of values that are right each for itself, but not beside another one."""
     yield from _of_accuracy(config["floor"], config["mesh"], config["solver"], config["checks"])
-    yield from _of_material(config["material"]["alpha"], config["loop"]["variants"]["exponent"])
+    yield from _of_material(config["material"]["alpha"], config["loop"]["perturbations"]["exponent"])
     ranges = {
         "calibration.mu_pa_min": [config["calibration"][f"mu_pa_{end}"] for end in ("min", "max")],
         **{f"exponents.{name}": config["exponents"][name] for name in ("alpha1", "alpha2")},
@@ -108,7 +108,7 @@ def _of_material(alpha: Sequence[float], step: float) -> Iterator[tuple[str, str
         if exponent + step == 0.0:
             yield (
                 f"material.alpha.{k}",
-                f"{exponent} + {step}, the step of loop.variants.exponent, is the exponent 0 in a "
+                f"{exponent} + {step}, the step of loop.perturbations.exponent, is the exponent 0 in a "
                 "run of the loop; give another step",
             )
 

@@ -75,9 +75,9 @@ REFUSED = {
         put("displacement_mm", 77, "1,5"),
         "line 77, column 'displacement_mm': '1,5' is not a number",
     ),
-    "force in mN": (
-        lambda t: t.assign(force_N=1000.0 * t["force_N"]),
-        "column 'force_N': -1[0-9.]+ is less than the minimum of -100; expected: .*was it written",
+    "force in uN": (
+        lambda t: t.assign(force_N=1e6 * t["force_N"]),
+        "column 'force_N': -1[0-9.]+ is less than the minimum of -10000; .*was it written",
     ),
     "displacement in m": (
         lambda t: t.assign(displacement_mm=1e-3 * t["displacement_mm"]),

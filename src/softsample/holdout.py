@@ -3,7 +3,7 @@
 No rule reads a force, so that what is held out cannot be chosen by what it would show.
 """
 
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, fields
 from typing import Any, Self
 
@@ -72,7 +72,7 @@ class Selection:
         return all(cells[name] in (getattr(self, name) or (cells[name],)) for name in OF_ROWS)
 
     def mask(self, record: Record, row: Row, height: float, channel: str) -> NDArray[np.bool_]:
-        """Samples (n,) of a channel of a record that it selects, as `HoldOut.mask`."""
+        """Samples (n,) of a channel of a record that it selects, as `held_out`."""
         selected = np.full(len(record.displacement), self.fits(row))
         if self.channel:
             selected &= channel in self.channel
@@ -85,64 +85,51 @@ class Selection:
         return selected
 
 
-@dataclass(frozen=True)
-class HoldOut:
-    """All selections of a study: what one of them selects is held out.
+def held_out(
+    record: Record, row: Row, height: float, channel: str, selections: Sequence[Mapping[str, Any]]
+) -> NDArray[np.bool_]:
+    """Samples of a channel of a record that are held out: what one of the selections selects.
 
     Parameters
     ----------
-    selections : tuple of Selection
+    record : Record
+        With phases and cycles (`Record.marked`).
+    row : mapping of str
+        Of the sample, in the table.
+    height : float
+        Of the undeformed sample [m].
+    channel : str
+        `force`, `force_normal` or `torque`.
+    selections : sequence of mapping
+        Section `hold_out` of the configuration.
+
+    Returns
+    -------
+    (n,) bool
     """
+    masks = [Selection.of(item).mask(record, row, height, channel) for item in selections]
+    return np.any([np.zeros(len(record.displacement), dtype=bool), *masks], axis=0)
 
-    selections: tuple[Selection, ...] = ()
 
-    @classmethod
-    def of(cls, settings: Iterable[Mapping[str, Any]]) -> Self:
-        """From section `hold_out` of the configuration."""
-        return cls(tuple(Selection.of(item) for item in settings))
+def wholly_held_out(row: Row, selections: Sequence[Mapping[str, Any]]) -> bool:
+    """Whether a sample is held out as a whole."""
+    every = map(Selection.of, selections)
+    return any(selection.of_samples and selection.fits(row) for selection in every)
 
-    def whole(self, row: Row) -> bool:
-        """Whether a sample is held out as a whole."""
-        return any(selection.of_samples and selection.fits(row) for selection in self.selections)
 
-    def mask(
-        self, record: Record, row: Row, height: float, channel: str = "force"
-    ) -> NDArray[np.bool_]:
-        """Samples of a channel of a record that are held out.
+def check_hold_out(rows: Sequence[Row], selections: Sequence[Mapping[str, Any]]) -> None:
+    """Refuse a selection that fits no row of the table, and a table that is all held out.
 
-        Parameters
-        ----------
-        record : Record
-            With phases and cycles (`Record.marked`).
-        row : mapping of str
-            Of the sample, in the table.
-        height : float
-            Of the undeformed sample [m].
-        channel : str
-            `force`, `force_normal` or `torque`.
-
-        Returns
-        -------
-        (n,) bool
-        """
-        held_out = np.zeros(len(record.displacement), dtype=bool)
-        for selection in self.selections:
-            held_out |= selection.mask(record, row, height, channel)
-        return held_out
-
-    def check(self, rows: Sequence[Row]) -> None:
-        """Refuse a selection that fits no row of the table, and a table that is all held out.
-
-        Raises
-        ------
-        InputError
-            Naming the selection and what there is.
-        """
-        for number, selection in enumerate(self.selections):
-            if not any(selection.fits(row) for row in rows):
-                raise InputError(f"hold_out.{number}: no sample fits it; {_there(selection, rows)}")
-        if rows and all(map(self.whole, rows)):
-            raise InputError("hold_out: every sample is held out; leave some to fit a model to")
+    Raises
+    ------
+    InputError
+        Naming the selection and what there is.
+    """
+    for number, selection in enumerate(map(Selection.of, selections)):
+        if not any(selection.fits(row) for row in rows):
+            raise InputError(f"hold_out.{number}: no sample fits it; {_there(selection, rows)}")
+    if rows and all(wholly_held_out(row, selections) for row in rows):
+        raise InputError("hold_out: every sample is held out; leave some to fit a model to")
 
 
 def _there(selection: Selection, rows: Sequence[Row]) -> str:

@@ -23,6 +23,9 @@ DIRECTIONS = {
 
 MODES = tuple(DIRECTIONS)
 
+PRESSED_MODES = ("compression", "confined_compression")
+"""Modes in which the platen presses and can leave the sample."""
+
 REACHED = 0.95
 """A ramp reaches the largest displacement of a record if it comes to this part of it."""
 

@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 from softsample.errors import InputError
-from softsample.holdout import HoldOut, Selection, folds
+from softsample.holdout import Selection, check_hold_out, folds, held_out, wholly_held_out
 from softsample.io import read_yaml
 from softsample.records import Record
 
@@ -32,7 +32,7 @@ def record():
 
 
 def held(record, *selections, row=ROWS[1], channel="force"):
-    return HoldOut.of(selections).mask(record, row, HEIGHT, channel)
+    return held_out(record, row, HEIGHT, channel, selections)
 
 
 def times(record, mask):
@@ -43,7 +43,7 @@ def times(record, mask):
 
 def test_nothing_is_held_out_without_a_selection(record):
     assert not held(record).any()
-    assert not HoldOut().whole(ROWS[0])
+    assert not wholly_held_out(ROWS[0], [])
     assert folds(ROWS, None) == []
 
 
@@ -63,7 +63,7 @@ def test_larger_strains_are_held_out_to_either_side(record):
     assert times(record, above) == (4.1, 7.9, 39)
     turned = replace(record, displacement=-record.displacement)
     np.testing.assert_array_equal(held(turned, {"strain_above": 0.3, "cycle": [1]}), above)
-    twice = HoldOut.of([{"strain_above": 0.3}]).mask(record, ROWS[1], 2 * HEIGHT)
+    twice = held_out(record, ROWS[1], 2 * HEIGHT, "force", [{"strain_above": 0.3}])
     assert not twice.any()
 
 
@@ -81,7 +81,7 @@ def test_a_channel_is_held_out_alone(record):
     normal = {"channel": "force_normal", "sample": "C1"}
     assert held(record, normal, channel="force_normal").all()
     assert not held(record, normal).any()
-    assert not HoldOut.of([normal]).whole(ROWS[1])
+    assert not wholly_held_out(ROWS[1], [normal])
 
 
 def test_no_force_is_read(record):
@@ -91,10 +91,10 @@ def test_no_force_is_read(record):
 
 
 def test_samples_are_held_out_as_a_whole():
-    held_out = HoldOut.of([{"specimen": "P", "mode": "compression"}, {"sample": ["T1", "X"]}])
-    assert [held_out.whole(row) for row in ROWS] == [False, True, True, True]
-    assert HoldOut.of([{"specimen": "S1"}]).whole(ROWS[0])  # a sample is a piece of its own
-    assert not HoldOut.of([{"group": "G", "phase": "hold"}]).whole(ROWS[0])
+    selections = [{"specimen": "P", "mode": "compression"}, {"sample": ["T1", "X"]}]
+    assert [wholly_held_out(row, selections) for row in ROWS] == [False, True, True, True]
+    assert wholly_held_out(ROWS[0], [{"specimen": "S1"}])  # a sample is a piece of its own
+    assert not wholly_held_out(ROWS[0], [{"group": "G", "phase": "hold"}])
 
 
 @pytest.mark.parametrize(
@@ -115,11 +115,11 @@ def test_groups_are_left_out_of_a_study():
 
 
 def test_a_selection_of_nothing_or_of_everything_is_refused():
-    HoldOut.of([{"mode": "shear"}, {"group": "H", "phase": "hold"}]).check(ROWS)
+    check_hold_out(ROWS, [{"mode": "shear"}, {"group": "H", "phase": "hold"}])
     with pytest.raises(InputError, match=r"hold_out.1: no sample fits it; there are group: G, H$"):
-        HoldOut.of([{"mode": "shear"}, {"group": "K", "phase": "hold"}]).check(ROWS)
+        check_hold_out(ROWS, [{"mode": "shear"}, {"group": "K", "phase": "hold"}])
     with pytest.raises(InputError, match="hold_out: every sample is held out"):
-        HoldOut.of([{"group": "G"}, {"mode": "tension"}]).check(ROWS)
+        check_hold_out(ROWS, [{"group": "G"}, {"mode": "tension"}])
 
 
 def test_keys_are_those_of_the_schema():

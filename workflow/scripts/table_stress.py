@@ -10,7 +10,10 @@ with logged_to(snakemake):
     for mode, record, name in zip(
         snakemake.params.modes, given.records, given.cuboids, strict=True
     ):
-        ramp, cuboid = MeasuredCurve.of_record(read_record(record), mode), read_json(name)
+        ramp, cuboid = (
+            MeasuredCurve.of_record(read_record(record), mode),
+            read_json(name),
+        )
         edges = (cuboid[f"{edge}_mm"] * MM for edge in ("length", "width", "height"))
         curves.append((mode, *nominal_curve(ramp.displacement, ramp.force, *edges)))
     write_table(snakemake.output.table, stress_strain_table(curves))

@@ -25,6 +25,7 @@ from softsample.formats.text import read_lines
 from softsample.meshing.marks import MarkedImage
 from softsample.meshing.mesh import HexMesh
 from softsample.meshing.surface import TriangleSurface
+from softsample.records import Record
 
 MM = 1e-3
 """One millimetre [m]."""
@@ -170,7 +171,12 @@ def read_samples(path: PathLike) -> pd.DataFrame:
     )
 
 
-def read_record(path: PathLike) -> pd.DataFrame:
+def read_record(path: PathLike) -> Record:
+    """Read a record of the workflow, `records/{sample}.csv`."""
+    return Record.of_table(read_record_table(path))
+
+
+def read_record_table(path: PathLike) -> pd.DataFrame:
     """Read a test record as it stands in the file.
 
     Returns

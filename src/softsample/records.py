@@ -1,15 +1,15 @@
 """Test records: is one fit to be used, and what does it hold."""
 
 from collections.abc import Iterable, Iterator, Mapping
-from dataclasses import dataclass
-from typing import Any
+from dataclasses import dataclass, field, replace
+from typing import Any, Protocol, Self
 
 import numpy as np
 import pandas as pd
 from numpy.typing import NDArray
 
 from softsample.errors import InputError
-from softsample.protocol import Phase, loading_ramp, phases, travel_sign
+from softsample.protocol import LARGEST, Course, Loading, Phase, phases, travel_sign
 from softsample.validation import refusals
 
 Array = NDArray[np.float64]
@@ -17,14 +17,34 @@ Array = NDArray[np.float64]
 MM = 1e-3
 SMALLEST_TRAVEL = 0.1 * MM
 FEWEST_IN_RAMP = 20
+FEWEST_UNTIMED = 5
+"""A published curve without time may have few points, all of them good."""
 FEWEST_AT_REST = 10
 LARGEST_GAP = 0.1
 """A ramp may lack samples over this part of its duration."""
 OFF_ZERO = 0.05
-"""A ramp may begin at this part of its travel or of its peak force without a word."""
+"""A ramp may begin at this part of its displacement or of its peak force without a word."""
+LARGEST_STRAIN = 1.0
+USUAL_STRESS = (10.0, 1e6)
+"""Peak nominal stress of very soft materials [Pa], beyond which a unit may be wrong."""
+USUAL_DISPLACEMENT = 100.0 * MM
+USUAL_FORCE = 100.0
+"""Largest displacement [m] and force [N] that go without a word if no dimensions are known."""
 COLUMNS = {"displacement": "displacement_mm", "force": "force_N"}
-"""Quantities with a sign and a zero, and their columns."""
+"""Quantities with a sign and a zero that every record has, and their columns."""
+ZEROED = {**COLUMNS, "force_normal": "force_normal_N", "torque": "torque_Nmm"}
+"""Quantities with a zero, and their columns."""
+STANDS_FOR = {"displacement": ("strain",), "force": ("stress",)}
 TITLED = "rename the column, whose title says that compression is positive"
+STRETCHED = "exchange tension and compression in the column mode, or correct the file"
+UNITS = {
+    "time": ("time_s", 1.0),
+    "displacement": ("displacement_mm", MM),
+    "force": ("force_N", 1.0),
+    "force_normal": ("force_normal_N", 1.0),
+    "torque": ("torque_Nmm", MM),
+}
+"""Column of each quantity of a `Record`, and its unit in ours."""
 
 
 @dataclass(frozen=True)
@@ -33,45 +53,124 @@ class Record:
 
     Parameters
     ----------
-    time : (n,) float64
-        Time [s], ascending.
+    time : (n,) float64 or None
+        Time [s], ascending; None if the file tells none.
     displacement : (n,) float64
-        Travel of the moving platen [m], along +z (axial) or +x (shear).
+        Displacement of the moving platen [m], along +z (axial) or +x (shear).
     force : (n,) float64
         Force of the platen on the sample [N], same axis.
     force_normal : (n,) float64, optional
-        Force of the platen along +z in a shear test [N].
+        Force of the platen on the sample along +z in a shear test [N].
+    torque : (n,) float64, optional
+        Torque of the platen on the sample about +z [N m].
+    phase : (n,) str
+        `baseline`, `ramp`, `hold` or `unloading`; empty before `marked`, as the next two.
+    cycle : (n,) int64
+        Number of the loading that a sample belongs to, from 1 on; 0 before the first.
+    calibrated : (n,) bool
+        Ramps of the loading that materials are calibrated on.
     """
 
-    time: Array
+    time: Array | None
     displacement: Array
     force: Array
     force_normal: Array | None = None
+    torque: Array | None = None
+    phase: NDArray[np.str_] = field(default_factory=lambda: np.empty(0, str))
+    cycle: NDArray[np.int64] = field(default_factory=lambda: np.empty(0, np.int64))
+    calibrated: NDArray[np.bool_] = field(default_factory=lambda: np.empty(0, bool))
+
+    @classmethod
+    def of_table(cls, table: pd.DataFrame) -> Self:
+        """Record of the columns of a file, those of `records/{sample}.csv` or of a lab's table."""
+        quantities: dict[str, Any] = {
+            name: unit * table[column].to_numpy(np.float64) if column in table else None
+            for name, (column, unit) in UNITS.items()
+        }
+        kinds = {"phase": str, "cycle": np.int64, "calibrated": bool}
+        marks: dict[str, Any] = {
+            name: table[name].to_numpy(kind) for name, kind in kinds.items() if name in table
+        }
+        return cls(**quantities, **marks)
 
     @property
-    def ramp(self) -> slice:
-        """Samples of the loading ramp."""
-        return loading_ramp(self.time, self.displacement)
+    def table(self) -> pd.DataFrame:
+        """Columns of the record's file, in its units."""
+        values = {column: (getattr(self, name), unit) for name, (column, unit) in UNITS.items()}
+        columns = {name: x / unit for name, (x, unit) in values.items() if x is not None}
+        return pd.DataFrame(columns | self.marks)
+
+    @property
+    def marks(self) -> dict[str, NDArray[Any]]:
+        """Columns `phase`, `cycle` and `calibrated`; none before `marked`."""
+        if not len(self.phase):
+            return {}
+        return {
+            "phase": self.phase.astype(object),
+            "cycle": self.cycle,
+            "calibrated": self.calibrated.astype(np.int64),
+        }
+
+    @property
+    def timed(self) -> bool:
+        """Whether time was recorded."""
+        return self.time is not None
+
+    @property
+    def clock(self) -> Array:
+        """Time (n,) [s], or numbers of samples where none was recorded."""
+        return np.arange(len(self.force), dtype=np.float64) if self.time is None else self.time
+
+    def course(self, mode: str) -> Course:
+        """Phases and loadings of the record as a test of a mode."""
+        return Course.of(self.clock, self.displacement, mode)
+
+    def marked(self, mode: str, which: str = LARGEST) -> Self:
+        """The record with phases, cycles and the loading that is calibrated.
+
+        Parameters
+        ----------
+        mode
+            Of the test, a key of `softsample.protocol.DIRECTIONS`.
+        which
+            The loading: `largest`, `first`, `last` or a number (`Course.chosen`).
+
+        Raises
+        ------
+        InputError
+            If there is no such loading.
+        """
+        course = self.course(mode)
+        calibrated = np.zeros(len(self.force), dtype=bool)
+        for ramp in course.chosen(which).ramps:
+            calibrated[ramp] = True
+        return replace(self, phase=course.phase, cycle=course.cycle, calibrated=calibrated)
 
 
-def record_from_table(table: pd.DataFrame) -> Record:
-    """Record in SI units from the columns of a file."""
-    time, displacement, force = (
-        table[name].to_numpy(dtype=np.float64) for name in ("time_s", "displacement_mm", "force_N")
-    )
-    normal = table["force_normal_N"].to_numpy(float) if "force_normal_N" in table else None
-    return Record(time, displacement * MM, force, normal)
+def reach(records: Iterable[Record], mode: str) -> float:
+    """Largest displacement of the platen in the loadings of some records [m], either way in shear.
+
+    What lies beyond in a hold is noise of the reading.
+    """
+    sign = 0.0 if mode == "shear" else travel_sign(mode)
+    found = []
+    for record in records:
+        loading = record.displacement[(record.phase == "ramp") | record.calibrated]
+        along = np.abs(loading) if sign == 0.0 else sign * loading
+        found.append(float(along.max()))
+    return max(found)
 
 
-def table_from_record(record: Record) -> pd.DataFrame:
-    """Columns of a record's file, in its units."""
-    columns = {
-        "time_s": record.time,
-        "displacement_mm": record.displacement / MM,
-        "force_N": record.force,
-        "force_normal_N": record.force_normal,
-    }
-    return pd.DataFrame({name: x for name, x in columns.items() if x is not None})
+class Sized(Protocol):
+    """A sample whose dimensions are stated, such as a `softsample.shapes.IdealShape`."""
+
+    @property
+    def area(self) -> float:
+        """Area of its section [m2]."""
+
+    @property
+    def height(self) -> float:
+        """Distance of the platens [m]."""
 
 
 @dataclass(frozen=True)
@@ -81,18 +180,21 @@ class RecordSettings:
     Parameters
     ----------
     columns, units
-        Title and unit by quantity (`time`, `displacement`, `force`).
+        Title and unit by quantity (`time`, `displacement`, `force`, `stress`, ...).
     positive
         What counts as positive, by quantity: `tension` (along +z, or +x in shear), `compression`,
         or `loading` (whatever the sample's mode is). A title such as "Compressive load" wins.
     zero
         Where zero is, by quantity: that of the `file`, or the mean at `rest` before the ramp.
+    sheet
+        Of a workbook; None for the first one with a line of titles.
     """
 
     columns: Mapping[str, str]
     units: Mapping[str, str]
     positive: Mapping[str, str]
     zero: Mapping[str, str]
+    sheet: str | None = None
 
 
 def aligned_record(
@@ -102,26 +204,33 @@ def aligned_record(
     settings: RecordSettings,
     schema: Mapping[str, Any],
     source: str,
+    size: Sized | None = None,
+    which: str = LARGEST,
 ) -> tuple[pd.DataFrame, dict[str, Any]]:
     """Bring a record to our signs and zero, check it, and report what it holds.
 
     Parameters
     ----------
     table, reading
-        As read from the file, in mm, N and s (`softsample.formats.machine`).
+        As read from the file, in mm, N, s and Pa (`softsample.formats.machine`).
     mode
-        `tension`, `compression` or `shear`.
+        Of the test, a key of `softsample.protocol.DIRECTIONS`.
     settings
         Signs and zero of the study.
     schema
         Schema of the columns.
     source
         The file's path, for the message.
+    size
+        Dimensions of the sample, if they are stated: what turns nominal stress and strain into
+        force and displacement.
+    which
+        The loading that is calibrated: `largest`, `first`, `last` or a number.
 
     Returns
     -------
     table : pandas.DataFrame
-        The record with our signs and zero.
+        The record with our signs and zero, and its columns `phase`, `cycle` and `calibrated`.
     facts : dict
         As of `check_record`, and `reading`, `positive` and `subtracted` by column.
 
@@ -132,26 +241,74 @@ def aligned_record(
     """
     _refuse(_no_numbers(table, source))
     _refuse(_wrong_time(table, source))
-    aligned = table.astype(np.float64)
-    positive, subtracted, cures = {}, {}, {}
+    aligned = _forces(table.astype(np.float64), size, source)
+    positive, cures = {}, {}
     for quantity, column in COLUMNS.items():
-        titled = quantity in reading["compressive"]
-        positive[column] = "compression" if titled else settings.positive[quantity]
-        sign = _sign(positive[column], mode)
-        aligned[column] *= sign
-        cures[quantity] = TITLED if titled else _cure(quantity, sign)
-    for quantity, column in COLUMNS.items():
-        subtracted[column] = 0.0
-        if settings.zero[quantity] == "rest":
-            subtracted[column] = float(aligned[column].iloc[_rest(aligned, source)].mean())
+        positive[column], cures[quantity] = _positive(quantity, reading, settings, table, mode)
+        aligned[column] *= _sign(positive[column], mode)
+    if ZEROED["force_normal"] in aligned:
+        said = settings.positive.get("force_normal", "tension")
+        aligned[ZEROED["force_normal"]] *= _sign(said, mode)
+        positive[ZEROED["force_normal"]] = said
+    subtracted = {
+        column: _zero(settings.zero.get(quantity, "file"), aligned, column, source)
+        for quantity, column in ZEROED.items()
+        if column in aligned
+    }
     aligned = aligned - pd.Series(subtracted).reindex(aligned.columns, fill_value=0.0)
-    facts = check_record(aligned, mode, schema, source, cures)
-    return aligned, {
+    record, facts = _checked(aligned, mode, schema, source, cures, size, which)
+    return aligned.assign(**record.marks), {
         **facts,
         "reading": dict(reading),
         "positive": positive,
         "subtracted": subtracted,
     }
+
+
+def _forces(table: pd.DataFrame, size: Sized | None, source: str) -> pd.DataFrame:
+    """The table with force and displacement in place of nominal stress, strain and stretch.
+
+    Nominal stress is force over the undeformed section; strain is displacement over height.
+    """
+    stated = [name for name in ("strain", "stretch", "stress_Pa") if name in table]
+    if not stated:
+        return table
+    if size is None:
+        raise InputError(
+            f"{source}: {' and '.join(stated)} need dimensions, since the section and height that "
+            "they were made with are not known; give the force and displacement that the machine "
+            "recorded, or shape and dimensions in the table in place of the image"
+        )
+    columns: dict[str, Any] = {}
+    for name in table.columns:
+        if name in ("strain", "stretch"):
+            columns["displacement_mm"] = (table[name] - (name == "stretch")) * size.height / MM
+        elif name == "stress_Pa":
+            columns["force_N"] = table[name] * size.area
+        else:
+            columns[str(name)] = table[name]
+    return pd.DataFrame(columns)
+
+
+def _positive(
+    quantity: str,
+    reading: Mapping[str, Any],
+    settings: RecordSettings,
+    table: pd.DataFrame,
+    mode: str,
+) -> tuple[str, str]:
+    """What a column counts as positive, and what turns its sign round."""
+    if quantity == "displacement" and "stretch" in table:  # above 1 in tension, whoever wrote it
+        return "tension", STRETCHED
+    if {quantity, *STANDS_FOR[quantity]} & {*reading["compressive"]}:
+        return "compression", TITLED
+    said = settings.positive[quantity]
+    return said, _cure(quantity, _sign(said, mode))
+
+
+def _zero(zero: str, table: pd.DataFrame, column: str, source: str) -> float:
+    """What is subtracted from a column."""
+    return float(table[column].iloc[_rest(table, source)].mean()) if zero == "rest" else 0.0
 
 
 def _cure(quantity: str, sign: float) -> str:
@@ -168,8 +325,8 @@ def _sign(positive: str, mode: str) -> float:
 
 def _rest(table: pd.DataFrame, source: str) -> slice:
     """Samples at rest before the first movement."""
-    record = record_from_table(table)
-    rest = _resting(phases(record.time, record.displacement))
+    record = Record.of_table(table)
+    rest = _resting(phases(record.clock, record.displacement))
     if rest.stop - rest.start < FEWEST_AT_REST:
         raise InputError(
             f"{source}: no rest before the ramp to take the zero from; set `records: zero` of the "
@@ -189,46 +346,71 @@ def check_record(
     schema: Mapping[str, Any],
     source: str,
     cures: Mapping[str, str] | None = None,
+    size: Sized | None = None,
+    which: str = LARGEST,
 ) -> dict[str, Any]:
     """Check a record and report what it holds.
 
     Parameters
     ----------
     table
-        As read; the index is the line in the file.
+        As read, in our signs; the index is the line in the file.
     mode
-        `tension`, `compression` or `shear`.
+        Of the test, a key of `softsample.protocol.DIRECTIONS`.
     schema
         Schema of the columns.
     source
         The file's path, for the message.
     cures
         What turns the sign of `displacement` and `force` round; by default the study's settings.
+    size
+        Dimensions of the sample, if they are stated.
+    which
+        The loading that is calibrated: `largest`, `first`, `last` or a number.
 
     Returns
     -------
     dict
-        `samples`, `sampling_rate_hz`, `duration_s`, `travel_mm`, `ramp_start_mm`,
+        `samples`, `timed`, `sampling_rate_hz`, `duration_s`, `travel_mm`, `ramp_start_mm`,
         `ramp_speed_mm_s`, `peak_force_N`, `force_noise_N` (standard deviation at rest, None if
-        never at rest), `force_offset_N`, `phases`, `warnings`.
+        never at rest), `force_offset_N`, `loadings`, `calibrated_loading`, `phases`, `warnings`,
+        and with a size `strain` and `stress_pa` (both ends of what is calibrated). What needs time
+        is None without.
 
     Raises
     ------
     InputError
         Naming the file, the line, the value and the cure.
     """
+    known = cures or {quantity: _cure(quantity, 1.0) for quantity in COLUMNS}
+    return _checked(table, mode, schema, source, known, size, which)[1]
+
+
+def _checked(
+    table: pd.DataFrame,
+    mode: str,
+    schema: Mapping[str, Any],
+    source: str,
+    cures: Mapping[str, str],
+    size: Sized | None,
+    which: str,
+) -> tuple[Record, dict[str, Any]]:
+    """The record of a table with its phases and cycles, and what it holds."""
     _refuse(_no_numbers(table, source))
     _refuse(_out_of_bounds(table, schema, source))
     _refuse(_wrong_time(table, source))
-    record = record_from_table(table)
     try:
-        ramp = record.ramp
+        record = Record.of_table(table)
+        course = record.course(mode)
+        loading = course.chosen(which)
     except InputError as error:
         raise InputError(f"{source}, column 'displacement_mm': {error}") from error
-    faults = _wrong_ramp(table, record, ramp, source)
-    known = cures or {quantity: _cure(quantity, 1.0) for quantity in COLUMNS}
-    _refuse([*faults, *_wrong_signs(table, record, ramp, mode, source, known)])
-    return _facts(record, ramp)
+    faults = _wrong_ramp(table, record, loading, source)
+    _refuse([*faults, *_wrong_signs(table, record, loading, mode, source, cures)])
+    return record.marked(mode, which), {
+        **_facts(record, course, loading, size),
+        "calibrated_loading": course.number(which),
+    }
 
 
 def _refuse(faults: Iterable[str]) -> None:
@@ -270,6 +452,8 @@ def _out_of_bounds(table: pd.DataFrame, schema: Mapping[str, Any], source: str) 
 
 
 def _wrong_time(table: pd.DataFrame, source: str) -> Iterator[str]:
+    if "time_s" not in table:
+        return
     time = table["time_s"].to_numpy(dtype=np.float64)
     back = np.flatnonzero(np.diff(time) <= 0.0)
     if len(back):
@@ -280,22 +464,30 @@ def _wrong_time(table: pd.DataFrame, source: str) -> Iterator[str]:
         )
 
 
-def _wrong_ramp(table: pd.DataFrame, record: Record, ramp: slice, source: str) -> Iterator[str]:
-    travel = abs(record.displacement[ramp.stop - 1] - record.displacement[ramp.start])
-    time = record.time[ramp]
-    if travel < SMALLEST_TRAVEL:
+def _wrong_ramp(
+    table: pd.DataFrame, record: Record, loading: Loading, source: str
+) -> Iterator[str]:
+    way = abs(record.displacement[loading.last] - record.displacement[loading.start])
+    if way < SMALLEST_TRAVEL:
         yield (
-            f"{source}, column 'displacement_mm': the platen travels {travel / MM:.3g} mm only; "
+            f"{source}, column 'displacement_mm': the platen travels {way / MM:.3g} mm only; "
             "is the column in m instead of mm?"
         )
-    if len(time) < FEWEST_IN_RAMP:
+    samples = sum(ramp.stop - ramp.start for ramp in loading.ramps)
+    fewest = FEWEST_IN_RAMP if record.timed else FEWEST_UNTIMED
+    if samples < fewest:
         yield (
-            f"{source}: the loading ramp (lines {table.index[ramp.start]} to "
-            f"{table.index[ramp.stop - 1]}) has {len(time)} samples; record at least "
-            f"{FEWEST_IN_RAMP}, at a higher sampling rate"
+            f"{source}: the loading ramp (lines {table.index[loading.start]} to "
+            f"{table.index[loading.last]}) has {samples} samples; record at least {fewest}, at a "
+            "higher sampling rate"
         )
-    gaps = np.diff(time)
-    if len(gaps) and gaps.max() > LARGEST_GAP * (time[-1] - time[0]):
+    for ramp in loading.ramps if record.timed else ():
+        yield from _gap(table, record.clock, ramp, source)
+
+
+def _gap(table: pd.DataFrame, time: Array, ramp: slice, source: str) -> Iterator[str]:
+    gaps = np.diff(time[ramp])
+    if len(gaps) and gaps.max() > LARGEST_GAP * (time[ramp.stop - 1] - time[ramp.start]):
         at = ramp.start + int(gaps.argmax())
         yield (
             f"{source}, line {table.index[at + 1]}: {gaps.max():g} s are missing in the loading "
@@ -306,73 +498,124 @@ def _wrong_ramp(table: pd.DataFrame, record: Record, ramp: slice, source: str) -
 def _wrong_signs(
     table: pd.DataFrame,
     record: Record,
-    ramp: slice,
+    loading: Loading,
     mode: str,
     source: str,
     cures: Mapping[str, str],
 ) -> Iterator[str]:
-    last = ramp.stop - 1
-    tail = slice(max(ramp.start, last - max(5, (ramp.stop - ramp.start) // 20)), ramp.stop)
+    rows = np.concatenate([np.arange(ramp.start, ramp.stop) for ramp in loading.ramps])
+    tail = rows[-1 - max(5, len(rows) // 20) :]
     values = {
-        "displacement": (record.displacement[last] - record.displacement[ramp.start]) / MM,
+        "displacement": (record.displacement[loading.last] - record.displacement[loading.start])
+        / MM,
         "force": float(record.force[tail].mean()),
     }
     sign = travel_sign(mode)
     for quantity, value in values.items():
         if sign * value <= 0.0:
             yield (
-                f"{source}, line {table.index[last]}, column {COLUMNS[quantity]!r}: {value:g} at "
-                f"the end of loading, but {'negative' if sign < 0 else 'positive'} is right in "
-                f"{mode} (force and travel along +z or +x, so tension positive and compression "
-                f"negative); change the sample's mode if it is wrong, or {cures[quantity]}"
+                f"{source}, line {table.index[loading.last]}, column {COLUMNS[quantity]!r}: "
+                f"{value:g} at the end of loading, but {'negative' if sign < 0 else 'positive'} is "
+                f"right in {mode} (force and travel along +z or +x, so tension positive and "
+                f"compression negative); change the sample's mode if it is wrong, or "
+                f"{cures[quantity]}"
             )
 
 
-def _facts(record: Record, ramp: slice) -> dict[str, Any]:
+def _facts(record: Record, course: Course, loading: Loading, size: Sized | None) -> dict[str, Any]:
     """What is worth knowing about a record, in the units of files."""
-    found = phases(record.time, record.displacement)
-    rest = _resting(found)
+    rest = _resting(course.phases)
     known = rest.stop - rest.start >= FEWEST_AT_REST
-    force = record.force
-    duration = record.time[ramp.stop - 1] - record.time[ramp.start]
-    travel = record.displacement[ramp.stop - 1] - record.displacement[ramp.start]
-    peak = force[ramp][np.abs(force[ramp]).argmax()]
+    rows = np.concatenate([np.arange(ramp.start, ramp.stop) for ramp in loading.ramps])
+    force = record.force[rows]
+    begin, end = record.displacement[[loading.start, loading.last]]
+    peak = force[np.abs(force).argmax()]
     warnings = [] if known else ["no rest before the ramp: force zero and noise are not known"]
-    warnings += _off_zero(record, ramp, rest if known else slice(0, 0))
-    if _is_clipped(force[ramp]):
+    warnings += _off_zero(record, loading, peak, rest if known else slice(0, 0))
+    if _is_clipped(force):
         warnings.append(f"the force stays at {peak:g} N: the load cell seems to be overloaded")
+    warnings += _unusual(record, rows, peak, size)
     return {
-        "samples": len(force),
-        "sampling_rate_hz": float(1.0 / np.median(np.diff(record.time))),
-        "duration_s": float(record.time[-1] - record.time[0]),
-        "travel_mm": float(travel / MM),
-        "ramp_start_mm": float(record.displacement[ramp.start] / MM),
-        "ramp_speed_mm_s": float(abs(travel) / MM / duration),
+        "samples": len(record.force),
+        "timed": record.timed,
+        **_pace(record, loading, abs(end - begin)),
+        "travel_mm": float((end - begin) / MM),
+        "ramp_start_mm": float(begin / MM),
         "peak_force_N": float(peak),
-        "force_noise_N": float(force[rest].std(ddof=1)) if known else None,
-        "force_offset_N": float(force[rest].mean()) if known else None,
-        "phases": [
-            {
-                "kind": phase.kind,
-                "start_s": float(record.time[phase.start]),
-                "end_s": float(record.time[phase.stop - 1]),
-            }
-            for phase in found
-        ],
+        "force_noise_N": float(record.force[rest].std(ddof=1)) if known else None,
+        "force_offset_N": float(record.force[rest].mean()) if known else None,
+        "loadings": len(course.loadings),
+        "phases": [_told(phase, record) for phase in course.phases],
+        **({} if size is None else _of_material(record, rows, size)),
         "warnings": warnings,
     }
 
 
-def _off_zero(record: Record, ramp: slice, rest: slice) -> Iterator[str]:
+def _pace(record: Record, loading: Loading, way: float) -> dict[str, float | None]:
+    """What only time tells."""
+    if record.time is None:
+        return dict.fromkeys(("sampling_rate_hz", "duration_s", "ramp_speed_mm_s"))
+    time = record.time
+    moving = sum(time[ramp.stop - 1] - time[ramp.start] for ramp in loading.ramps)
+    return {
+        "sampling_rate_hz": float(1.0 / np.median(np.diff(time))),
+        "duration_s": float(time[-1] - time[0]),
+        "ramp_speed_mm_s": float(way / MM / moving),
+    }
+
+
+def _told(phase: Phase, record: Record) -> dict[str, Any]:
+    """A phase with its ends: times, or numbers of samples where there is no time."""
+    ends = {"start": phase.start, "end": phase.stop - 1}
+    if record.time is None:
+        return {"kind": phase.kind, **ends}
+    times = {f"{name}_s": float(record.time[at]) for name, at in ends.items()}
+    return {"kind": phase.kind, **times}
+
+
+def _of_material(record: Record, rows: NDArray[np.intp], size: Sized) -> dict[str, list[float]]:
+    """Nominal strain and stress [Pa] at both ends of what is calibrated."""
+    strain, stress = record.displacement[rows] / size.height, record.force[rows] / size.area
+    return {
+        "strain": [float(strain.min()), float(strain.max())],
+        "stress_pa": [float(stress.min()), float(stress.max())],
+    }
+
+
+def _unusual(
+    record: Record, rows: NDArray[np.intp], peak: float, size: Sized | None
+) -> Iterator[str]:
+    """What may be written in another unit than it is read in."""
+    way = float(np.abs(record.displacement[rows]).max())
+    if size is None:
+        if way > USUAL_DISPLACEMENT:
+            yield f"displacement of {way / MM:.4g} mm; was it written in another unit?"
+        if abs(peak) > USUAL_FORCE:
+            yield f"force of {abs(peak):.4g} N; was it written in mN or g?"
+        return
+    strain, stress = way / size.height, abs(float(peak)) / size.area
+    if strain > LARGEST_STRAIN:
+        yield (
+            f"strain of {100.0 * strain:.4g} % at a height of {size.height / MM:.4g} mm; are "
+            "displacement and height in mm?"
+        )
+    if not USUAL_STRESS[0] <= stress <= USUAL_STRESS[1]:
+        yield (
+            f"nominal stress of {stress:.3g} Pa on {size.area / MM**2:.4g} mm2; was the force "
+            "written in mN or g, or a dimension not in mm?"
+        )
+
+
+def _off_zero(record: Record, loading: Loading, peak: float, rest: slice) -> Iterator[str]:
     """What says that the zero of the file is not that of the test."""
-    begin, end = record.displacement[ramp.start], record.displacement[ramp.stop - 1]
+    begin, end = record.displacement[[loading.start, loading.last]]
     if abs(begin) > OFF_ZERO * abs(end - begin):
         yield (
             f"the ramp begins at {begin / MM:.3g} mm, and the sample counts as deformed by that; "
             "if it is not, set `records: {zero: {displacement: rest}}`"
         )
-    before, peak = record.force[rest], np.abs(record.force[ramp]).max()
-    if len(before) and abs(before.mean()) > max(OFF_ZERO * peak, 5.0 * before.std(ddof=1)):
+    before = record.force[rest]
+    if len(before) and abs(before.mean()) > max(OFF_ZERO * abs(peak), 5.0 * before.std(ddof=1)):
         yield (
             f"the force before the ramp is {before.mean():.3g} N; if the sample is not loaded "
             "there, set `records: {zero: {force: rest}}`"

@@ -1,9 +1,10 @@
 """Closed, bounded schemas: every refusal names file, place, value and cure."""
 
+import copy
 import difflib
 import math
 import re
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Collection, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import PurePosixPath
 from typing import Any
@@ -17,19 +18,77 @@ from softsample.errors import InputError
 Schema = Mapping[str, Any]
 
 NOT_SUPPORTED = {
-    "shape": "the geometry has to come from an image",
-    "length_mm": "the geometry has to come from an image",
-    "width_mm": "the geometry has to come from an image",
-    "height_mm": "the geometry has to come from an image",
-    "diameter_mm": "the geometry has to come from an image",
+    "indenter": "tests with an indenter are planned",
+    "indenter_radius_mm": "tests with an indenter are planned",
 }
-"""Columns of the study table that are planned and not built yet, with what holds meanwhile."""
+"""Columns of the study table that are planned and not built yet."""
 
-FILE_COLUMNS = ("image", "record", "segmentation", "bond_mask", "labels")
+PLANNED_MODES = ("indentation", "torsion")
+"""Modes of a test that are planned and not built yet."""
+
+DIMENSIONS = {
+    "cuboid": ("length_mm", "width_mm", "height_mm"),
+    "cylinder": ("diameter_mm", "height_mm"),
+}
+"""Columns that state the dimensions of each shape."""
+
+ANY_DIMENSION = tuple(dict.fromkeys(name for names in DIMENSIONS.values() for name in names))
+
+LARGEST_MM = 1000.0
+
+IMAGE_COLUMNS = ("loading_axis", "shear_axis", "segmentation", "bond_mask", "labels")
+"""Columns that concern an image."""
+
+OF_SHAPES = ("pure_shear", "confined_compression")
+"""Modes that are simulated on ideal shapes only."""
+
+FILE_COLUMNS = ("image", "surface", "record", "segmentation", "bond_mask", "labels")
 """Columns of the study table that name files of the study folder."""
 
 DEFAULT_AXES = {"loading_axis": "+z", "shear_axis": "+x"}
 """Image world axes of the test where the table does not name others."""
+
+DEFAULTS = {"shape": "cuboid", "ends": "bonded", "cycle": "largest"}
+"""What an empty cell means."""
+
+
+def resolved(row: Mapping[str, str]) -> dict[str, str]:
+    """A row of the table of samples with what its empty cells mean: `specimen`, `shape`, ...
+
+    `shape` is what the sample is idealised as, whether its geometry is stated or comes from an
+    image or a surface.
+    """
+    return {"specimen": row.get("sample", ""), **DEFAULTS, **row}
+
+
+def overlaid(base: Mapping[str, Any], own: Mapping[str, Any]) -> dict[str, Any]:
+    """Settings with the keys of others in place of theirs, as Snakemake does it."""
+    merged = copy.deepcopy(dict(base))
+    for key, value in own.items():
+        both = isinstance(value, Mapping) and isinstance(merged.get(key), Mapping)
+        merged[key] = overlaid(merged[key], value) if both else value
+    return merged
+
+
+def record_settings(config: Mapping[str, Any], row: Mapping[str, str]) -> dict[str, Any]:
+    """How the record of a row is read: section `records`, with the block of its `format` over it.
+
+    Raises
+    ------
+    InputError
+        If there is no block of that name.
+    """
+    name = row.get("format")
+    if not name:
+        return dict(config["records"])
+    if name not in config["formats"]:
+        raise InputError(f"column 'format': {_no_format(name, config['formats'])}")
+    return overlaid(config["records"], config["formats"][name])
+
+
+def _no_format(name: str, known: Collection[str]) -> str:
+    there = f"there are {', '.join(map(str, known))}" if known else "there are none"
+    return f"{name!r} is no block of `formats` in the settings of the study ({there})"
 
 
 def check_config(config: Mapping[str, Any], schema: Schema, source: str) -> None:
@@ -60,7 +119,9 @@ def check_config(config: Mapping[str, Any], schema: Schema, source: str) -> None
 def _contradictions(config: Mapping[str, Any]) -> Iterator[tuple[str, str]]:
     """Places of values that are right each for itself, but not beside another one."""
     yield from _of_accuracy(config["floor"], config["mesh"], config["solver"], config["checks"])
-    yield from _of_material(config["material"]["alpha"], config["loop"]["perturbations"]["exponent"])
+    yield from _of_material(
+        config["material"]["alpha"], config["loop"]["perturbations"]["exponent"]
+    )
     ranges = {
         "calibration.mu_pa_min": [config["calibration"][f"mu_pa_{end}"] for end in ("min", "max")],
         **{f"exponents.{name}": config["exponents"][name] for name in ("alpha1", "alpha2")},
@@ -150,7 +211,9 @@ def _not_finite(value: Any, place: str = "") -> Iterator[tuple[str, str]]:
         yield from _not_finite(item, f"{place}.{key}" if place else str(key))
 
 
-def check_samples(table: pd.DataFrame, schema: Schema, source: str) -> list[dict[str, str]]:
+def check_samples(
+    table: pd.DataFrame, schema: Schema, source: str, formats: Collection[str] | None = None
+) -> list[dict[str, str]]:
     """Check the table of samples, cell by cell and as a whole.
 
     Parameters
@@ -161,11 +224,13 @@ def check_samples(table: pd.DataFrame, schema: Schema, source: str) -> list[dict
         Schema of one row.
     source
         The table's path, for the message.
+    formats
+        Names of the blocks of `formats` in the settings; not checked if they are not given.
 
     Returns
     -------
     list of dict
-        One a row, empty cells left out.
+        One a row, empty cells left out (`resolved` says what they mean).
 
     Raises
     ------
@@ -173,7 +238,7 @@ def check_samples(table: pd.DataFrame, schema: Schema, source: str) -> list[dict
         Naming every wrong cell at once: row (line in the file), column, value, cure.
     """
     rows = sample_rows(table, source)
-    faults = list(sample_faults(table, rows, schema))
+    faults = list(sample_faults(table, rows, schema, formats))
     if faults:
         lines = [f"table of samples {source} is refused:", *(f"  {fault}" for fault in faults)]
         raise InputError("\n".join(lines))
@@ -196,7 +261,9 @@ def sample_rows(table: pd.DataFrame, source: str) -> Rows:
     }
 
 
-def sample_faults(table: pd.DataFrame, rows: Rows, schema: Schema) -> Iterator[Fault]:
+def sample_faults(
+    table: pd.DataFrame, rows: Rows, schema: Schema, formats: Collection[str] | None = None
+) -> Iterator[Fault]:
     """Everything that is wrong with a table of samples, apart from the files it names."""
     columns = [str(column) for column in table.columns]
     for missing in (name for name in schema["required"] if name not in columns):
@@ -213,20 +280,28 @@ def sample_faults(table: pd.DataFrame, rows: Rows, schema: Schema) -> Iterator[F
         if name not in schema["properties"]:
             yield Fault(None, "", name, f": {_unknown(name, schema['properties'])}")
     for line, row in rows.items():
+        name = row.get("format", "")
+        if name and formats is not None and name not in formats:
+            yield Fault(line, row.get("sample", "?"), "format", _no_format(name, formats))
         for column, reason in _wrong_cells(row, columns, schema):
             yield Fault(line, row.get("sample", "?"), column, reason)
-    yield from _wrong_together(rows)
+    yield from _doubled_samples(rows)
+    yield from _split_specimens(rows)
 
 
 def _wrong_cells(
     row: Mapping[str, str], columns: Sequence[str], schema: Schema
 ) -> Iterator[tuple[str, str]]:
     """Column and reason of each wrong cell of a row, apart from columns that are wrong in all."""
+    planned = [*NOT_SUPPORTED, *(["mode"] if row.get("mode") in PLANNED_MODES else [])]
     for column, reason in refusals(dict(row), schema):
-        if column in columns and column in schema["properties"]:
+        if column in columns and column in schema["properties"] and column not in planned:
             yield column, reason
-    for column in (name for name in NOT_SUPPORTED if name in row):
-        yield column, f"not supported yet ({NOT_SUPPORTED[column]}); leave the cell empty"
+    for column in (name for name in planned if name in row):
+        why = NOT_SUPPORTED.get(
+            column, f"supported are {', '.join(schema['properties']['mode']['enum'])}"
+        )
+        yield column, f"{row[column]!r} is not supported yet ({why}); leave the row out"
     for column in (name for name in FILE_COLUMNS if name in row):
         path = PurePosixPath(row[column].replace("\\", "/"))
         if path.is_absolute() or ".." in path.parts or re.match("[A-Za-z]:", row[column]):
@@ -235,6 +310,8 @@ def _wrong_cells(
                 f"{row[column]!r} lies outside the study folder; copy the file into it, or make "
                 "a link to it there",
             )
+    yield from _wrong_geometry(row)
+    yield from _wrong_ends(row)
     if row.get("mode") == "compression" and "bond_mask" in row:
         yield "bond_mask", "the top is not glued in compression; leave the cell empty"
     loading, shear = (row.get(name, default) for name, default in DEFAULT_AXES.items())
@@ -245,7 +322,71 @@ def _wrong_cells(
         )
 
 
-def _wrong_together(rows: Rows) -> Iterator[Fault]:
+def _wrong_geometry(row: Mapping[str, str]) -> Iterator[tuple[str, str]]:
+    """What is wrong with where the geometry of a sample comes from."""
+    sources = [name for name in ("image", "surface") if name in row]
+    stated = [name for name in ANY_DIMENSION if name in row]
+    if len(sources) > 1:
+        yield "surface", "the row has an image as well; keep the one that the geometry is of"
+    elif sources:
+        for column in stated:
+            yield column, f"is measured in the {sources[0]}; leave the cell empty"
+    elif "shape" in row or stated:
+        yield from _wrong_shape(row)
+    else:
+        yield (
+            "image",
+            "no geometry; give an image, a surface, or a shape (cuboid or cylinder) with its "
+            "dimensions",
+        )
+    if "image" not in row:
+        for column in (name for name in IMAGE_COLUMNS if name in row):
+            yield column, "concerns an image, and the row has none; leave the cell empty"
+    if row.get("mode") in OF_SHAPES and sources:
+        yield (
+            "mode",
+            f"{row['mode']} is simulated on ideal shapes only; give shape and dimensions in place "
+            f"of the {sources[0]}",
+        )
+
+
+def _wrong_shape(row: Mapping[str, str]) -> Iterator[tuple[str, str]]:
+    """What is wrong with a shape that is given by its dimensions."""
+    shape = row.get("shape", "")
+    if not shape:
+        yield "shape", "is missing beside the dimensions; give cuboid or cylinder"
+    for column in ANY_DIMENSION if shape in DIMENSIONS else ():
+        needed = DIMENSIONS[shape]
+        if column in needed and column not in row:
+            yield column, f"is missing; a {shape} needs {', '.join(needed)}"
+        elif column in row and column not in needed:
+            yield column, f"a {shape} has none; leave the cell empty (it needs {', '.join(needed)})"
+    for column in (name for name in ANY_DIMENSION if _is_number(row.get(name, ""))):
+        if not 0.0 < float(row[column]) <= LARGEST_MM:
+            yield column, f"{row[column]} mm is no size of a sample; give it in mm"
+    if row.get("mode") == "pure_shear" and shape == "cylinder":
+        yield "shape", "a strip in pure shear (planar tension) is a cuboid; give its three edges"
+
+
+def _wrong_ends(row: Mapping[str, str]) -> Iterator[tuple[str, str]]:
+    """What is wrong with how the ends of a sample are held in its test."""
+    ends, mode = row.get("ends", "bonded"), row.get("mode", "")
+    real = "image" in row or "surface" in row
+    if _is_number(ends) and mode != "compression":
+        yield (
+            "ends",
+            f"{ends}: Coulomb friction holds only what is pressed, and not in {mode}; give bonded "
+            "or sliding",
+        )
+    elif ends != "bonded" and mode in ("tension", "shear") and real:
+        yield (
+            "ends",
+            f"{ends!r} in {mode} needs a shape with dimensions; with an image or a surface the "
+            "bond decides, so leave the cell empty",
+        )
+
+
+def _doubled_samples(rows: Rows) -> Iterator[Fault]:
     seen: dict[str, int] = {}
     for line, row in rows.items():
         name = row.get("sample", "")
@@ -258,6 +399,24 @@ def _wrong_together(rows: Rows) -> Iterator[Fault]:
                 "as the same, since ids become file names); give each sample an id of its own",
             )
         seen.setdefault(name.lower(), line)
+
+
+def _split_specimens(rows: Rows) -> Iterator[Fault]:
+    lines: dict[str, dict[str, int]] = {}
+    for line, row in rows.items():
+        of_piece = lines.setdefault(resolved(row)["specimen"], {})
+        of_piece.setdefault(row.get("group", ""), line)
+    for line, row in rows.items():
+        groups = dict(lines[row["specimen"]]) if "specimen" in row else {}
+        groups.pop(row.get("group", ""), None)
+        for other, first in groups.items():
+            yield Fault(
+                line,
+                row.get("sample", "?"),
+                "specimen",
+                f"{row['specimen']!r} is of group {other!r} in row {first}; one piece belongs to "
+                "one group, so correct one of them",
+            )
 
 
 def refusals(instance: Any, schema: Schema) -> Iterator[tuple[str, str]]:

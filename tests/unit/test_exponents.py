@@ -216,9 +216,7 @@ def test_simulated_grid_is_made_of_runs():
     model = ExplicitModel(mesh, SolverSettings())
     top = np.flatnonzero(mesh.points[:, 2] > 3.99e-3)
     boundary = mode_boundary(mesh, "tension", top, ContactSettings())
-    grid = exponent_grid(
-        ExponentSettings((-9.5, -3.5), (6.5, 14.5), 2, 2), (-8.0, 12.0)
-    )
+    grid = exponent_grid(ExponentSettings((-9.5, -3.5), (6.5, 14.5), 2, 2), (-8.0, 12.0))
     seen = []
     curves = simulate_exponents(
         model, boundary, 1e-3, grid, 0.49, 0.02, lambda label, done: seen.append(done)

@@ -11,7 +11,12 @@ from softsample.fem.boundary import glued_boundary
 from softsample.fem.explicit import ExplicitModel, SolverSettings
 from softsample.meshing.cuboid import mesh_cuboid
 from softsample.response.curves import ResponseCurves
-from softsample.response.unit import ResponseSettings, find_pace, modulus_fractions, simulated_response
+from softsample.response.unit import (
+    ResponseSettings,
+    find_pace,
+    modulus_fractions,
+    simulated_response,
+)
 
 ALPHA = (-8.0, 16.0)
 TRAVEL = 1.2e-3

@@ -5,7 +5,7 @@ import pandas as pd
 import pytest
 
 from softsample.errors import InputError
-from softsample.io import read_record, read_yaml
+from softsample.io import read_record_table, read_yaml
 from softsample.records import RecordSettings, aligned_record, check_record
 
 ROOT = Path(__file__).resolve().parents[2]
@@ -41,7 +41,7 @@ def test_facts_of_a_good_record():
     [("C1", "compression", -3.9), ("T1", "tension", 3.25), ("S1", "shear", 3.9)],
 )
 def test_shipped_records_are_accepted(file, mode, travel):
-    table = read_record(ROOT / f"resources/cohort/records/{file}.csv")
+    table = read_record_table(ROOT / f"resources/cohort/records/{file}.csv")
     assert check(table, mode)["travel_mm"] == pytest.approx(travel, abs=0.03)
 
 
@@ -75,9 +75,9 @@ REFUSED = {
         put("displacement_mm", 77, "1,5"),
         "line 77, column 'displacement_mm': '1,5' is not a number",
     ),
-    "force in mN": (
-        lambda t: t.assign(force_N=1000.0 * t["force_N"]),
-        "column 'force_N': -1[0-9.]+ is less than the minimum of -100; expected: .*was it written",
+    "force in uN": (
+        lambda t: t.assign(force_N=1e6 * t["force_N"]),
+        "column 'force_N': -1[0-9.]+ is less than the minimum of -10000; .*was it written",
     ),
     "displacement in m": (
         lambda t: t.assign(displacement_mm=1e-3 * t["displacement_mm"]),

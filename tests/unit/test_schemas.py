@@ -18,11 +18,18 @@ from softsample.imaging.measure import MeasurementSettings
 from softsample.imaging.segment import SegmentationSettings
 from softsample.io import read_samples, read_yaml
 from softsample.meshing.hexahedral import MeshSettings
+from softsample.protocol import MODES
 from softsample.records import RecordSettings
 from softsample.report.intervals import FloorSettings
 from softsample.response.exponents import ExponentSettings
 from softsample.response.unit import ResponseSettings
-from softsample.validation import check_config, check_samples
+from softsample.validation import (
+    check_config,
+    check_samples,
+    overlaid,
+    record_settings,
+    resolved,
+)
 
 ROOT = Path(__file__).resolve().parents[2]
 SCHEMAS = {
@@ -54,14 +61,6 @@ def test_schemas_are_valid_closed_and_described(name):
         if part.get("type") in ("number", "integer"):
             assert {"minimum", "exclusiveMinimum"} & set(part), key
             assert {"maximum", "exclusiveMaximum"} & set(part), key
-
-
-def overlaid(config, changes):
-    """The configuration with the keys of another file in place of its own, as Snakemake does it."""
-    config = copy.deepcopy(config)
-    for key, value in changes.items():
-        config[key] = overlaid(config.get(key, {}), value) if isinstance(value, dict) else value
-    return config
 
 
 def test_config_is_accepted():
@@ -244,7 +243,7 @@ BAD_TABLES = {
     "id": ([{"sample": "A/1"}], "column 'sample': 'A/1' has another form; expected: up to 64"),
     "group": ([{"group": "a b"}], "column 'group': 'a b' has another form"),
     "image": ([{"image": "a.png"}], "column 'image': 'a.png' has another form; expected: path of"),
-    "record": ([{"record": "a.xls"}], "column 'record': 'a.xls' has another form"),
+    "record": ([{"record": "a.doc"}], "column 'record': 'a.doc' has another form"),
     "empty cell": ([{"record": ""}], "column 'record': is missing; give path of the test record"),
     "twice": ([{}, {}], "row 3 .A1., column 'sample': 'A1' stands in row 2 already"),
     "twice but for case": (
@@ -283,8 +282,10 @@ def test_a_bad_table_is_refused_with_row_column_and_cure(name):
 @pytest.mark.parametrize(
     ("column", "value"),
     [
-        ("shape", "cylinder"),
-        ("diameter_mm", "20.0"),
+        ("mode", "indentation"),
+        ("mode", "torsion"),
+        ("indenter", "sphere"),
+        ("indenter_radius_mm", "3"),
     ],
 )
 def test_columns_that_are_planned_are_refused_with_words(column, value):
@@ -292,8 +293,182 @@ def test_columns_that_are_planned_are_refused_with_words(column, value):
         check_samples(table({column: value}), SCHEMAS["samples"], "t.tsv")
 
 
+CUBOID = {"shape": "cuboid", "length_mm": "20", "width_mm": "21.5", "height_mm": "10"}
+CYLINDER = {"shape": "cylinder", "diameter_mm": "8", "height_mm": "4.0"}
+
+
+def stated(*changes):
+    """Table of samples whose geometry is no image."""
+    rows = [{name: cell for name, cell in ROW.items() if name != "image"} for _ in changes]
+    rows = [{**row, **change} for row, change in zip(rows, changes, strict=True)]
+    return pd.DataFrame(rows, dtype=str).fillna("")
+
+
+GEOMETRIES = [
+    {"image": "a.nii"},
+    {"image": "a.nii", "shape": "cylinder"},
+    {"image": "a.nii", "mode": "compression", "ends": "0.3"},
+    {"image": "a.nii", "mode": "compression", "ends": "sliding"},
+    {"surface": "a.stl"},
+    {"surface": "a.PLY", "shape": "cylinder", "labels": ""},
+    {"surface": "a.vtp", "mode": "compression", "ends": "unknown"},
+    CUBOID,
+    {**CUBOID, "ends": "sliding"},
+    {**CUBOID, "mode": "pure_shear", "ends": "sliding"},
+    {**CYLINDER, "mode": "compression", "ends": "0"},
+    {**CYLINDER, "mode": "confined_compression"},
+    {**CYLINDER, "mode": "tension", "ends": "unknown", "specimen": "P1", "cycle": "3"},
+]
+
+
+@pytest.mark.parametrize("cells", GEOMETRIES, ids=str)
+def test_a_geometry_of_any_source_is_accepted(cells):
+    (row,) = check_samples(stated(cells), SCHEMAS["samples"], "t")
+    assert row.items() >= {name: cell for name, cell in cells.items() if cell}.items()
+
+
+BAD_GEOMETRIES = {
+    "none": ({}, "column 'image': no geometry; give an image, a surface, or a shape"),
+    "two": ({"image": "a.nii", "surface": "a.stl"}, "column 'surface': the row has an image as"),
+    "measured twice": (
+        {"image": "a.nii", "height_mm": "10"},
+        "column 'height_mm': is measured in the image; leave the cell empty",
+    ),
+    "measured on a surface": (
+        {"surface": "a.stl", **CUBOID},
+        "column 'length_mm': is measured in the surface",
+    ),
+    "no such shape": ({**CUBOID, "shape": "cone"}, "'cone' is not one of cuboid, cylinder"),
+    "no shape": ({"height_mm": "10"}, "column 'shape': is missing beside the dimensions"),
+    "no height": (
+        {**CYLINDER, "height_mm": ""},
+        "column 'height_mm': is missing; a cylinder needs diameter_mm, height_mm",
+    ),
+    "cuboid with a diameter": (
+        {**CUBOID, "diameter_mm": "3"},
+        "column 'diameter_mm': a cuboid has none; .*it needs length_mm, width_mm, height_mm",
+    ),
+    "no length": ({**CUBOID, "length_mm": "0"}, "column 'length_mm': 0 mm is no size of a sample"),
+    "in micrometres": ({**CUBOID, "height_mm": "10000"}, "'height_mm': 10000 mm is no size"),
+    "axis of no image": ({**CUBOID, "loading_axis": "+y"}, "'loading_axis': concerns an image"),
+    "labels of no image": ({**CUBOID, "labels": "l.nii"}, "'labels': concerns an image"),
+    "bond of a surface": (
+        {"surface": "a.stl", "bond_mask": "b.nii"},
+        "column 'bond_mask': concerns an image, and the row has none",
+    ),
+    "surface of another kind": ({"surface": "a.obj"}, "column 'surface': 'a.obj' has another form"),
+    "surface elsewhere": ({"surface": "../a.stl"}, "'../a.stl' lies outside the study folder"),
+    "planar tension of an image": (
+        {"image": "a.nii", "mode": "pure_shear"},
+        "column 'mode': pure_shear is simulated on ideal shapes only; give shape and dimensions",
+    ),
+    "confined image": (
+        {"surface": "a.stl", "mode": "confined_compression"},
+        "confined_compression is simulated on ideal shapes only; .*in place of the surface",
+    ),
+    "round strip": ({**CYLINDER, "mode": "pure_shear"}, "column 'shape': a strip in pure shear"),
+    "friction in tension": (
+        {**CUBOID, "mode": "tension", "ends": "0.3"},
+        "column 'ends': 0.3: Coulomb friction holds only what is pressed, and not in tension",
+    ),
+    "friction in shear": ({**CUBOID, "ends": "0.3"}, "and not in shear; give bonded or sliding"),
+    "sliding image in shear": (
+        {"image": "a.nii", "ends": "sliding"},
+        "column 'ends': 'sliding' in shear needs a shape with dimensions; .*the bond decides",
+    ),
+    "sliding image in tension": (
+        {"surface": "a.stl", "mode": "tension", "ends": "sliding"},
+        "column 'ends': 'sliding' in tension needs a shape with dimensions",
+    ),
+    "negative friction": ({**CUBOID, "ends": "-0.1"}, "column 'ends': '-0.1' has another form"),
+    "ends": ({**CUBOID, "ends": "glued"}, "column 'ends': 'glued' has another form; expected: how"),
+    "cycle": ({**CUBOID, "cycle": "0"}, "column 'cycle': '0' has another form; expected: loading"),
+    "format": (
+        {**CUBOID, "format": "bose"},
+        "column 'format': 'bose' is no block of `formats` .*there are instron, univert",
+    ),
+}
+
+
+@pytest.mark.parametrize("name", BAD_GEOMETRIES)
+def test_a_bad_geometry_is_refused_with_its_cure(name):
+    cells, message = BAD_GEOMETRIES[name]
+    with pytest.raises(InputError, match=r"row 2 \(A1\), .*" + message):
+        check_samples(stated(cells), SCHEMAS["samples"], "t.tsv", ("instron", "univert"))
+
+
+def test_a_piece_belongs_to_one_group():
+    rows = {"specimen": "P", **CUBOID}, {"sample": "A2", "group": "H", "specimen": "P", **CUBOID}
+    with pytest.raises(InputError, match="'P' is of group 'H' in row 3; .*\n.*of group 'G' in row"):
+        check_samples(stated(*rows), SCHEMAS["samples"], "t.tsv")
+    check_samples(stated(rows[0], {**rows[1], "group": "G"}), SCHEMAS["samples"], "t.tsv")
+
+
+def test_empty_cells_have_a_meaning_in_one_place():
+    (row,) = check_samples(stated({**CYLINDER, "mode": "tension"}), SCHEMAS["samples"], "t.tsv")
+    assert resolved(row) == {**row, "specimen": "A1", "ends": "bonded", "cycle": "largest"}
+    assert resolved(ROW)["shape"] == "cuboid"
+    given = {**row, "specimen": "P", "ends": "0.2", "cycle": "last"}
+    assert resolved(resolved(given)) == given
+
+
+def test_the_modes_of_the_schemas_are_those_of_the_protocol():
+    selection = SCHEMAS["config"]["properties"]["hold_out"]["items"]["properties"]["mode"]
+    assert tuple(SCHEMAS["samples"]["properties"]["mode"]["enum"]) == MODES
+    assert tuple(selection["anyOf"][0]["enum"]) == MODES
+
+
+SELECTIONS = [
+    {"mode": "shear"},
+    {"mode": ["tension", "compression"], "group": "G"},
+    {"sample": ["A", "B"], "channel": "force_normal"},
+    {"specimen": "P", "phase": ["hold", "unloading"], "cycle": [1, 2], "strain_above": 0.2},
+]
+
+
+def test_formats_and_what_is_held_out_are_accepted():
+    formats = {"bose": {"positive": {"force": "compression"}, "sheet": "Data"}, "own": {}}
+    changes = {"formats": formats, "hold_out": SELECTIONS, "leave_out": "specimen"}
+    check_config(overlaid(CONFIG, changes), SCHEMAS["config"], "mine.yaml")
+
+
+def test_a_format_stands_over_the_records_of_the_study():
+    records = {"columns": {"force": "Fz"}, "positive": {"displacement": "loading"}}
+    formats = {"bose": {"positive": {"force": "compression"}, "units": {"force": "mN"}}}
+    config = overlaid(CONFIG, {"records": records, "formats": formats})
+    assert record_settings(config, ROW) == config["records"]
+    read = record_settings(config, {**ROW, "format": "bose"})
+    assert read["positive"] == {"displacement": "loading", "force": "compression"}
+    assert (read["columns"], read["units"]) == ({"force": "Fz"}, {"force": "mN"})
+    with pytest.raises(InputError, match="'boss' is no block of `formats` .*there are bose"):
+        record_settings(config, {**ROW, "format": "boss"})
+
+
+BAD_PARTS = {
+    "no such key": ([{"modes": "shear"}], "hold_out.0.modes: unknown name; did you mean 'mode'"),
+    "no mode": ([{"mode": "bending"}], "hold_out.0.mode: 'bending' .*expected: tension, compr"),
+    "way back": ([{}, {"phase": "back"}], "hold_out.1.phase: 'back' .*loading, hold or unloading"),
+    "nothing": ([{}], "hold_out.0: "),
+    "cycle zero": ([{"cycle": 0}], "hold_out.0.cycle: 0 .*from 1 on"),
+    "no selection": ({"mode": "shear"}, "hold_out: .* is not of type 'array'"),
+}
+
+
+@pytest.mark.parametrize("name", BAD_PARTS)
+def test_a_bad_selection_is_refused(name):
+    selections, message = BAD_PARTS[name]
+    with pytest.raises(InputError, match=message):
+        check_config({**CONFIG, "hold_out": selections}, SCHEMAS["config"], "mine.yaml")
+
+
+def test_a_bad_format_is_refused():
+    formats = {"bose": {"unit": {}}, "a b": {}}
+    with pytest.raises(InputError, match=r"(?s)letters, digits.*formats.bose.unit: unknown name"):
+        check_config({**CONFIG, "formats": formats}, SCHEMAS["config"], "mine.yaml")
+
+
 def test_all_faults_of_a_table_are_named_at_once():
-    wrong = table({"mode": "pull"}, {"record": "a.xls"}).drop(columns="group")
+    wrong = table({"mode": "pull"}, {"record": "a.doc"}).drop(columns="group")
     message = r"(?s)column 'group' is missing.*row 2 .A1., column 'mode'.*row 3 .A1., column 'rec"
     with pytest.raises(InputError, match=message):
         check_samples(wrong, SCHEMAS["samples"], "t.tsv")

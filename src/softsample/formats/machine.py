@@ -1,16 +1,18 @@
-"""Test records as machines write them: delimited text with metadata, titles and units.
+"""Test records as machines write them: delimited text or workbooks with titles and units.
 
 One reader takes what CellScale UniVert, Instron Bluehill (raw data), TA/Bose WinTest and plain
 tables have in common: lines of metadata, a line of titles, units in the titles or in a line of
 their own, numbers with decimal points or commas. It guesses no unit and no column: what the file
-leaves open has to be named in the study's settings.
+leaves open has to be named in the study's settings. Time may be missing, and stress and strain
+may stand for force and displacement.
 """
 
 import csv
 import re
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
-from typing import Any, Self
+from pathlib import Path
+from typing import Any, NoReturn, Self
 
 import numpy as np
 import pandas as pd
@@ -18,9 +20,31 @@ import pandas as pd
 from softsample.errors import InputError
 from softsample.formats import PathLike
 from softsample.formats.text import read_lines
+from softsample.formats.workbook import is_workbook, read_sheets
 
-COLUMNS = {"time": "time_s", "displacement": "displacement_mm", "force": "force_N"}
+COLUMNS = {
+    "time": "time_s",
+    "displacement": "displacement_mm",
+    "strain": "strain",
+    "stretch": "stretch",
+    "force": "force_N",
+    "stress": "stress_Pa",
+    "force_normal": "force_normal_N",
+    "torque": "torque_Nmm",
+}
 """The quantities of a record, and the columns that they are read into."""
+
+NEEDED = {
+    "displacement": ("displacement", "strain", "stretch"),
+    "force": ("force", "stress"),
+}
+"""What every record holds, and the quantities that may stand for it, the first one first."""
+
+ON_REQUEST = ("force_normal", "torque")
+"""Quantities that are read where the settings name their column, and from our own tables."""
+
+DERIVED = ("phase", "cycle", "calibrated")
+"""Columns of our own results that are found anew."""
 
 UNITS = {
     "time": {
@@ -45,7 +69,24 @@ UNITS = {
         **dict.fromkeys(("gf", "g"), 9.80665e-3),
         **dict.fromkeys(("kgf", "kg"), 9.80665),
     },
+    "strain": {
+        **dict.fromkeys(("1", "-", "mm/mm", "m/m", "in/in"), 1.0),
+        **dict.fromkeys(("%", "percent"), 1e-2),
+    },
+    "stretch": dict.fromkeys(("1", "-", "mm/mm", "m/m", "in/in"), 1.0),
+    "stress": {
+        **dict.fromkeys(("Pa", "N/m2", "N/m²"), 1.0),
+        **dict.fromkeys(("kPa",), 1e3),
+        **dict.fromkeys(("MPa", "N/mm2", "N/mm²", "N/mm^2"), 1e6),
+        **dict.fromkeys(("psi",), 6894.757293168361),
+    },
+    "torque": {
+        **dict.fromkeys(("Nmm", "N mm", "N·mm", "N*mm", "N.mm", "mNm", "mN m", "mN·m"), 1.0),
+        **dict.fromkeys(("Nm", "N m", "N·m", "N*m", "N.m"), 1e3),
+        **dict.fromkeys(("uNm", "µNm", "μNm", "uN m", "µN m", "µN·m"), 1e-3),
+    },
 }
+UNITS["force_normal"] = UNITS["force"]
 """Units by quantity, upper and lower case as they are written, and their size in ours."""
 
 NAMES = {
@@ -55,12 +96,15 @@ NAMES = {
         *("crosshead", "weg", "traverse", "traversenweg", "verlängerung", "déplacement"),
     },
     "force": {"force", "load", "kraft", "standardkraft", "last"},
+    "strain": {"strain", "dehnung", "stauchung", "déformation"},
+    "stretch": {"stretch", "lambda"},
+    "stress": {"stress", "spannung", "contrainte"},
 }
 """What a title may call a quantity."""
 
 BESIDE = {
     *("axial", "tensile", "compressive", "crosshead", "elapsed", "total", "test", "corrected"),
-    *("1", "cell", "channel"),
+    *("1", "cell", "channel", "engineering", "nominal", "shear"),
 }
 """Words of a title that do not change what it names."""
 
@@ -72,6 +116,8 @@ KINDS = (
 """Machines by what their files say."""
 
 NUMBER = re.compile(r"[+-]?(\d+[.,]?\d*|[.,]\d+)([eE][+-]?\d+)?", re.ASCII)
+
+WORD = re.compile(r"[^\W\d_]{2}")
 
 THOUSANDS = re.compile(r"[+-]?[1-9]\d{0,2},\d{3}", re.ASCII)
 """A number that may have a mark of thousands."""
@@ -114,8 +160,8 @@ class MachineRecord:
     Parameters
     ----------
     table : pandas.DataFrame
-        Columns as in `COLUMNS`, in mm, N and s, signs and zero of the file; cells that are no
-        number are left as text. The index is the line in the file.
+        Those of `COLUMNS` that the file holds, in their units, signs and zero of the file; cells
+        that are no number are left as text. The index is the line in the file.
     reading : dict
         What was understood: `kind`, `columns` (title, unit and factor of each), `decimal_comma`,
         `compressive` (quantities whose titles count compression as positive), `ignored`
@@ -138,10 +184,16 @@ class _Text:
     def of_file(cls, path: PathLike) -> Self:
         """Decode a file; what is not text is refused."""
         try:
-            lines, notes = read_lines(path, "export the test as CSV (or text), not as a workbook")
+            lines, notes = read_lines(path, "export the test as CSV, text or .xlsx")
         except FileNotFoundError as error:
             raise InputError(f"{path}: no such record; correct its path in the table") from error
         return cls(path, lines, notes)
+
+    @classmethod
+    def of_sheets(cls, path: PathLike, sheet: str | None) -> Iterator[Self]:
+        """The sheets of a workbook, or the one that is named."""
+        for name, lines in read_sheets(path, sheet):
+            yield cls(f"{path} (sheet {name})", lines)
 
     def cells(self, line: str, delimiter: str) -> list[str]:
         """Cells of a line without blanks around them and without empty ones at its end."""
@@ -159,17 +211,20 @@ def read(
     path: PathLike,
     columns: Mapping[str, str] | None = None,
     units: Mapping[str, str] | None = None,
+    sheet: str | None = None,
 ) -> MachineRecord:
     """Read a record of any of the known kinds, or a table whose columns are named.
 
     Parameters
     ----------
     path
-        Text file: UTF-8, UTF-16 or Windows-1252.
+        Text file (UTF-8, UTF-16 or Windows-1252), or a workbook (.xlsx, .xls).
     columns
-        Titles by quantity (`time`, `displacement`, `force`), where they are not self-evident.
+        Titles by quantity (a key of `COLUMNS`), where they are not self-evident.
     units
         Units by quantity, where the file names none.
+    sheet
+        Name of the sheet of a workbook; by default the first one with a line of titles.
 
     Raises
     ------
@@ -177,26 +232,27 @@ def read(
         If a column or a unit is missing, ambiguous or contradictory, or the file is no such
         text; names file, line and cure. Wrong cells are left for `softsample.records`.
     """
-    text = _Text.of_file(path)
-    head, delimiter, titles, found = _heading(text, columns or {})
-    rows, kept, names = _rows(text, head, delimiter, titles, found)
+    text, heading = _text_with_titles(path, columns or {}, sheet)
+    found = heading.columns
+    rows, kept, names = _rows(text, heading)
     found = [_with_unit(column, names, units or {}, text) for column in found]
-    comma = _decimal_comma(rows, found, path)
-    own = set(COLUMNS.values()) <= set(titles)
+    comma = _decimal_comma(rows, found, text.path)
+    titles = heading.titles
+    own = {COLUMNS["displacement"], COLUMNS["force"]} <= set(titles)
     cells = {
         COLUMNS[column.quantity]: _numbers(rows, column.place, column.factor) for column in found
     }
     ignored = [title for title in titles if title not in {column.title for column in found}]
     if own:  # the schema of records knows what else such a table may hold
-        more = [title for title in ignored if title not in cells]
+        more = [title for title in ignored if title not in {*cells, *DERIVED}]
         cells |= {title: _numbers(rows, titles.index(title), 1.0) for title in more}
         ignored = [title for title in ignored if title not in more]
     table = pd.DataFrame(cells, index=pd.Index(kept, name="line", dtype=np.int64))
-    repeated = table.duplicated()
+    repeated = table.duplicated() & ("time_s" in table)
     if repeated.any():
         text.notes.append(f"lines left out since they repeat another one: {int(repeated.sum())}")
     reading = {
-        "kind": _kind(text.lines[: head + 1], own),
+        "kind": _kind(text.lines[: heading.line + 1], own),
         "columns": {
             COLUMNS[column.quantity]: {
                 "title": column.title,
@@ -213,35 +269,86 @@ def read(
     return MachineRecord(table[~repeated], reading)
 
 
-def _heading(text: _Text, wanted: Mapping[str, str]) -> tuple[int, str, list[str], list[Column]]:
-    """Number of the line of titles, delimiter, titles and the columns of the quantities."""
-    best: tuple[int, list[str], list[str]] = (0, [], [*COLUMNS, ""])
+@dataclass(frozen=True)
+class _Heading:
+    """The line of titles: its number from 0 on, delimiter, titles, columns of the quantities."""
+
+    line: int
+    delimiter: str
+    titles: list[str]
+    columns: list[Column]
+
+
+def _text_with_titles(
+    path: PathLike, wanted: Mapping[str, str], sheet: str | None
+) -> tuple[_Text, _Heading]:
+    """The text of a file, or the first sheet of a workbook that has a line of titles."""
+    if not is_workbook(path):
+        if sheet is not None and Path(path).suffix.lower() in (".xlsx", ".xls"):
+            raise InputError(f"{path}: no workbook, so it has no sheet {sheet!r}; save it as .xlsx")
+        text = _Text.of_file(path)
+        return text, _heading(text, wanted)
+    refused: list[InputError] = []
+    for text in _Text.of_sheets(path, sheet):
+        try:
+            return text, _heading(text, wanted)
+        except InputError as error:
+            refused.append(error)
+    raise refused[0] if refused else InputError(f"{path}: no sheet with cells; export the test")
+
+
+def _heading(text: _Text, wanted: Mapping[str, str]) -> _Heading:
+    """The first line with titles of all quantities, or else of all but time."""
+    untimed: _Heading | None = None
+    best: tuple[int, list[str], list[str]] = (0, [], [*COLUMNS])
     for number, line in enumerate(text.lines):
-        if line.lstrip().startswith("#"):
+        if line.lstrip().startswith("#") or (untimed and not WORD.search(line)):
             continue
         for delimiter in ("\t", ";", ","):
             titles = text.cells(line, delimiter)
-            if len(titles) < len(COLUMNS):
+            if len(titles) < len(NEEDED):
                 continue
-            candidates = {name: _candidates(name, titles, wanted) for name in COLUMNS}
-            missing = [name for name, columns in candidates.items() if not columns]
-            if not missing:
-                where = f"{text.path}, line {number + 1}"
-                columns = [_only(found, where) for found in candidates.values()]
-                return number, delimiter, titles, columns
-            if len(missing) < len(best[2]):
-                best = (number, titles, missing)
-    number, titles, missing = best
+            candidates = _quantities(titles, wanted)
+            needed = dict.fromkeys((*NEEDED, *wanted))
+            missing = [name for name in needed if not candidates.get(name, True)]
+            if missing:
+                best = (number, titles, missing) if len(missing) < len(best[2]) else best
+                continue
+            where = f"{text.path}, line {number + 1}"
+            columns = [_only(found, where) for found in candidates.values() if found]
+            heading = _Heading(number, delimiter, titles, columns)
+            if candidates["time"]:
+                return heading
+            untimed = untimed or heading
+    if untimed is None:
+        _no_titles(text, *best)
+    return untimed
+
+
+def _no_titles(text: _Text, number: int, titles: Sequence[str], missing: Sequence[str]) -> NoReturn:
+    """Refuse a text without a line of titles; `missing` quantities lack in the best line."""
     if not titles:
         raise InputError(
             f"{text.path}: no line of titles such as time_s,displacement_mm,force_N; export the "
             "test with its titles, separated by commas, semicolons or tabs"
         )
+    ways = [" or ".join(NEEDED.get(name, (name,))) for name in missing]
     raise InputError(
-        f"{text.path}, line {number + 1}: no column is known to hold {' and '.join(missing)} "
+        f"{text.path}, line {number + 1}: no column is known to hold {' and '.join(ways)} "
         f"(there are {', '.join(map(repr, titles))}); name it in the settings of the study, "
         f"such as records: {{columns: {{{missing[0]}: {titles[-1]}}}}}"
     )
+
+
+def _quantities(titles: Sequence[str], wanted: Mapping[str, str]) -> dict[str, list[Column]]:
+    """Columns that may hold each quantity, by quantity; of what may stand for one, the first."""
+    found = {"time": _candidates("time", titles, wanted)}
+    for needed, ways in NEEDED.items():
+        named = [way for way in ways if way in wanted] or ways
+        candidates = (_candidates(way, titles, wanted) for way in named)
+        found[needed] = next(filter(None, candidates), [])
+    asked = [name for name in ON_REQUEST if name in wanted or COLUMNS[name] in titles]
+    return found | {name: _candidates(name, titles, wanted) for name in asked}
 
 
 def _candidates(quantity: str, titles: Sequence[str], wanted: Mapping[str, str]) -> list[Column]:
@@ -263,11 +370,11 @@ def _candidates(quantity: str, titles: Sequence[str], wanted: Mapping[str, str])
 
 
 def _split(title: str, quantity: str) -> tuple[str, str]:
-    """Name and unit of a title: `Load (N)`, `Load [N]`, `Load, N`, `Load/N`, `Load_N`."""
+    """Name and unit of a title: `Load (N)`, `Load [N]`, `Load, N`, `Load_N`, `Strain %`."""
     bracketed = re.fullmatch(r"(.*?)[\s_]*[(\[]([^()\[\]]*)[)\]]", title)
     if bracketed:
         return bracketed[1], bracketed[2].strip()
-    behind = re.fullmatch(r"(.+?)\s*[_/,]\s*([^\s_/,]+)", title)
+    behind = re.fullmatch(r"(.+?)(?:\s*[_/,]\s*|\s+(?=%))([^\s_/,]+)", title)
     if behind and behind[2] in UNITS[quantity]:
         return behind[1], behind[2]
     return title, ""
@@ -286,9 +393,7 @@ def _only(columns: Sequence[Column], where: str) -> Column:
     return columns[0]
 
 
-def _rows(
-    text: _Text, head: int, delimiter: str, titles: list[str], found: Sequence[Column]
-) -> tuple[list[list[str]], list[int], list[str]]:
+def _rows(text: _Text, heading: _Heading) -> tuple[list[list[str]], list[int], list[str]]:
     """Cells of the lines of numbers, their numbers in the file, and the line of units if any.
 
     Titles and units may be repeated, with metadata before them, where a machine begins a new
@@ -299,8 +404,9 @@ def _rows(
     kept: list[int] = []
     metadata: list[int] = []
     repeats = 0
-    for number, line in enumerate(text.lines[head + 1 :], start=head + 2):
-        cells = text.cells(line, delimiter)
+    titles, found = heading.titles, heading.columns
+    for number, line in enumerate(text.lines[heading.line + 1 :], start=heading.line + 2):
+        cells = text.cells(line, heading.delimiter)
         if not any(cells) or line.lstrip().startswith("#"):
             continue
         numbers = [bool(NUMBER.fullmatch(_cell(cells, column.place))) for column in found]
@@ -356,6 +462,8 @@ def _with_unit(column: Column, row: Sequence[str], given: Mapping[str, str], tex
             f"{where}: {' and '.join(said)} contradict each other (title, line of units, settings "
             "of the study); keep the right one"
         )
+    if not said and column.quantity in ("strain", "stretch"):
+        said = {"1": None}
     if not said:
         raise InputError(
             f"{where}: no unit is named; name it in the settings of the study, such as "
@@ -413,6 +521,8 @@ def described(reading: Mapping[str, Any]) -> Iterator[str]:
         times = "" if column["factor"] == 1.0 else f", times {column['factor']:.6g}"
         parts.append(f"{name} from {column['title']!r} in {column['unit']}{times}")
     yield "; ".join(parts)
+    if "time_s" not in reading["columns"]:
+        yield "no time: samples are taken in their order, and effects of time are no candidates"
     if reading["decimal_comma"]:
         yield "numbers have decimal commas"
     if reading["ignored"]:

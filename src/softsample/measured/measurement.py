@@ -6,7 +6,7 @@ import numpy as np
 import pandas as pd
 from numpy.typing import NDArray
 
-from softsample.records import MM, Record, table_from_record
+from softsample.records import MM, Record
 
 Array = NDArray[np.float64]
 
@@ -74,7 +74,7 @@ class Measurement:
     @property
     def table(self) -> pd.DataFrame:
         """Columns and units of a record's file."""
-        return table_from_record(self.record)
+        return self.record.table
 
 
 def untimed(displacement: Array, force: Array, force_normal: Array | None = None) -> Record:

@@ -1,0 +1,108 @@
+"""Workbooks (.xlsx, .xls): their sheets as lines of text, so that one reader takes both."""
+
+import csv
+import io
+import zipfile
+from collections.abc import Iterable, Iterator, Sequence
+from pathlib import Path
+from typing import Any
+
+from softsample.errors import InputError
+from softsample.formats import PathLike, damage_refused
+from softsample.formats.text import LARGEST_BYTES
+
+XLSX, XLS = b"PK\x03\x04", b"\xd0\xcf\x11\xe0\xa1\xb1\x1a\xe1"
+"""How files of both kinds begin: their endings do not tell, since text may be named .xls too."""
+
+MOST_CELLS = 10**7
+"""A sheet with more is refused: few bytes can stand for many empty cells."""
+
+Rows = Iterable[Sequence[Any]]
+
+
+def is_workbook(path: PathLike) -> bool:
+    """Whether a file is a workbook, by its first bytes."""
+    try:
+        with open(path, "rb") as stream:
+            first = stream.read(len(XLS))
+    except (OSError, ValueError):
+        return False
+    return first.startswith((XLSX, XLS))
+
+
+def read_sheets(path: PathLike, sheet: str | None = None) -> Iterator[tuple[str, list[str]]]:
+    """Read the sheets of a workbook one by one.
+
+    Parameters
+    ----------
+    path
+        Workbook; of formulas the values are taken that were saved with them.
+    sheet
+        Name of the only sheet that is wanted.
+
+    Yields
+    ------
+    name : str
+    lines : list of str
+        Cells of a row with tabs between them; the first is row 1.
+
+    Raises
+    ------
+    InputError
+        If there is no such sheet, or the file is damaged or too large; names file and cure.
+    """
+    with damage_refused(path):
+        with open(path, "rb") as stream:
+            old = stream.read(len(XLS)) == XLS
+        sheets = _old_sheets(path) if old else _sheets(path)
+        if sheet is not None and sheet not in sheets:
+            raise InputError(f"{path}: no sheet {sheet!r}; there are {', '.join(sheets)}")
+        for name in [sheet] if sheet is not None else sheets:
+            yield name, _lines(sheets[name], path)
+
+
+def _sheets(path: PathLike) -> dict[str, Rows]:
+    import openpyxl
+
+    with zipfile.ZipFile(path) as archive:
+        size = sum(part.file_size for part in archive.infolist())
+    if size > LARGEST_BYTES:
+        raise InputError(f"{path}: unpacks to more than {LARGEST_BYTES >> 20} MiB; export as CSV")
+    book = openpyxl.load_workbook(
+        io.BytesIO(Path(path).read_bytes()), read_only=True, data_only=True, keep_links=False
+    )
+    found = {}
+    for sheet in book.worksheets:
+        sheet.reset_dimensions()  # files of machines tell wrong ones
+        found[sheet.title] = sheet.iter_rows(values_only=True)
+    return found
+
+
+def _old_sheets(path: PathLike) -> dict[str, Rows]:
+    import xlrd
+
+    if Path(path).stat().st_size > LARGEST_BYTES:
+        raise InputError(f"{path}: larger than {LARGEST_BYTES >> 20} MiB; export as CSV")
+    book = xlrd.open_workbook(path, logfile=io.StringIO())
+    return {
+        sheet.name: [sheet.row_values(number) for number in range(sheet.nrows)]
+        for sheet in book.sheets()
+    }
+
+
+def _lines(rows: Rows, path: PathLike) -> list[str]:
+    """Rows as lines of text with tabs."""
+    lines, cells = [], 0
+    for row in rows:
+        stream = io.StringIO()
+        csv.writer(stream, delimiter="\t", lineterminator="").writerow(map(_text, row))
+        lines.append(stream.getvalue())
+        cells += len(row)
+        if cells > MOST_CELLS:
+            raise InputError(f"{path}: a sheet of more than {MOST_CELLS} cells; export as CSV")
+    return lines
+
+
+def _text(cell: Any) -> str:
+    """A cell as text in one line; a number with a decimal point."""
+    return "" if cell is None else " ".join(str(cell).split())

@@ -96,8 +96,8 @@ def test_examples_are_pieces():
     assert plan.examples({"shear": "C1"})["shear"] == "S"  # C1 is no test in shear
 
 
-def test_the_ideal_shape_in_one_word():
-    assert mixed().ideal_shape == "shape"
+def test_the_ideal_shape_in_words():
+    assert mixed().ideal_shape == "cuboid or cylinder"
     assert Plan({"a": row("G", "shear", image="a.nii")}).ideal_shape == "cuboid"
     assert Plan({"a": row("G", "tension", **CYLINDER)}).ideal_shape == "cylinder"
 

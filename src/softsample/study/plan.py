@@ -175,6 +175,6 @@ class Plan:
 
     @cached_property
     def ideal_shape(self) -> str:
-        """What samples are idealised as, in one word: `cuboid`, `cylinder`, or `shape` for both."""
+        """What samples are idealised as: `cuboid`, `cylinder`, or both."""
         kinds = {row.get("shape", "cuboid") for row in self.rows.values()}
-        return kinds.pop() if len(kinds) == 1 else "shape"
+        return kinds.pop() if len(kinds) == 1 else "cuboid or cylinder"

@@ -23,7 +23,6 @@ FUNCTIONS = {
     "exp": {"float32": 1 + 4 + 14 + 1, "float64": 1 + 4 + 26 + 1},
     # s = (m - 1) / (m + 1) and its square, Horner's rule of degree 4 or 10, product, multiply-add
     "log": {"float32": 4 + 8 + 3, "float64": 4 + 20 + 3},
-    "maximum": {"float32": 0, "float64": 0},
     "copysign": {"float32": 0, "float64": 0},
 }
 """Operations of the functions of `softsample.fem.lanes`."""

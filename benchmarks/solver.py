@@ -15,7 +15,7 @@ import peers
 from case import EDGES, MATERIAL, TRAVEL, boundary_of, cuboid, rates
 from machine import best_cpu_seconds, fma_peak_gflops, processor, stream_gb_s
 from softsample.fem.explicit import ExplicitModel, Run, SolverSettings
-from softsample.fem.family import find_pace
+from softsample.response.unit import find_pace
 from softsample.io import write_json
 from softsample.workflow import versions
 

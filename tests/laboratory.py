@@ -10,8 +10,8 @@ import pandas as pd
 from scipy.signal import fftconvolve
 from scipy.special import erf
 
-from softsample.calibration.curves import CurveFamily
 from softsample.loop.specimen import Elastic, Specimen
+from softsample.response.curves import ResponseCurves
 
 MODES = ("tension", "compression", "shear")
 SIGN = {"tension": 1.0, "compression": -1.0, "shear": 1.0}
@@ -78,7 +78,7 @@ def elastic(mode):
     """The model of a perfect laboratory."""
     travel = np.linspace(0.0, 1.1 * STROKE[mode], 121)
     nodes = 0.5 + 0.48 * np.cos(np.pi * (np.arange(9) + 0.5) / 9)
-    family = CurveFamily(
+    family = ResponseCurves(
         nodes, 1e-3 * travel, 1e-6 * np.stack([area(mode, r, travel) for r in nodes])
     )
     middle = 1e-6 * area(mode, MIXTURE, travel)

@@ -1,7 +1,9 @@
-"""Test protocol: how the moving platen travels over time, and where a record's ramp lies."""
+"""Test protocol: how the moving platen travels over time, and where a record's loadings lie."""
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 from itertools import pairwise
+from typing import Self
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -10,11 +12,34 @@ from softsample.errors import InputError
 
 Array = NDArray[np.float64]
 
-DIRECTIONS = {"tension": (0.0, 0.0, 1.0), "compression": (0.0, 0.0, -1.0), "shear": (1.0, 0.0, 0.0)}
-"""Direction of the moving platen's travel in each test mode (sample frame)."""
+DIRECTIONS = {
+    "tension": (0.0, 0.0, 1.0),
+    "compression": (0.0, 0.0, -1.0),
+    "shear": (1.0, 0.0, 0.0),
+    "pure_shear": (0.0, 0.0, 1.0),
+    "confined_compression": (0.0, 0.0, -1.0),
+}
+"""Direction of the moving platen's displacement in each test mode (sample frame)."""
+
+MODES = tuple(DIRECTIONS)
+
+PRESSED_MODES = ("compression", "confined_compression")
+"""Modes in which the platen presses and can leave the sample."""
 
 REACHED = 0.95
-"""A ramp counts as the loading ramp if it reaches this part of the record's largest travel."""
+"""A ramp reaches the largest displacement of a record if it comes to this part of it."""
+
+GIVEN_BACK = 0.5
+"""A new loading begins once the unloading has given back this part of the last one."""
+
+LEAST_LOADING = 0.05
+"""A smaller part of the largest displacement is no loading, but contact or a wobble."""
+
+AWAY = 0.05
+"""A record begins deformed if its first displacement is this part of its range or more."""
+
+LARGEST, FIRST, LAST = "largest", "first", "last"
+"""Which loading is calibrated; `largest` is the first that reaches the largest displacement."""
 
 
 SLOW = 0.05
@@ -110,7 +135,7 @@ class Phase:
         return slice(self.start, self.stop)
 
 
-def phases(time: Array, displacement: Array) -> list[Phase]:
+def phases(time: Array, displacement: Array, origin: float | None = None) -> list[Phase]:
     """Phases of a test, found from the displacement alone.
 
     The displacement is replaced by the polygon that follows it within its noise
@@ -119,9 +144,11 @@ def phases(time: Array, displacement: Array) -> list[Phase]:
     Parameters
     ----------
     time : (n,) float64
-        Time [s], ascending.
+        Time [s], or numbers of samples, ascending.
     displacement : (n,) float64
-        Travel of the platen [m], either sign.
+        Displacement of the platen [m], either sign.
+    origin : float, optional
+        Displacement of the undeformed sample [m]; by default that of the first sample.
 
     Returns
     -------
@@ -134,10 +161,11 @@ def phases(time: Array, displacement: Array) -> list[Phase]:
         If the platen does not move beyond the noise of its reading.
     """
     tolerance = _tolerance(displacement)
+    away = displacement - (displacement[0] if origin is None else origin)
     found: list[Phase] = []
-    ends = _split_at_start(displacement, corners(time, displacement), tolerance)
+    ends = _split_at_origin(away, corners(time, displacement), tolerance)
     for start, stop, kind in zip(
-        ends[:-1], ends[1:], _kinds(time, displacement, ends, tolerance), strict=True
+        ends[:-1], ends[1:], _kinds(time, away, ends, tolerance), strict=True
     ):
         end = stop + int(stop == len(time) - 1)
         if found and found[-1].kind == kind:
@@ -180,9 +208,8 @@ def _tread(displacement: Array) -> float:
     return float(step[1:-1][jumps].min()) if jumps.sum() >= FEWEST_JUMPS else 0.0
 
 
-def _split_at_start(displacement: Array, ends: list[int], tolerance: float) -> list[int]:
-    """Corners, and where a leg passes the start on its way from one side to the other."""
-    away = displacement - displacement[0]
+def _split_at_origin(away: Array, ends: list[int], tolerance: float) -> list[int]:
+    """Corners, and where a leg passes the origin on its way from one side to the other."""
     passed = [
         first + int(np.abs(away[first : last + 1]).argmin())
         for first, last in pairwise(ends)
@@ -219,45 +246,210 @@ def denoised(time: Array, displacement: Array) -> Array:
     return np.interp(time, knots, heights)
 
 
-def _kinds(time: Array, displacement: Array, corners: list[int], tolerance: float) -> list[str]:
+def _kinds(time: Array, away: Array, corners: list[int], tolerance: float) -> list[str]:
     """Kind of each leg of the polygon; a short slow leg is rest, a long slow one is not."""
-    distance = np.abs(displacement[corners] - displacement[0])
-    step = np.abs(np.diff(displacement[corners]))
+    distance = np.abs(away[corners])
+    step = np.abs(np.diff(away[corners]))
     speed = step / np.diff(time[corners])
     rest = (step <= 4.0 * tolerance) & (speed <= SLOW * speed.max())
     kinds: list[str] = []
     for k in range(len(step)):
         if rest[k]:
-            kinds.append("hold" if "ramp" in kinds else "baseline")
+            kinds.append("hold" if {"ramp", "unloading"} & {*kinds} else "baseline")
         else:
             kinds.append("ramp" if distance[k + 1] > distance[k] else "unloading")
     return kinds
 
 
-def loading_ramp(time: Array, displacement: Array) -> slice:
-    """Samples of the ramp that materials are calibrated on.
+@dataclass(frozen=True)
+class Loading:
+    """One loading of a record: its ramps until one of them reaches its largest displacement.
 
-    It is the first ramp that reaches 95 % of the largest travel, its last sample included;
-    smaller ramps before it (preconditioning) are passed over.
+    Parameters
+    ----------
+    ramps : tuple of slice
+        Samples of the ramps, the last one of each included; several with holds between them.
+    peak : float
+        Largest displacement from the origin [m].
+    """
+
+    ramps: tuple[slice, ...]
+    peak: float
+
+    @property
+    def start(self) -> int:
+        """First sample."""
+        return int(self.ramps[0].start)
+
+    @property
+    def last(self) -> int:
+        """Last sample."""
+        return int(self.ramps[-1].stop) - 1
+
+
+@dataclass(frozen=True)
+class Course:
+    """What the platen does in a record.
+
+    Loadings are counted along one direction. A new one begins with the first ramp after an
+    unloading that gave back at least half of the displacement of the one before. So steps with
+    holds between them are one loading; the way to the other side of the origin and back belongs
+    to the loading before it, which makes one cycle.
+
+    Parameters
+    ----------
+    phases : list of Phase
+    loadings : list of Loading
+        At least one, in order.
+    """
+
+    phases: list[Phase]
+    loadings: list[Loading]
+
+    @classmethod
+    def of(cls, time: Array, displacement: Array, mode: str | None = None) -> Self:
+        """Course of a record.
+
+        Parameters
+        ----------
+        time : (n,) float64
+            Time [s], or numbers of samples, ascending.
+        displacement : (n,) float64
+            Displacement of the platen [m].
+        mode : str, optional
+            Of the test: loadings are those along its direction, if the platen goes as far there
+            as to the other side. Otherwise, and without a mode, the first ramp that reaches the
+            largest displacement tells the direction.
+
+        Raises
+        ------
+        InputError
+            If there is no loading.
+        """
+        found = phases(time, displacement)
+        origin = float(displacement[0])
+        if mode == "shear" and _is_sweep(found, displacement):
+            origin = 0.0
+            found = phases(time, displacement, origin)
+        away = displacement - origin
+        return cls(found, _loadings(found, _side(found, away, mode) * away))
+
+    def chosen(self, which: str = LARGEST) -> Loading:
+        """The loading that materials are calibrated on.
+
+        Parameters
+        ----------
+        which
+            `largest` (the first that reaches 95 % of the largest displacement, so that smaller
+            ones before it are preconditioning), `first`, `last`, or a number from 1 on.
+
+        Raises
+        ------
+        InputError
+            If there are fewer loadings.
+        """
+        return self.loadings[self.number(which) - 1]
+
+    def number(self, which: str = LARGEST) -> int:
+        """Number of the chosen loading, from 1 on."""
+        count = len(self.loadings)
+        if which == LARGEST:
+            enough = REACHED * max(loading.peak for loading in self.loadings)
+            return next(n for n, one in enumerate(self.loadings, 1) if one.peak >= enough)
+        wanted = {FIRST: 1, LAST: count}.get(which) or int(which)
+        if not 1 <= wanted <= count:
+            raise InputError(
+                f"no loading {which}: the record has {count}; give first, last or a number up to "
+                f"{count}"
+            )
+        return wanted
+
+    @property
+    def phase(self) -> NDArray[np.str_]:
+        """Kind of the phase of each sample (n,)."""
+        kinds = [phase.kind for phase in self.phases]
+        return np.repeat(kinds, [phase.stop - phase.start for phase in self.phases])
+
+    @property
+    def cycle(self) -> NDArray[np.int64]:
+        """Number of the loading that each sample (n,) belongs to; 0 before the first."""
+        starts = [loading.start for loading in self.loadings]
+        return np.searchsorted(starts, np.arange(self.phases[-1].stop), side="right")
+
+
+def _is_sweep(found: Sequence[Phase], displacement: Array) -> bool:
+    """Whether a record begins deformed and passes zero, as one sweep to both sides does.
+
+    Where the platen rests first, the sample is taken for undeformed there.
+    """
+    ends = float(displacement.min()), float(displacement.max())
+    first = float(displacement[0])
+    passes = min(-ends[0], ends[1]) > AWAY * (ends[1] - ends[0])
+    return found[0].kind != "baseline" and passes and abs(first) > AWAY * (ends[1] - ends[0])
+
+
+def _ramp_slices(found: Sequence[Phase], away: Array) -> list[slice]:
+    """Samples of each ramp with the corner at its end."""
+    ends = [min(phase.stop, len(away) - 1) + 1 for phase in found]
+    return [
+        slice(phase.start, end)
+        for phase, end in zip(found, ends, strict=True)
+        if phase.kind == "ramp"
+    ]
+
+
+def _side(found: Sequence[Phase], away: Array, mode: str | None) -> float:
+    """Direction along which loadings are counted."""
+    ends = np.array([away[ramp.stop - 1] for ramp in _ramp_slices(found, away)])
+    if not len(ends):
+        raise InputError(
+            "the platen only comes back from where it starts: there is no loading ramp"
+        )
+    far = ends[np.abs(ends) >= REACHED * np.abs(ends).max()]
+    wanted = np.sign(far[0]) if mode is None else travel_sign(mode)
+    return float(wanted if (wanted * far > 0.0).any() else np.sign(far[0]))
+
+
+def _loadings(found: Sequence[Phase], away: Array) -> list[Loading]:
+    """Loadings of a displacement `away` (n,) from the origin, along its positive direction."""
+    groups: list[list[slice]] = []
+    peak = 0.0
+    for ramp in _ramp_slices(found, away):
+        end = float(away[ramp.stop - 1])
+        if end <= 0.0:
+            continue
+        if not groups or away[groups[-1][-1].stop : ramp.stop].min() <= (1.0 - GIVEN_BACK) * peak:
+            groups.append([])
+            peak = 0.0
+        groups[-1].append(ramp)
+        peak = max(peak, end)
+    every = [_loading(group, away) for group in groups]
+    least = LEAST_LOADING * max(loading.peak for loading in every)
+    return [loading for loading in every if loading.peak >= least]
+
+
+def _loading(ramps: Sequence[slice], away: Array) -> Loading:
+    ends = [float(away[ramp.stop - 1]) for ramp in ramps]
+    until = next(k for k, end in enumerate(ends) if end >= REACHED * max(ends))
+    return Loading(tuple(ramps[: until + 1]), max(ends))
+
+
+def loading_ramp(time: Array, displacement: Array) -> slice:
+    """Samples of the ramp that reaches a record's largest displacement first.
+
+    Its last sample is included; smaller ramps before it (preconditioning) are passed over.
 
     Parameters
     ----------
     time, displacement : (n,) float64
-        Time [s] and travel [m].
+        Time [s] and displacement [m].
 
     Raises
     ------
     InputError
         If there is no such ramp.
     """
-    start = displacement[0]
-    largest = np.abs(displacement - start).max()
-    for phase in phases(time, displacement):
-        if phase.kind == "ramp":
-            end = min(phase.stop, len(time) - 1)
-            if abs(displacement[end] - start) >= REACHED * largest:
-                return slice(phase.start, end + 1)
-    raise InputError("no ramp reaches the record's largest travel: there is no loading ramp")
+    return Course.of(time, displacement).chosen().ramps[-1]
 
 
 def _noise(displacement: Array) -> float:

@@ -9,9 +9,9 @@ from typing import Any
 import numpy as np
 import pandas as pd
 
-from softsample.calibration.curves import CurveFamily
 from softsample.calibration.measured import MeasuredCurve
 from softsample.calibration.slsqp import CalibrationSettings, fit_ogden
+from softsample.response.curves import ResponseCurves
 
 Truth = Mapping[str, Any]
 
@@ -139,7 +139,7 @@ def against_truth_mesh(truth: Truth, cuboid: Mapping[str, Any]) -> dict[str, flo
 
 
 def contact_zero_part(
-    families: Mapping[str, CurveFamily],
+    families: Mapping[str, ResponseCurves],
     measured: Mapping[str, MeasuredCurve],
     errors: Mapping[str, float],
     mu: float,

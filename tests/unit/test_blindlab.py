@@ -229,7 +229,7 @@ def case(names, verdict, classes=(), kind="effect", size=1.0, **more):
             "after_ramp": {"before": 2.0, "after": 0.5},
             "leave_out_shear": {"before": 0.01, "after": 0.05},
         },
-        "white_mean_square": {"after": 1.21},
+        "reduced_chi_square": {"after": 1.21},
         "confidence": 0.8,
         "cpu_s": 1.0,
         **more,

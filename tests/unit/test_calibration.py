@@ -4,10 +4,10 @@ import numpy as np
 import pandas as pd
 import pytest
 
-from softsample.calibration.curves import CurveFamily
 from softsample.calibration.measured import MeasuredCurve
 from softsample.calibration.slsqp import AreaObjective, CalibrationSettings, fit_ogden
 from softsample.errors import CalibrationError
+from softsample.response.curves import ResponseCurves
 
 ALPHA = (-8.0, 16.0)
 SETTINGS = CalibrationSettings()
@@ -30,7 +30,7 @@ def bar_force(sample, fraction, travel):
 def family_of(sample, fractions=FRACTIONS):
     travel = np.linspace(0.0, TRAVEL[sample], 200)
     force = np.array([bar_force(sample, r, travel) for r in fractions])
-    return CurveFamily(np.asarray(fractions), travel, force)
+    return ResponseCurves(np.asarray(fractions), travel, force)
 
 
 def record_of(sample, mu, fraction, noise=0.0, seed=0, count=300):
@@ -162,7 +162,7 @@ def test_area_does_not_depend_on_the_order_of_points():
 
 def test_objective_is_the_sum_of_areas_over_the_measured_areas():
     travel = np.array([0.0, 1.0, 2.0])
-    unit = CurveFamily(np.array([1.0]), travel, np.array([[0.0, 1.0, 2.0]]))
+    unit = ResponseCurves(np.array([1.0]), travel, np.array([[0.0, 1.0, 2.0]]))
     measured = {
         "a": MeasuredCurve(travel, np.array([0.0, 3.0, 6.0])),  # area 6
         "b": MeasuredCurve(travel, np.array([0.0, 1.0, 2.0])),  # area 2
@@ -183,7 +183,7 @@ def test_interpolation_is_exact_for_polynomials_of_the_root():
         return sum(c * (1.0 - r) ** (0.5 * k) for k, c in enumerate(coefficients))
 
     fractions = np.array([0.2, 0.4, 0.6, 0.8, 0.95])
-    family = CurveFamily(fractions, travel, np.array([force(r) for r in fractions]))
+    family = ResponseCurves(fractions, travel, np.array([force(r) for r in fractions]))
     for r in (0.2, 0.33, 0.77, 0.949, 0.95):
         np.testing.assert_allclose(family.force_per_mu(r, travel), force(r), atol=1e-13)
     assert family.bounds == {"mu1_fraction": (0.2, 0.95)}
@@ -216,9 +216,9 @@ def test_ramp_of_a_record_is_taken_along_the_travel(mode, sign):
 def test_curves_that_do_not_belong_together_are_refused():
     travel = np.linspace(0.0, 1.0, 4)
     with pytest.raises(CalibrationError, match=r"\(2, 3\) forces for 2 mixtures at 4"):
-        CurveFamily(np.array([0.2, 0.9]), travel, np.zeros((2, 3)))
+        ResponseCurves(np.array([0.2, 0.9]), travel, np.zeros((2, 3)))
     with pytest.raises(CalibrationError, match="not finite; simulate the sample again"):
-        CurveFamily(np.array([0.2]), travel, np.array([[0.0, 1.0, np.nan, 2.0]]))
+        ResponseCurves(np.array([0.2]), travel, np.array([[0.0, 1.0, np.nan, 2.0]]))
 
 
 def test_samples_without_partner_are_refused():

@@ -8,7 +8,6 @@ import numpy as np
 import pandas as pd
 import pytest
 
-from softsample.calibration.curves import CurveFamily
 from softsample.calibration.direct import SimulatedCurves
 from softsample.calibration.exponents import (
     ExponentFamily,
@@ -24,10 +23,11 @@ from softsample.constitutive.ogden import nominal_stress, unit_modulus
 from softsample.errors import CalibrationError, InputError
 from softsample.fem.boundary import ContactSettings, mode_boundary
 from softsample.fem.explicit import ExplicitModel, SolverSettings
-from softsample.fem.exponents import ExponentSettings, exponent_grid, simulate_exponents
-from softsample.fem.family import FamilySettings
 from softsample.meshing.cuboid import mesh_cuboid
 from softsample.report.exponents import common_table, exponent_table
+from softsample.response.curves import ResponseCurves
+from softsample.response.exponents import ExponentSettings, exponent_grid, simulate_exponents
+from softsample.response.unit import FamilySettings
 
 HEIGHT, AREA = 13e-3, 4.6e-4  # of a bar [m], [m2]
 TRAVEL = {"T1": 0.25 * HEIGHT, "C1": 0.3 * HEIGHT}
@@ -146,7 +146,7 @@ def test_a_fine_mesh_sets_the_level_and_the_coarse_one_the_exponents():
     stiff = 1.1 * np.linspace(1.0, 1.2, len(coarse.displacement))
     mixtures = GRID["mu1_fraction"]
     at_study = np.array([coarse.force_per_mu(r, -8.0, 16.0) for r in mixtures])
-    fine = CurveFamily(mixtures, coarse.displacement, stiff * at_study)
+    fine = ResponseCurves(mixtures, coarse.displacement, stiff * at_study)
     anchored = coarse.anchored(fine, (-8.0, 16.0))
     for alpha in ((-8.0, 16.0), (-5.0, 12.0)):
         ratio = anchored.force_per_mu(mixtures[2], *alpha)[5:]
@@ -254,7 +254,7 @@ def test_direct_simulations_end_at_the_optimum_of_the_families():
     measured = {s: record_of(s, 1300.0, 0.8, (-7.0, 15.0), noise=2e-3) for s in TRAVEL}
     travel = {s: np.linspace(0.0, TRAVEL[s], 60) for s in TRAVEL}
     families = {
-        s: CurveFamily(mixtures, d, np.array([bar(s, d, r, alpha) for r in mixtures]))
+        s: ResponseCurves(mixtures, d, np.array([bar(s, d, r, alpha) for r in mixtures]))
         for s, d in travel.items()
     }
     bars = {sample: Bar(sample) for sample in TRAVEL}

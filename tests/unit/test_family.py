@@ -5,13 +5,13 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 
-from softsample.calibration.curves import CurveFamily
 from softsample.constitutive.ogden import OgdenMaterial
 from softsample.errors import SimulationError
 from softsample.fem.boundary import glued_boundary
 from softsample.fem.explicit import ExplicitModel, SolverSettings
-from softsample.fem.family import FamilySettings, family_fractions, find_pace, simulate_family
 from softsample.meshing.cuboid import mesh_cuboid
+from softsample.response.curves import ResponseCurves
+from softsample.response.unit import FamilySettings, family_fractions, find_pace, simulate_family
 
 ALPHA = (-8.0, 16.0)
 TRAVEL = 1.2e-3
@@ -70,7 +70,7 @@ def test_curves_are_forces_per_modulus(family, model, boundary):
 @pytest.mark.parametrize("fraction", [0.1, 0.5, 0.8, 0.93])
 def test_mixtures_between_the_computed_ones_are_interpolated(family, model, boundary, fraction):
     fractions, curves, report, _ = family
-    interpolated = CurveFamily(
+    interpolated = ResponseCurves(
         fractions, curves["displacement"][:13], curves["force"].reshape(-1, 13)
     )
     material = OgdenMaterial((1e3 * fraction, 1e3 * (1.0 - fraction)), ALPHA, 0.49)

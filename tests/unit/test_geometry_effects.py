@@ -4,7 +4,6 @@ import numpy as np
 import pandas as pd
 import pytest
 
-from softsample.calibration.curves import CurveFamily
 from softsample.calibration.slsqp import CalibrationSettings
 from softsample.errors import MeshError, SimulationError
 from softsample.fem.boundary import ContactSettings
@@ -22,6 +21,7 @@ from softsample.report.geometry_effects import (
     spoken,
 )
 from softsample.report.prescribed import agreement, prescribed_table
+from softsample.response.curves import ResponseCurves
 
 EDGES = (12e-3, 10e-3, 8e-3)
 SLOPE = 0.05
@@ -134,7 +134,7 @@ TRAVEL = np.linspace(0.0, 1e-3, 11)
 def family(scale):
     """Two mixtures whose curves differ in form, all forces scaled."""
     curves = np.stack([TRAVEL, TRAVEL * (1.0 + 400.0 * TRAVEL)])
-    return CurveFamily(np.array([0.2, 0.8]), TRAVEL, scale * curves)
+    return ResponseCurves(np.array([0.2, 0.8]), TRAVEL, scale * curves)
 
 
 FIT = {"mu_pa": 1000.0, "mu1_fraction": 0.6}

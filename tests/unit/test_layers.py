@@ -12,8 +12,9 @@ SCRIPTS = sorted((ROOT / "workflow/scripts").glob("*.py"))
 
 ALLOWED = {
     "errors": set(),
-    "meshing": {"errors"},
-    "imaging": {"errors"},
+    "shapes": {"errors"},
+    "meshing": {"errors", "shapes"},
+    "imaging": {"errors", "meshing", "shapes"},
     "phantom": set(),
     "constitutive": {"errors"},
     "protocol": {"errors"},
@@ -40,6 +41,7 @@ ALLOWED = {
         "meshing",
         "phantom",
         "protocol",
+        "shapes",
     },
     "measured": {
         "errors",

@@ -5,15 +5,15 @@ import pandas as pd
 import pytest
 
 import laboratory
-from softsample.calibration.curves import CurveFamily
-from softsample.loop.changes import (
+from softsample.loop.effects.base import SOLID
+from softsample.loop.specimen import Elastic
+from softsample.response.changes import (
     PRESSED,
     PRESSED_ELSEWHERE,
     elsewhere,
-    for_all_mixtures,
+    for_all_fractions,
 )
-from softsample.loop.effects.base import SOLID
-from softsample.loop.specimen import Elastic
+from softsample.response.curves import ResponseCurves
 
 THERE = 0.6
 ANOTHER = 0.85
@@ -26,7 +26,7 @@ def family():
 
 def carried(family, change, name="poisson_0.02_less"):
     """Change at another mixture than that at which it was simulated."""
-    return for_all_mixtures({name: change}, family, THERE)[name].curve(ANOTHER)
+    return for_all_fractions({name: change}, family, THERE)[name].curve(ANOTHER)
 
 
 def along(family):
@@ -59,7 +59,7 @@ def test_shear_of_a_compressed_sample_is_linear_in_the_mixture(family):
     other = elsewhere(THERE)
     parts = {PRESSED: (THERE, -0.03), PRESSED_ELSEWHERE: (other, -0.07)}
     changes = {name: part * family.curve(r) for name, (r, part) in parts.items()}
-    found = for_all_mixtures(changes, family, THERE)
+    found = for_all_fractions(changes, family, THERE)
     assert set(found) == {PRESSED}
     expected = -0.03 + (ANOTHER - THERE) / (other - THERE) * -0.04
     force = family.curve(ANOTHER)
@@ -71,7 +71,7 @@ def test_shear_of_a_compressed_sample_is_linear_in_the_mixture(family):
 def test_a_curve_bends_on_beyond_its_end(family):
     """As a parabola does; straight on would be off by more than a thousandth."""
     travel = family.displacement
-    bent = CurveFamily(np.array([0.5]), travel, (3.0 * travel + 400.0 * travel**2)[None])
+    bent = ResponseCurves(np.array([0.5]), travel, (3.0 * travel + 400.0 * travel**2)[None])
     beyond = 1.1 * travel[-1]
     np.testing.assert_allclose(
         Elastic(bent).force_per_mu(0.5, np.array([beyond])),
@@ -84,13 +84,13 @@ def test_the_grain_of_the_mesh_is_smoothed_away(family):
     """A force that jumps by 2 % whenever a node meets the platen, as on a mesh of 1 mm."""
     smooth = -0.2 * along(family) ** 2 * family.curve(THERE)
     grain = 0.02 * family.curve(THERE) * np.random.default_rng(4).choice([-1, 1], len(smooth))
-    left = for_all_mixtures({"x": smooth + grain}, family, THERE)["x"].curve(THERE) - smooth
+    left = for_all_fractions({"x": smooth + grain}, family, THERE)["x"].curve(THERE) - smooth
     assert np.linalg.norm(left) < 0.35 * np.linalg.norm(grain)
 
 
 def test_two_families_differ_at_every_mixture(family):
     travel = np.linspace(0.0, 1.2 * family.displacement[-1], 301)
-    softer = CurveFamily(
+    softer = ResponseCurves(
         family.fractions,
         travel,
         np.stack([0.8 * np.interp(travel, family.displacement, family.curve(r)) for r in

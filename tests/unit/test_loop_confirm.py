@@ -12,9 +12,10 @@ from softsample.fem.explicit import SolverSettings
 from softsample.loop.confirm import at_size, confirmations, simulate_sizes, sizes_to_confirm
 from softsample.loop.diagnose import LoopSettings
 from softsample.loop.effects import library
-from softsample.loop.inputs import MechanicalTest, MeshedSample, VariantSettings
-from softsample.loop.variants import simulate_variants
 from softsample.meshing.sample import mesh_ideal
+from softsample.response.perturbations import simulate_perturbations
+from softsample.response.pieces import MechanicalTest, MeshedSample, PerturbationSettings
+from softsample.shapes import IdealShape
 
 MM = 1e-3
 STEPS = {
@@ -31,15 +32,15 @@ STEPS = {
 @pytest.mark.parametrize("mode", ["tension", "compression"])
 def test_an_effect_at_the_step_of_a_variant_is_that_variant(mode):
     def mesh_shifted(shift):
-        edges = (8 * MM + 2 * shift, 6 * MM + 2 * shift, 7 * MM + shift)
-        return MeshedSample.of(mesh_ideal(*edges, 1.5 * MM))
+        shape = IdealShape("cuboid", 8 * MM, 6 * MM, 7 * MM)
+        return MeshedSample.of(mesh_ideal(shape.grown(shift), 1.5 * MM))
 
     solid, solver = (
         OgdenMaterial((600.0, 400.0), (-8.0, 16.0), 0.49),
         SolverSettings(loading_time_s=0.05),
     )
-    test = MechanicalTest(mode, solid, MM, ContactSettings(), solver, VariantSettings())
-    travel, variants = simulate_variants(mesh_shifted, test)
+    test = MechanicalTest(mode, solid, MM, ContactSettings(), solver, PerturbationSettings())
+    travel, variants = simulate_perturbations(mesh_shifted, test)
     sizes = {name: values for name, (values, _) in STEPS.items()}
     there, changes = simulate_sizes(mesh_shifted, test, sizes)
     np.testing.assert_array_equal(there, travel)
@@ -53,14 +54,14 @@ def test_an_effect_at_the_step_of_a_variant_is_that_variant(mode):
 @pytest.mark.parametrize("mode", ["tension", "compression"])
 def test_changes_are_for_the_steps_that_effects_know_whatever_the_settings(mode):
     def mesh_shifted(shift):
-        edges = (8 * MM + 2 * shift, 6 * MM + 2 * shift, 7 * MM + shift)
-        return MeshedSample.of(mesh_ideal(*edges, 1.5 * MM))
+        shape = IdealShape("cuboid", 8 * MM, 6 * MM, 7 * MM)
+        return MeshedSample.of(mesh_ideal(shape.grown(shift), 1.5 * MM))
 
-    default = VariantSettings()
-    half = VariantSettings(1.0, 0.05, 0.5, shift_mm=0.05)
+    default = PerturbationSettings()
+    half = PerturbationSettings(1.0, 0.05, 0.5, shift_mm=0.05)
     solid, solver = OgdenMaterial((600.0, 400.0), (-8.0, 16.0), 0.49), SolverSettings()
     (_, usual), (_, other) = (
-        simulate_variants(
+        simulate_perturbations(
             mesh_shifted,
             MechanicalTest(mode, solid, MM, ContactSettings(), solver, steps),
         )
@@ -75,7 +76,7 @@ def confirmed(factor):
     """Table for a softer, more compressible tissue, whose run gives so many times that change."""
     specimens = []
     for specimen in laboratory.Lab(seed=5).specimens():
-        known, r = specimen.elastic.variants, laboratory.MIXTURE
+        known, r = specimen.elastic.perturbations, laboratory.MIXTURE
         missing = specimen.elastic.change_per_mu("poisson_0.02_less", r, specimen.travel)
         run = {at_size("poisson_ratio"): factor * known["poisson_0.02_less"]}
         specimens.append(

@@ -10,7 +10,6 @@ from scipy.linalg import block_diag
 
 import laboratory
 from laboratory import elastic
-from softsample.calibration.curves import CurveFamily
 from softsample.loop.diagnose import LoopSettings, diagnose, judgement, pose, report
 from softsample.loop.effects import library
 from softsample.loop.effects.base import Parameter
@@ -23,6 +22,7 @@ from softsample.loop.resample import resampled, stretches
 from softsample.loop.screen import family_wise, null_threshold, penalty, signatures
 from softsample.loop.select import Candidate, Step, _Search, explained_alike, select
 from softsample.loop.specimen import Elastic, Specimen, blocks
+from softsample.response.curves import ResponseCurves
 
 SETTINGS = NoiseSettings()
 
@@ -191,11 +191,11 @@ def test_before_the_platen_moves_there_is_no_floor(perfect):
 def test_grain_is_measured_on_the_curves_and_ends_at_the_next_point(perfect):
     """At the end of a curve a part of the force is that part of the peak."""
     for specimen in perfect:
-        family = specimen.elastic.family
+        family = specimen.elastic.curves
         peak = np.array([np.abs(family.curve(r)).max() for r in family.fractions])
         error = np.random.default_rng(8).standard_normal((len(peak), len(family.displacement)))
         forces = np.stack([family.curve(r) for r in family.fractions])
-        rough = CurveFamily(
+        rough = ResponseCurves(
             family.fractions, family.displacement, forces + 2e-3 * peak[:, None] * error
         )
         changed = replace(specimen, elastic=replace(specimen.elastic, family=rough))
@@ -218,7 +218,7 @@ def test_the_cuboid_has_the_grain_of_the_real_geometry_that_it_may_turn_to(perfe
     family = elastic.family
     forces = np.stack([family.curve(r) for r in family.fractions])
     error = 1e-3 * np.random.default_rng(9).standard_normal(forces.shape)
-    real = CurveFamily(
+    real = ResponseCurves(
         family.fractions, family.displacement, 0.5 * forces + 0.5 * forces[:, -1:] * error
     )
     turned = replace(elastic, variants={"real_geometry": real.less(family)})
@@ -227,12 +227,12 @@ def test_the_cuboid_has_the_grain_of_the_real_geometry_that_it_may_turn_to(perfe
 
 def with_grain(specimen, part, points):
     """The same, its model's curve rough by a part of the force at each of its points."""
-    family = specimen.elastic.family
+    family = specimen.elastic.curves
     travel = np.linspace(0.0, family.displacement[-1], points)
     grain = 1.0 + part * np.random.default_rng(3).standard_normal(points)
     curves = [grain * np.interp(travel, family.displacement, family.curve(r))
               for r in family.fractions]  # fmt: skip
-    rough = CurveFamily(family.fractions, travel, np.stack(curves))
+    rough = ResponseCurves(family.fractions, travel, np.stack(curves))
     return replace(specimen, elastic=replace(specimen.elastic, family=rough, variants={}))
 
 
@@ -286,10 +286,10 @@ def test_a_mixture_stays_within_the_curves_that_were_simulated(perfect):
     """Beyond them a family is a polynomial that knows nothing."""
     narrowed = []
     for specimen in perfect:
-        family = specimen.elastic.family
+        family = specimen.elastic.curves
         within = [r for r in family.fractions if 0.2 < r < 0.6]
         curves = np.stack([family.curve(r) for r in within])
-        few = CurveFamily(np.array(within), family.displacement, curves)
+        few = ResponseCurves(np.array(within), family.displacement, curves)
         narrowed.append(replace(specimen, elastic=replace(specimen.elastic, family=few)))
     found = diagnose(narrowed, LoopSettings(), [library()["force_offset"]])
     verdict = judgement(found, LoopSettings())
@@ -303,7 +303,7 @@ def test_a_mixture_stays_within_the_curves_that_were_simulated(perfect):
 def test_the_plain_model_finds_the_material(problem):
     fit = problem.fit_material()
     assert fit.state.material.mu == pytest.approx(laboratory.MU, rel=0.03)
-    assert fit.state.material.mixture == pytest.approx(laboratory.MIXTURE, abs=0.05)
+    assert fit.state.material.mu1_fraction == pytest.approx(laboratory.MIXTURE, abs=0.05)
     assert 0.7 < fit.cost / len(fit.white) < 1.2
     spread = np.sqrt(fit.covariance[0, 0])
     assert abs(np.log(fit.state.material.mu / laboratory.MU)) < 3.0 * spread
@@ -405,16 +405,16 @@ def real_shapes():
     """Tension and compression of an imperfect sample, of which the model has the cuboid alone."""
     found = []
     for specimen in laboratory.Lab(seed=8).specimens(("tension", "compression")):
-        family = specimen.elastic.family
+        family = specimen.elastic.curves
         way = family.displacement / family.displacement[-1]
         part = -0.15 if specimen.mode == "tension" else -0.35 - 0.6 * np.exp(-3.0 * way)
-        change = CurveFamily(
+        change = ResponseCurves(
             family.fractions,
             family.displacement,
             np.stack([part * family.curve(r) for r in family.fractions]),
         )
         elastic = replace(
-            specimen.elastic, variants={**specimen.elastic.variants, "real_geometry": change}
+            specimen.elastic, variants={**specimen.elastic.perturbations, "real_geometry": change}
         )
         lost = elastic.change_per_mu("real_geometry", laboratory.MIXTURE, specimen.travel)
         force = specimen.force + laboratory.MU * lost

@@ -6,9 +6,9 @@ import numpy as np
 import pytest
 
 import laboratory
-from softsample.calibration.curves import CurveFamily
 from softsample.loop.diagnose import LoopSettings, diagnose, report
 from softsample.loop.effects import library
+from softsample.response.curves import ResponseCurves
 
 SETTINGS = LoopSettings()
 
@@ -44,10 +44,10 @@ def test_a_rough_curve_hides_a_late_contact_as_well():
     """The cost of a shift has other minima then, in which a fit can stop."""
     specimens = laboratory.Lab(seed=6).specimens()
     compressed = specimens[laboratory.MODES.index("compression")]
-    family = compressed.elastic.family
+    family = compressed.elastic.curves
     grain = 1.0 + 0.01 * np.sin(2.0 * np.pi * family.displacement / 1e-4)
     curves = np.stack([family.curve(r) for r in family.fractions])
-    rough = CurveFamily(family.fractions, family.displacement, grain * curves)
+    rough = ResponseCurves(family.fractions, family.displacement, grain * curves)
     specimens[laboratory.MODES.index("compression")] = replace(
         compressed, elastic=replace(compressed.elastic, family=rough)
     )

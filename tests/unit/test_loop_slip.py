@@ -5,16 +5,16 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from softsample.calibration.curves import CurveFamily
 from softsample.constitutive.ogden import unit_modulus
 from softsample.fem.boundary import ContactSettings
 from softsample.fem.explicit import SolverSettings
 from softsample.loop.effects import library
-from softsample.loop.inputs import MechanicalTest, MeshedSample, VariantSettings
 from softsample.loop.model import Material, Model, State
 from softsample.loop.specimen import Elastic, Specimen
-from softsample.loop.variants import simulate_variants
 from softsample.meshing.cuboid import mesh_cuboid
+from softsample.response.curves import ResponseCurves
+from softsample.response.perturbations import simulate_perturbations
+from softsample.response.pieces import MechanicalTest, MeshedSample, PerturbationSettings
 
 SLIP = library()["platen_slip"]
 RUBBING = 0.6  # share of the slip in the run with friction
@@ -35,7 +35,7 @@ def cycle(*turns):
         "platen_friction_0.1": -0.2 * RUBBING * grid,
         "platen_friction_0.1_loop": -DEPTH * grid[-1] * 4.0 * way * (1.0 - way),
     }
-    elastic = Elastic(CurveFamily(np.array([0.5]), grid, grid[None]), changes, contact=True)
+    elastic = Elastic(ResponseCurves(np.array([0.5]), grid, grid[None]), changes, contact=True)
     time = np.arange(len(travel), dtype=float)
     return Specimen("C", "compression", time, 1e-3 * travel, 0.0 * time, phase, elastic)
 
@@ -89,8 +89,8 @@ def test_a_second_larger_cycle_has_a_larger_loop_and_loads_as_the_first_did():
 def test_between_two_runs_the_loop_is_between_theirs():
     """A second run that slips a fifth as much has a loop of half the depth, deepest earlier."""
     specimen = cycle(3.0)
-    variants = specimen.elastic.variants
-    grid = specimen.elastic.family.displacement
+    variants = specimen.elastic.perturbations
+    grid = specimen.elastic.curves.displacement
     way = grid / grid[-1]
     rough = -0.5 * DEPTH * grid[-1] * 6.75 * way * (1.0 - way) ** 2
     both = {
@@ -115,7 +115,7 @@ def test_between_two_runs_the_loop_is_between_theirs():
 @pytest.mark.parametrize("names", [(), ("platen_slip",)])
 def test_a_model_without_a_run_that_comes_back_has_no_loop(names):
     specimen = cycle(3.0)
-    kept = {name: specimen.elastic.variants[name] for name in names}
+    kept = {name: specimen.elastic.perturbations[name] for name in names}
     without = replace(specimen, elastic=replace(specimen.elastic, variants=kept))
     assert abs(lost(without, RUBBING)) < 1e-12
 
@@ -128,9 +128,9 @@ def test_simulated_friction_loses_work_between_sticking_and_sliding():
     solver = SolverSettings(loading_time_s=0.08, curve_error_percent=1.0)
 
     def changes(*frictions):
-        steps = VariantSettings(frictions=frictions)
+        steps = PerturbationSettings(frictions=frictions)
         test = MechanicalTest("compression", solid, 2e-3, ContactSettings(), solver, steps)
-        return simulate_variants(lambda _: sample, test)
+        return simulate_perturbations(lambda _: sample, test)
 
     travel, found = changes(0.1, 0.0)
     slip, rubbing, loop = (

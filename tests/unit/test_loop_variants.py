@@ -7,25 +7,26 @@ import numpy as np
 import pytest
 
 import laboratory
-from softsample.calibration.curves import CurveFamily
 from softsample.constitutive.ogden import Fibres, OgdenMaterial, Relaxation
 from softsample.fem.boundary import ContactSettings, mode_boundary, platen_boundary
 from softsample.fem.explicit import ExplicitModel, SolverSettings
-from softsample.loop.changes import for_all_mixtures
 from softsample.loop.effects import library
-from softsample.loop.inputs import MechanicalTest, MeshedSample, VariantSettings, mesher
 from softsample.loop.model import Material, Model, State
 from softsample.loop.specimen import Elastic, Specimen
-from softsample.loop.variants import (
-    changed_boundaries,
-    changed_materials,
-    simulate_variants,
-)
 from softsample.meshing.cuboid import mesh_cuboid
 from softsample.meshing.hexahedral import MeshSettings
 from softsample.meshing.marks import MarkedImage
 from softsample.meshing.sample import mesh_ideal
 from softsample.protocol import History
+from softsample.response.changes import for_all_fractions
+from softsample.response.curves import ResponseCurves
+from softsample.response.perturbations import (
+    changed_boundaries,
+    changed_materials,
+    simulate_perturbations,
+)
+from softsample.response.pieces import MechanicalTest, MeshedSample, PerturbationSettings, mesher
+from softsample.shapes import IdealShape
 
 MM = 1e-3
 SOLID = OgdenMaterial((600.0, 400.0), (-8.0, 16.0), 0.49)
@@ -40,12 +41,12 @@ SOLVER = SolverSettings(loading_time_s=0.1)
 
 
 def mesh_shifted(shift):
-    edges = (9 * MM + 2 * shift, 7 * MM + 2 * shift, 6 * MM + shift)
-    return MeshedSample.of(mesh_ideal(*edges, 1.0 * MM))
+    shape = IdealShape("cuboid", 9 * MM, 7 * MM, 6 * MM)
+    return MeshedSample.of(mesh_ideal(shape.grown(shift), 1.0 * MM))
 
 
 def mechanical_test(mode, travel, fibre_ratio=0.1):
-    steps = VariantSettings(fibre_ratio=fibre_ratio)
+    steps = PerturbationSettings(fibre_ratio=fibre_ratio)
     return MechanicalTest(mode, SOLID, travel, ContactSettings(), SOLVER, steps)
 
 
@@ -101,10 +102,10 @@ def test_missing_glue_goes_by_its_side(side, parts):
 
 def specimen_of(mode, plain, runs):
     """What effects need of a specimen, from the force [N] of runs and of the changed ones."""
-    family = CurveFamily(np.array([0.0, 1.0]), plain.displacement, np.stack([plain.force] * 2))
+    family = ResponseCurves(np.array([0.0, 1.0]), plain.displacement, np.stack([plain.force] * 2))
     changes = {name: run.force - plain.force for name, run in runs.items()}
     return SimpleNamespace(
-        mode=mode, elastic=Elastic(family, for_all_mixtures(changes, family, 0.5))
+        mode=mode, elastic=Elastic(family, for_all_fractions(changes, family, 0.5))
     )
 
 
@@ -227,7 +228,7 @@ def test_a_tilt_about_any_axis_is_made_of_those_about_two(mesh):
 
 def test_no_slip_is_added_to_a_platen_that_slips():
     test = replace(mechanical_test("compression", MM), contact=ContactSettings(friction=0.0))
-    _, found = simulate_variants(mesh_shifted, test)
+    _, found = simulate_perturbations(mesh_shifted, test)
     assert "platen_tilt_x" in found
     assert not [name for name in found if name.startswith(("platen_slip", "platen_friction"))]
 
@@ -281,5 +282,5 @@ def test_a_verdict_costs_at_most_twenty_runs_a_mode(mode, monkeypatch):
 
     monkeypatch.setattr(ExplicitModel, "run", counted)
     test = mechanical_test(mode, 0.5 * MM)
-    simulate_variants(mesh_shifted, test)
+    simulate_perturbations(mesh_shifted, test)
     assert len(runs) <= 20

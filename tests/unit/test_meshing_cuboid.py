@@ -7,6 +7,7 @@ from softsample.errors import MeshError
 from softsample.meshing.cuboid import mesh_cuboid
 from softsample.meshing.quality import check_topology, element_volumes, scaled_jacobian
 from softsample.meshing.sample import mesh_ideal
+from softsample.shapes import IdealShape
 
 
 def test_divisions_round_half_up_and_volume_is_exact():
@@ -24,7 +25,7 @@ def test_box_stands_on_the_origin_with_length_along_x():
 
 
 def test_flags_are_the_bottom_and_the_top_face():
-    made = mesh_ideal(0.003, 0.002, 0.001, 0.5e-3)
+    made = mesh_ideal(IdealShape("cuboid", 0.003, 0.002, 0.001), 0.5e-3)
     height = made.mesh.points[:, 2]
     np.testing.assert_array_equal(made.point_data["bottom"], height == 0.0)
     np.testing.assert_array_equal(made.point_data["glued"], height == 0.001)

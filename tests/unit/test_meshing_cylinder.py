@@ -1,4 +1,4 @@
-"""The idealised round sample: polygon's volume, nodes on the circle, element shape, refusals."""
+"""The idealised round sample: exact volume, nodes on one circle, element shape, refusals."""
 
 import numpy as np
 import pytest
@@ -11,6 +11,8 @@ from softsample.meshing.quality import (
     element_volumes,
     scaled_jacobian,
 )
+from softsample.meshing.sample import mesh_ideal
+from softsample.shapes import IdealShape
 
 DIAMETER, HEIGHT = 20e-3, 12e-3
 SIZES = (5e-3, 2e-3, 1e-3, 0.5e-3)
@@ -22,14 +24,21 @@ def on_the_wall(mesh):
     return np.unique(mesh.boundary_quads[np.ptp(height, axis=1) > 0.0])
 
 
+def sides_of(mesh):
+    """Corners of the polygon that a section is."""
+    return len(on_the_wall(mesh)) // len(np.unique(mesh.points[:, 2]))
+
+
 @pytest.mark.parametrize("size", SIZES)
-def test_wall_nodes_are_on_the_circle_and_elements_well_shaped(size):
+def test_wall_nodes_are_on_one_circle_and_elements_well_shaped(size):
     mesh = mesh_cylinder(DIAMETER, HEIGHT, size)
     check_topology(mesh)
     assert scaled_jacobian(mesh).min() > 0.75
     radius = np.linalg.norm(mesh.points[:, :2], axis=1)
-    np.testing.assert_allclose(radius[on_the_wall(mesh)], DIAMETER / 2, rtol=1e-14)
-    assert radius.max() <= DIAMETER / 2 * (1.0 + 1e-14)
+    np.testing.assert_allclose(radius[on_the_wall(mesh)], radius.max(), rtol=1e-14)
+    sides = sides_of(mesh)
+    beyond = 2.0 * radius.max() / DIAMETER - 1.0
+    assert beyond == pytest.approx(np.pi**2 / (3.0 * sides**2), rel=0.05)
 
 
 @pytest.mark.parametrize("size", SIZES[1:])
@@ -39,24 +48,28 @@ def test_elements_have_the_wanted_size(size):
 
 
 @pytest.mark.parametrize("size", SIZES)
-def test_volume_is_that_of_the_inscribed_polygon(size):
+def test_volume_and_sections_are_those_of_the_cylinder(size):
     mesh = mesh_cylinder(DIAMETER, HEIGHT, size)
-    sides = len(on_the_wall(mesh)) // len(np.unique(mesh.points[:, 2]))
-    polygon = sides / 2 * (DIAMETER / 2) ** 2 * np.sin(2 * np.pi / sides)
     volume = element_volumes(mesh).sum()
-    assert volume == pytest.approx(polygon * HEIGHT, rel=1e-12)
-    lacking = 1.0 - volume / (np.pi / 4 * DIAMETER**2 * HEIGHT)
-    assert lacking == pytest.approx(2 * np.pi**2 / (3 * sides**2), rel=0.05)
+    assert volume == pytest.approx(np.pi / 4 * DIAMETER**2 * HEIGHT, rel=1e-12)
 
 
-def test_volume_converges_to_the_cylinder_with_rate_two():
-    exact = np.pi / 4 * DIAMETER**2 * HEIGHT
+def test_the_polygon_comes_to_the_circle_with_rate_two():
     coarse, fine = (
-        1.0 - element_volumes(mesh_cylinder(DIAMETER, HEIGHT, size)).sum() / exact
+        2.0 * np.linalg.norm(mesh_cylinder(DIAMETER, HEIGHT, size).points[:, :2], axis=1).max()
         for size in (1e-3, 0.25e-3)
     )
-    assert 0.0 < fine < 2e-4
-    assert coarse / fine == pytest.approx(16.0, rel=0.15)  # the parts are rounded
+    assert DIAMETER < fine < coarse
+    assert (coarse - DIAMETER) / (fine - DIAMETER) == pytest.approx(16.0, rel=0.15)  # rounded parts
+
+
+def test_the_mesh_of_the_shape_reports_its_volume_whatever_the_elements():
+    made = mesh_ideal(IdealShape("cylinder", DIAMETER, DIAMETER, HEIGHT), 5e-3)
+    assert made.report["volume_difference_percent"] == pytest.approx(0.0, abs=1e-9)
+    assert made.report["element_size_mm"] == pytest.approx(5.0)
+    height = made.mesh.points[:, 2]
+    np.testing.assert_array_equal(made.point_data["bottom"], height == 0.0)
+    np.testing.assert_array_equal(made.point_data["glued"], height == HEIGHT)
 
 
 def test_ends_are_flat_and_found_by_the_mesh():

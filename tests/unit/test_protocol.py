@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from softsample.errors import InputError
-from softsample.protocol import loading_ramp, phases, smooth_step
+from softsample.protocol import MODES, Course, loading_ramp, phases, smooth_step, travel_sign
 
 
 def history(*legs, rate=100.0, noise=1e-6, seed=3):
@@ -97,3 +97,111 @@ def test_a_platen_at_rest_is_refused():
     time, d = history((10.0, 0.0))
     with pytest.raises(InputError, match="there is no loading ramp"):
         loading_ramp(time, d)
+
+
+def test_a_mode_tells_the_direction_of_loading():
+    signs = {mode: travel_sign(mode) for mode in MODES}
+    assert signs == {
+        "tension": 1.0,
+        "compression": -1.0,
+        "shear": 1.0,
+        "pure_shear": 1.0,
+        "confined_compression": -1.0,
+    }
+
+
+def course(*legs, mode=None, timed=True, **noise):
+    """Clock, displacement [mm] and course of legs (duration [s], end [mm])."""
+    time, d = history(*legs, **noise)
+    clock = time if timed else np.arange(len(time), dtype=float)
+    return clock, 1e3 * d, Course.of(clock, d, mode)
+
+
+def ends(displacement, loading):
+    """Displacement [mm] at both ends of each ramp of a loading."""
+    return [[displacement[ramp.start], displacement[ramp.stop - 1]] for ramp in loading.ramps]
+
+
+@pytest.mark.parametrize("timed", [True, False])
+def test_preconditioning_is_counted_and_passed_over(timed):
+    conditioning = [(2.0, -2.0), (2.0, 0.0)] * 5
+    _, d, found = course((1.0, 0.0), *conditioning, (3.0, 0.0), (10.0, -4.0), timed=timed)
+    assert len(found.loadings) == 6
+    assert found.number() == 6
+    np.testing.assert_allclose(ends(d, found.chosen()), [[0.0, -4.0]], atol=0.05)
+    np.testing.assert_allclose(ends(d, found.chosen("2")), [[0.0, -2.0]], atol=0.05)
+    assert found.chosen("last") == found.chosen("6") == found.chosen()
+    assert found.chosen("first") == found.chosen("1")
+    assert found.chosen("2").start == pytest.approx(500, abs=5)
+    with pytest.raises(InputError, match="no loading 7: the record has 6; give first, last or a"):
+        found.chosen("7")
+
+
+def test_a_cycle_lasts_until_the_next_loading():
+    _, _, found = course((1.0, 0.0), (2.0, 3.0), (2.0, 0.0), (2.0, 0.0), (2.0, 3.0), (2.0, 0.0))
+    assert len(found.cycle) == len(found.phase) == 1101
+    assert found.cycle[[0, 90, 110, 400, 690, 710, 1100]].tolist() == [0, 0, 1, 1, 1, 2, 2]
+    assert found.phase[[0, 200, 400, 600, 800, 1000]].tolist() == [
+        *("baseline", "ramp", "unloading", "hold", "ramp", "unloading")
+    ]
+    assert found.number() == 1  # of equal ones the first
+
+
+def test_steps_with_holds_between_them_are_one_loading():
+    steps = [leg for end in (1.0, 2.0, 3.0) for leg in ((2.0, end), (10.0, end))]
+    _, d, found = course((1.0, 0.0), *steps, (3.0, 0.0))
+    (loading,) = found.loadings
+    np.testing.assert_allclose(ends(d, loading), [[0, 1], [1, 2], [2, 3]], atol=0.05)
+    assert set(found.cycle[150:]) == {1}
+
+
+def test_cycles_of_growing_size_are_loadings_of_their_own():
+    grow = [leg for end in (0.5, 1.0, 2.0, 4.0) for leg in ((2.0, end), (2.0, 0.0))]
+    _, _, found = course((1.0, 0.0), *grow)
+    assert [round(1e3 * loading.peak, 1) for loading in found.loadings] == [0.5, 1.0, 2.0, 4.0]
+    assert found.number() == 4
+
+
+@pytest.mark.parametrize(("back", "loadings"), [(1.2, 2), (2.8, 1)])
+def test_half_of_the_displacement_has_to_be_given_back(back, loadings):
+    _, _, found = course((1.0, 0.0), (4.0, 4.0), (2.0, back), (4.0, 4.0))
+    assert len(found.loadings) == loadings
+
+
+def test_a_touch_before_the_test_is_no_loading():
+    _, _, found = course((1.0, 0.0), (1.0, 0.1), (1.0, 0.0), (5.0, 4.0), (5.0, 0.0))
+    assert len(found.loadings) == 1
+    assert found.cycle[150] == 0
+
+
+@pytest.mark.parametrize("timed", [True, False])
+@pytest.mark.parametrize("first", [2.0, -2.0])
+def test_a_shear_cycle_goes_to_both_sides(first, timed):
+    """Loadings are counted along +x, whichever side comes first."""
+    sides = [(2.0, first), (4.0, -first)] * 3
+    _, d, found = course((1.0, 0.0), *sides, (2.0, 0.0), mode="shear", timed=timed)
+    assert len(found.loadings) == 3
+    for loading in found.loadings:
+        np.testing.assert_allclose(ends(d, loading), [[0.0, 2.0]], atol=0.05)
+    assert {"ramp", "unloading"} <= set(found.phase[d < -0.1])
+
+
+def test_a_sweep_through_zero_is_unloaded_then_loaded():
+    """From -g to +g without time, as published shear curves are."""
+    d = np.linspace(-2e-3, 2e-3, 33)
+    found = Course.of(np.arange(33.0), d, "shear")
+    assert [phase.kind for phase in found.phases] == ["unloading", "ramp"]
+    assert found.chosen().ramps == (slice(16, 33),)
+    assert found.cycle.tolist() == [0] * 16 + [1] * 17
+    back = Course.of(np.arange(33.0), d[::-1], "shear")
+    assert d[::-1][back.chosen().last] == -2e-3  # as the file has it; the signs are checked later
+
+
+def test_a_sweep_is_one_ramp_where_zero_is_no_state_of_its_own():
+    """A platen comes down through zero in compression; a platen at rest begins where it rests."""
+    d = np.linspace(0.5e-3, -4e-3, 200)
+    found = Course.of(np.arange(200.0), d, "compression")
+    assert found.chosen().ramps == (slice(0, 200),)
+    _, d, rested = course((2.0, 0.0), (4.0, 4.0))
+    again = Course.of(np.arange(len(d), dtype=float), 1e-3 * (d - 2.0), "shear")
+    assert again.chosen().ramps == rested.chosen().ramps

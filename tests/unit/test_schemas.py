@@ -13,8 +13,6 @@ from softsample.calibration.uncertainty import UncertaintySettings
 from softsample.errors import InputError
 from softsample.fem.boundary import ContactSettings
 from softsample.fem.explicit import SolverSettings
-from softsample.fem.exponents import ExponentSettings
-from softsample.fem.family import FamilySettings
 from softsample.geometry_effects.variants import EffectSettings
 from softsample.imaging.measure import MeasurementSettings
 from softsample.imaging.segment import SegmentationSettings
@@ -22,6 +20,8 @@ from softsample.io import read_samples, read_yaml
 from softsample.meshing.hexahedral import MeshSettings
 from softsample.records import RecordSettings
 from softsample.report.intervals import FloorSettings
+from softsample.response.exponents import ExponentSettings
+from softsample.response.unit import FamilySettings
 from softsample.validation import check_config, check_samples
 
 ROOT = Path(__file__).resolve().parents[2]
@@ -82,7 +82,7 @@ def test_every_other_config_changes_the_study_and_is_accepted(path):
         ("records", RecordSettings, set()),
         ("segmentation", SegmentationSettings, set()),
         ("measurement", MeasurementSettings, {"-preload_mm"}),
-        ("mesh", MeshSettings, {"element_size_mm", "boundary_shift_mm"}),
+        ("mesh", MeshSettings, {"element_size_mm", "elements_across", "boundary_shift_mm"}),
         ("contact", ContactSettings, set()),
         ("solver", SolverSettings, set()),
         ("family", FamilySettings, set()),

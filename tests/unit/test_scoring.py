@@ -4,9 +4,9 @@ import numpy as np
 import pandas as pd
 import pytest
 
-from softsample.calibration.curves import CurveFamily
 from softsample.calibration.measured import MeasuredCurve
 from softsample.calibration.slsqp import CalibrationSettings
+from softsample.response.curves import ResponseCurves
 from softsample.scoring import (
     against_truth_mesh,
     contact_zero_error,
@@ -16,7 +16,7 @@ from softsample.scoring import (
 )
 
 TRAVEL = np.linspace(0.0, 4e-3, 81)
-FAMILY = CurveFamily(np.array([1.0]), TRAVEL, (TRAVEL**2)[None, :])
+FAMILY = ResponseCurves(np.array([1.0]), TRAVEL, (TRAVEL**2)[None, :])
 SETTINGS = CalibrationSettings()
 
 

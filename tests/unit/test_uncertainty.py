@@ -5,7 +5,6 @@ import json
 import numpy as np
 import pytest
 
-from softsample.calibration.curves import CurveFamily
 from softsample.calibration.likelihood import MODULI, moduli
 from softsample.calibration.measured import MeasuredCurve
 from softsample.calibration.profile import normal_quantile, profile, profile_interval
@@ -16,11 +15,12 @@ from softsample.calibration.uncertainty import (
     correlation,
     resampled,
 )
+from softsample.response.curves import ResponseCurves
 
 SETTINGS = CalibrationSettings(starts_per_parameter=1)
 TRAVEL = np.linspace(0.0, 3e-3, 240)
 MU, SLOPE = 1000.0, 0.05  # [Pa], force per modulus and travel [m]
-ONE_TERM = CurveFamily(np.array([1.0]), TRAVEL, SLOPE * TRAVEL[None, :])
+ONE_TERM = ResponseCurves(np.array([1.0]), TRAVEL, SLOPE * TRAVEL[None, :])
 
 
 def autoregressive(phi, count, rng):
@@ -162,7 +162,7 @@ def test_early_contact_by_hand():
 def test_report_of_two_samples_is_complete_and_plain():
     fractions = np.array([0.1, 0.5, 0.9])
     families = {
-        name: CurveFamily(
+        name: ResponseCurves(
             fractions, TRAVEL, SLOPE * TRAVEL * (1.0 + bend * np.outer(fractions, TRAVEL))
         )
         for name, bend in (("T1", -100.0), ("C1", 200.0))

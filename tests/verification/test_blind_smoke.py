@@ -12,7 +12,7 @@ from softsample.blindlab.plan import Benches, Experiment
 from softsample.blindlab.score import Case, score
 from softsample.fem.explicit import SolverSettings
 from softsample.loop.diagnose import LoopSettings
-from softsample.loop.inputs import VariantSettings
+from softsample.response.pieces import PerturbationSettings
 
 BENCHES = Benches(cuboids=1, shapes=1, first=31)
 SOLVER = SolverSettings(loading_time_s=0.2, curve_error_percent=0.3)
@@ -25,7 +25,7 @@ def bench():
     """A cuboid, its curves at 2 mm and the loop's model of it at 2.4 mm."""
     (body,) = BENCHES.bodies(imperfect=False)
     curves = planted_curves(body, (1.0,), 2.0, SOLVER)
-    table = model_curves(body, 2.4, SOLVER, VariantSettings())
+    table = model_curves(body, 2.4, SOLVER, PerturbationSettings())
     return body, curves, elastics(table, calibrated(body))
 
 

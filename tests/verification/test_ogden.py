@@ -149,7 +149,7 @@ def test_only_even_integer_exponents_do_without_eigenvalues(alpha, even):
         ((5.0, -6.0), (2.0, 4.0), 0.49, "finite with a positive sum"),
         ((1.0,), (0.0,), 0.49, "not zero"),
         ((1.0,), (np.inf,), 0.49, "exponents must be finite"),
-        ((1.0,), (2.0,), 0.5, r"Poisson's ratio must lie in \(0, 0.5\), got 0.5"),
+        ((1.0,), (2.0,), 0.5, r"Poisson's ratio must lie in \[0, 0.5\), got 0.5"),
         ((1.0,), (2.0,), np.nan, "Poisson's ratio"),
     ],
 )

@@ -7,6 +7,7 @@ rule calibrate:
         reports=calibration_curves("json"),
         meshes=calibration_meshes if config["calibration"]["method"] == "direct" else [],
         records=calibration_records,
+        cuboids=calibration_shapes,
         code=library("workflow/scripts/calibrate.py"),
     output:
         fit="<results>/calibration/{group}/{geometry}/{model}.json",
@@ -16,8 +17,8 @@ rule calibrate:
     resources:
         **OF_MESHES,
     params:
-        samples=lambda wildcards: members(wildcards.group, wildcards.model),
-        modes=calibration_modes,
+        rows=lambda wildcards: rows_of(members(wildcards.group, wildcards.model)),
+        hold_out=HOLD_OUT,
         settings=config["calibration"],
         uncertainty=config["uncertainty"],
         contact_zero_mm=config["loop"]["noise"]["contact_zero_mm"],

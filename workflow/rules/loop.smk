@@ -2,32 +2,33 @@
 
 OF_CHANGED_MODELS = {
     "mode": row_value("mode"),
+    "ends": row_value("ends"),
     "mesh": config["mesh"],
     "preload_mm": config["protocol"]["preload_mm"],
     "region_stiffness": config["material"]["region_stiffness"],
     "element_size_mm": config["loop"]["element_size_mm"],
-    "variants": config["loop"]["variants"],
+    "perturbations": config["loop"]["perturbations"],
     "solver": config["solver"],
     "contact": config["contact"],
 }
 
 
-rule variants:
+rule perturbations:
     input:
-        distance="<results>/segmentation/{sample}_distance.nii.gz",
-        segmentation="<results>/segmentation/{sample}.json",
+        distance=of_real("<results>/segmentation/{sample}_distance.nii.gz"),
+        segmentation=of_real("<results>/segmentation/{sample}.json"),
         cuboid="<results>/cuboid/{sample}.json",
         bond_mask=real_image("bond_mask"),
         labels=real_image("labels"),
-        record="<results>/records/{sample}.csv",
+        records=records_of_piece,
         fit=optimum("json"),
-        code=library("workflow/scripts/variants.py"),
+        code=library("workflow/scripts/perturbations.py"),
     output:
-        changes="<results>/loop/variants/{sample}_{geometry}.csv",
+        changes="<results>/loop/perturbations/{sample}_{geometry}.csv",
     log:
-        "<logs>/variants/{sample}_{geometry}.log",
+        "<logs>/perturbations/{sample}_{geometry}.log",
     benchmark:
-        "<benchmarks>/variants/{sample}_{geometry}.tsv"
+        "<benchmarks>/perturbations/{sample}_{geometry}.tsv"
     resources:
         **OF_MESHES,
     params:
@@ -35,15 +36,46 @@ rule variants:
     message:
         "Changed models: {wildcards.sample}, {wildcards.geometry} geometry"
     script:
-        "../scripts/variants.py"
+        "../scripts/perturbations.py"
+
+
+def diagnosed(wildcards):
+    """Samples that a diagnosis is told of: those of the group, or all if a group is left out."""
+    return list(SAMPLES) if LEAVE_OUT == "group" else samples_of(wildcards.group)
+
+
+def of_diagnosed(pattern, geometry=None, of=lambda name: name):
+    """Input function: a file for each of these samples, or for its piece.
+
+    Without a geometry it is the one nearest to the sample's: `real` if there is one.
+    """
+    return lambda wildcards: [
+        pattern.format(sample=of(name), geometry=geometry or PLAN.best(wildcards.group))
+        for name in diagnosed(wildcards)
+    ]
+
+
+def responses(geometry=None):
+    """What a diagnosis on a geometry predicts records with."""
+    return {
+        "curves": of_diagnosed(
+            "<results>/curves/{sample}/{geometry}/ogden2.csv", geometry, piece_of
+        ),
+        "perturbations": of_diagnosed(
+            "<results>/loop/perturbations/{sample}_{geometry}.csv", geometry, piece_of
+        ),
+        "fit": lambda wildcards: (
+            f"<results>/calibration/{wildcards.group}/"
+            f"{geometry or PLAN.best(wildcards.group)}/ogden2.json"
+        ),
+        "records": of_diagnosed("<results>/records/{sample}.csv"),
+        "cuboids": of_diagnosed("<results>/cuboid/{sample}.json", of=piece_of),
+    }
 
 
 rule diagnose:
     input:
-        curves=of_members("<results>/curves/{sample}/real/ogden2.csv"),
-        variants=of_members("<results>/loop/variants/{sample}_real.csv"),
-        fit="<results>/calibration/{group}/real/ogden2.json",
-        records=of_members("<results>/records/{sample}.csv"),
+        **responses(),
         code=library("workflow/scripts/diagnose.py"),
     output:
         verdict="<results>/loop/{group}/verdict.json",
@@ -55,7 +87,10 @@ rule diagnose:
         "<benchmarks>/diagnose/{group}.tsv"
     params:
         samples=lambda wildcards: samples_of(wildcards.group),
-        modes=lambda wildcards: [SAMPLES[name]["mode"] for name in samples_of(wildcards.group)],
+        rows=lambda wildcards: rows_of(diagnosed(wildcards)),
+        folds=lambda wildcards: folds_of(wildcards.group),
+        hold_out=HOLD_OUT,
+        leave_out=LEAVE_OUT,
         loop=config["loop"],
     message:
         "Diagnose the residual: group {wildcards.group}"
@@ -65,11 +100,8 @@ rule diagnose:
 
 use rule diagnose as diagnose_ideal with:
     input:
-        curves=of_members("<results>/curves/{sample}/ideal/ogden2.csv"),
-        real=of_members("<results>/curves/{sample}/real/ogden2.csv"),
-        variants=of_members("<results>/loop/variants/{sample}_ideal.csv"),
-        fit="<results>/calibration/{group}/ideal/ogden2.json",
-        records=of_members("<results>/records/{sample}.csv"),
+        **responses("ideal"),
+        real=of_diagnosed("<results>/curves/{sample}/real/ogden2.csv", of=piece_of),
         code=library("workflow/scripts/diagnose.py"),
     output:
         verdict="<results>/loop/{group}/ideal/verdict.json",
@@ -80,12 +112,16 @@ use rule diagnose as diagnose_ideal with:
     benchmark:
         "<benchmarks>/diagnose/{group}_ideal.tsv"
     message:
-        "Diagnose the residual of the cuboid: group {wildcards.group}"
+        "Diagnose the residual of the idealised shape: group {wildcards.group}"
 
 
 VERDICTS = {
-    **{(group, "real"): f"<results>/loop/{group}/verdict.json" for group in GROUPS},
-    **{(group, "ideal"): f"<results>/loop/{group}/ideal/verdict.json" for group in GROUPS},
+    **{(group, PLAN.best(group)): f"<results>/loop/{group}/verdict.json" for group in GROUPS},
+    **{
+        (group, "ideal"): f"<results>/loop/{group}/ideal/verdict.json"
+        for group in GROUPS
+        if "real" in geometries_of(group)
+    },
 }
 
 
@@ -122,12 +158,12 @@ rule verdicts:
 # On demand: the effects that a verdict ranks first, run in the solver at the sizes that were found.
 rule simulate_sizes:
     input:
-        distance="<results>/segmentation/{sample}_distance.nii.gz",
-        segmentation="<results>/segmentation/{sample}.json",
+        distance=of_real("<results>/segmentation/{sample}_distance.nii.gz"),
+        segmentation=of_real("<results>/segmentation/{sample}.json"),
         cuboid="<results>/cuboid/{sample}.json",
         bond_mask=real_image("bond_mask"),
         labels=real_image("labels"),
-        record="<results>/records/{sample}.csv",
+        records=records_of_piece,
         fit=optimum("json"),
         verdict=lambda wildcards: VERDICTS[SAMPLES[wildcards.sample]["group"], wildcards.geometry],
         code=library("workflow/scripts/simulate_sizes.py"),
@@ -149,11 +185,12 @@ rule simulate_sizes:
 
 rule confirm_verdict:
     input:
-        curves=of_members("<results>/curves/{sample}/{geometry}/ogden2.csv"),
-        variants=of_members("<results>/loop/variants/{sample}_{geometry}.csv"),
-        runs=of_members("<results>/loop/confirmation/runs/{sample}_{geometry}.csv"),
+        curves=of_pieces("<results>/curves/{sample}/{geometry}/ogden2.csv"),
+        perturbations=of_pieces("<results>/loop/perturbations/{sample}_{geometry}.csv"),
+        runs=of_pieces("<results>/loop/confirmation/runs/{sample}_{geometry}.csv"),
         fit="<results>/calibration/{group}/{geometry}/ogden2.json",
         records=of_members("<results>/records/{sample}.csv"),
+        cuboids=of_pieces("<results>/cuboid/{sample}.json"),
         verdict=lambda wildcards: VERDICTS[wildcards.group, wildcards.geometry],
         code=library("workflow/scripts/confirm_verdict.py"),
     output:
@@ -161,8 +198,8 @@ rule confirm_verdict:
     log:
         "<logs>/confirm_verdict/{group}_{geometry}.log",
     params:
-        samples=lambda wildcards: samples_of(wildcards.group),
-        modes=lambda wildcards: [SAMPLES[name]["mode"] for name in samples_of(wildcards.group)],
+        rows=lambda wildcards: rows_of(samples_of(wildcards.group)),
+        hold_out=HOLD_OUT,
         loop=config["loop"],
     message:
         "Confirm the verdict: group {wildcards.group}, {wildcards.geometry} geometry"
@@ -172,7 +209,9 @@ rule confirm_verdict:
 
 rule table_confirmation:
     input:
-        groups=expand("<results>/loop/confirmation/{group}_real.csv", group=GROUPS),
+        groups=[
+            f"<results>/loop/confirmation/{group}_{PLAN.best(group)}.csv" for group in GROUPS
+        ],
         code=library("workflow/scripts/table_confirmation.py"),
     output:
         table="<results>/tables/confirmation.csv",

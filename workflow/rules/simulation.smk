@@ -1,37 +1,66 @@
-# Finite element runs: a family of unit-modulus curves, one run at the optimum; its input for others.
+# Responses to unit modulus, one run at the optimum; the input of that run for other programs.
+
+
+def records_of_piece(wildcards):
+    """Input function: records of the samples that share a piece."""
+    return [f"<results>/records/{name}.csv" for name in records_of(wildcards.sample)]
+
+
+# What a run of one piece is made with.
+OF_RUNS = {
+    "mode": row_value("mode"),
+    "ends": row_value("ends"),
+    "material": config["material"],
+    "solver": config["solver"],
+    "contact": config["contact"],
+}
 
 
 rule simulate:
     input:
         mesh="<results>/mesh/{sample}/{geometry}.vtu",
         pilot="<results>/mesh/{sample}/{geometry}_coarse.vtu",
-        record="<results>/records/{sample}.csv",
+        cuboid="<results>/cuboid/{sample}.json",
+        records=records_of_piece,
         code=library("workflow/scripts/simulate.py"),
     output:
-        curves="<results>/curves/{sample}/{geometry}/{model}.csv",
-        report="<results>/curves/{sample}/{geometry}/{model}.json",
+        curves="<results>/curves/{sample}/{geometry}/ogden2.csv",
+        report="<results>/curves/{sample}/{geometry}/ogden2.json",
     log:
-        "<logs>/simulate/{sample}_{geometry}_{model}.log",
+        "<logs>/simulate/{sample}_{geometry}_ogden2.log",
     benchmark:
-        "<benchmarks>/simulate/{sample}_{geometry}_{model}.tsv"
+        "<benchmarks>/simulate/{sample}_{geometry}_ogden2.tsv"
     resources:
         **OF_MESHES,
     params:
-        mode=row_value("mode"),
-        material=config["material"],
-        solver=config["solver"],
-        contact=config["contact"],
+        **OF_RUNS,
         family=config["family"],
     message:
-        "Simulate unit-modulus curves: {wildcards.sample}, {wildcards.geometry} geometry, {wildcards.model}"
+        "Unit-modulus response: {wildcards.sample}, {wildcards.geometry} geometry"
     script:
         "../scripts/simulate.py"
+
+
+rule one_term:
+    input:
+        curves="<results>/curves/{sample}/{geometry}/ogden2.csv",
+        report="<results>/curves/{sample}/{geometry}/ogden2.json",
+        code=library("workflow/scripts/one_term.py"),
+    output:
+        curves="<results>/curves/{sample}/{geometry}/ogden1.csv",
+        report="<results>/curves/{sample}/{geometry}/ogden1.json",
+    log:
+        "<logs>/one_term/{sample}_{geometry}.log",
+    message:
+        "Response of the first term alone: {wildcards.sample}, {wildcards.geometry} geometry"
+    script:
+        "../scripts/one_term.py"
 
 
 rule confirm:
     input:
         mesh="<results>/mesh/{sample}/{geometry}.vtu",
-        record="<results>/records/{sample}.csv",
+        records=records_of_piece,
         family="<results>/curves/{sample}/{geometry}/ogden2.json",
         fit=optimum("json"),
         fit_curve=optimum("csv"),
@@ -49,10 +78,7 @@ rule confirm:
     resources:
         **OF_MESHES,
     params:
-        mode=row_value("mode"),
-        material=config["material"],
-        solver=config["solver"],
-        contact=config["contact"],
+        **OF_RUNS,
     message:
         "Run at the optimum: {wildcards.sample}, {wildcards.geometry} geometry"
     script:
@@ -63,7 +89,7 @@ rule sensitivity:
     input:
         mesh="<results>/mesh/{sample}/{geometry}.vtu",
         coarse="<results>/mesh/{sample}/{geometry}_coarse.vtu",
-        record="<results>/records/{sample}.csv",
+        records=records_of_piece,
         family="<results>/curves/{sample}/{geometry}/ogden2.json",
         fit=optimum("json"),
         optimum="<results>/fields/{sample}/{geometry}.csv",
@@ -77,10 +103,7 @@ rule sensitivity:
     resources:
         **OF_MESHES,
     params:
-        mode=row_value("mode"),
-        material=config["material"],
-        solver=config["solver"],
-        contact=config["contact"],
+        **OF_RUNS,
     message:
         "Sensitivity to mesh, hourglass control and precision: {wildcards.sample}, {wildcards.geometry} geometry"
     script:
@@ -93,7 +116,7 @@ rule band:
         distance="<results>/segmentation/{sample}_distance.nii.gz",
         sigma="<results>/segmentation/{sample}_sigma.nii.gz",
         segmentation="<results>/segmentation/{sample}.json",
-        record="<results>/records/{sample}.csv",
+        records=records_of_piece,
         family="<results>/curves/{sample}/real/ogden2.json",
         fit=lambda wildcards: calibration_of(wildcards.sample, "real", "json"),
         code=library("workflow/scripts/band.py"),
@@ -108,10 +131,7 @@ rule band:
     resources:
         **OF_MESHES,
     params:
-        mode=row_value("mode"),
-        material=config["material"],
-        solver=config["solver"],
-        contact=config["contact"],
+        **OF_RUNS,
     message:
         "Shear modulus within the uncertainty of the boundary: {wildcards.sample}"
     script:
@@ -121,7 +141,7 @@ rule band:
 rule series:
     input:
         mesh="<results>/mesh/{sample}/{geometry}.vtu",
-        record="<results>/records/{sample}.csv",
+        records=records_of_piece,
         family="<results>/curves/{sample}/{geometry}/ogden2.json",
         fit=optimum("json"),
         code=library("workflow/scripts/series.py"),
@@ -133,10 +153,7 @@ rule series:
     resources:
         **OF_MESHES,
     params:
-        mode=row_value("mode"),
-        material=config["material"],
-        solver=config["solver"],
-        contact=config["contact"],
+        **OF_RUNS,
     message:
         "Series of meshes for ParaView: {wildcards.sample}, {wildcards.geometry} geometry"
     script:
@@ -147,7 +164,7 @@ rule export:
     input:
         mesh="<results>/mesh/{sample}/{geometry}.vtu",
         surface="<results>/mesh/{sample}/{geometry}.stl",
-        record="<results>/records/{sample}.csv",
+        records=records_of_piece,
         fit=optimum("json"),
         curve=optimum("csv"),
         code=library("workflow/scripts/export.py"),

@@ -4,7 +4,7 @@ from softsample.blindlab.bodies import Body
 from softsample.blindlab.models import model_curves
 from softsample.fem.explicit import SolverSettings
 from softsample.io import write_table
-from softsample.loop.inputs import VariantSettings
+from softsample.response.pieces import PerturbationSettings
 from softsample.workflow import logged_to
 
 with logged_to(snakemake):
@@ -18,6 +18,6 @@ with logged_to(snakemake):
                 loading_time_s=given.bank["model_loading_time_s"],
                 curve_error_percent=given.bank["model_curve_error_percent"],
             ),
-            VariantSettings(**given.variants),
+            PerturbationSettings(**given.variants),
         ),
     )

@@ -1,10 +1,10 @@
 """Ogden moduli of one group on one geometry (rule `calibrate`)."""
 
 import pandas as pd
+from softsample.shapes import IdealShape
 
-from softsample.calibration.curves import CurveFamily
 from softsample.calibration.direct import SimulatedCurves
-from softsample.calibration.measured import MeasuredCurve
+from softsample.calibration.measured import fitted_curves
 from softsample.calibration.slsqp import AreaObjective, CalibrationSettings, fit_ogden
 from softsample.calibration.uncertainty import Uncertainty, UncertaintySettings
 from softsample.fem.setup import set_up
@@ -17,58 +17,56 @@ from softsample.io import (
     write_table,
 )
 from softsample.protocol import travel_sign
+from softsample.response.curves import ResponseCurves
 from softsample.workflow import logged_to, provenance
 
 with logged_to(snakemake):
-    given = snakemake.params
-    modes = dict(zip(given.samples, given.modes, strict=True))
-    families, measured = {}, {}
-    for (sample, mode), curves, record in zip(
-        modes.items(), snakemake.input.curves, snakemake.input.records, strict=True
-    ):
-        families[sample] = CurveFamily.of_table(read_table(curves), mode)
-        measured[sample] = MeasuredCurve.of_record(read_record(record), mode)
+    given, files = snakemake.params, snakemake.input
+    rows = {row["sample"]: row for row in given.rows}
+    records = [read_record(path) for path in files.records]
+    heights = [IdealShape.of_report(read_json(path)).height for path in files.cuboids]
+    measured = fitted_curves(rows, records, heights, given.hold_out)
+    responses = {
+        name: ResponseCurves.of_table(read_table(path), row["mode"])
+        for (name, row), path in zip(rows.items(), files.curves, strict=True)
+        if name in measured
+    }
     settings = CalibrationSettings(**given.settings)
     simulated = {}
     if settings.method == "direct":
-        for (sample, mode), mesh, report in zip(
-            modes.items(), snakemake.input.meshes, snakemake.input.reports, strict=True
-        ):
-            simulated[sample] = SimulatedCurves(
-                *set_up(
-                    *read_mesh_with_data(mesh),
-                    mode,
-                    solver=given.solver,
-                    contact=given.contact,
-                    material=given.material,
-                ),
-                measured[sample].travel,
+        sections = {name: given[name] for name in ("solver", "contact", "material")}
+        for name, mesh, report in zip(rows, files.meshes, files.reports, strict=True):
+            mode, ends = rows[name]["mode"], rows[name]["ends"]
+            simulated[name] = SimulatedCurves(
+                *set_up(*read_mesh_with_data(mesh), mode, ends=ends, **sections),
+                measured[name].travel,
                 read_json(report)["loading_time_s"],
                 given.material["alpha"],
                 given.material["poisson_ratio"],
-                families[sample].bounds["mu1_fraction"],
+                responses[name].bounds["mu1_fraction"],
             )
-    fit = fit_ogden(simulated or families, measured, settings)
+    fit = fit_ogden(simulated or responses, measured, settings)
     uncertainty = Uncertainty(
-        families, measured, fit, settings, UncertaintySettings(**given.uncertainty)
+        responses, measured, fit, settings, UncertaintySettings(**given.uncertainty)
     )
-    # on the cuboid contact begins at its top, by definition
+    # on the ideal shape contact begins at its top, by definition
     contact_zero = {
-        sample: 1e-3 * given.contact_zero_mm
-        for sample, mode in modes.items()
-        if mode == "compression" and snakemake.wildcards.geometry == "real"
+        name: 1e-3 * given.contact_zero_mm
+        for name in measured
+        if rows[name]["mode"] == "compression" and snakemake.wildcards.geometry == "real"
     }
-    objective = AreaObjective(families, measured)
+    objective = AreaObjective(responses, measured)
     curve = [
         pd.DataFrame(
             {
-                "sample": sample,
-                "displacement_mm": travel_sign(mode) * 1e3 * measured[sample].displacement,
-                "measured_N": travel_sign(mode) * measured[sample].force,
-                "model_N": travel_sign(mode) * objective.force(sample, fit.mu, fit.mu1_fraction),
+                "sample": name,
+                "displacement_mm": travel_sign(rows[name]["mode"]) * 1e3 * loading.displacement,
+                "measured_N": travel_sign(rows[name]["mode"]) * loading.force,
+                "model_N": travel_sign(rows[name]["mode"])
+                * objective.force(name, fit.mu, fit.mu1_fraction),
             }
         )
-        for sample, mode in modes.items()
+        for name, loading in measured.items()
     ]
     write_table(snakemake.output.curve, pd.concat(curve))
     terms = 1 if snakemake.wildcards.model == "ogden1" else 2
@@ -78,8 +76,9 @@ with logged_to(snakemake):
             "group": snakemake.wildcards.group,
             "geometry": snakemake.wildcards.geometry,
             "model": snakemake.wildcards.model,
-            "samples": given.samples,
-            "modes": given.modes,
+            "samples": list(measured),
+            "modes": [rows[name]["mode"] for name in measured],
+            "held_out": [name for name in rows if name not in measured],
             "alpha": given.material["alpha"][:terms],
             "poisson_ratio": given.material["poisson_ratio"],
             **fit.report(),

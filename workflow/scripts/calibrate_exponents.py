@@ -2,7 +2,6 @@
 
 import pandas as pd
 
-from softsample.calibration.curves import CurveFamily
 from softsample.calibration.exponents import (
     ExponentFamily,
     common_exponents,
@@ -14,6 +13,7 @@ from softsample.calibration.slsqp import CalibrationSettings, fit_ogden
 from softsample.calibration.uncertainty import Uncertainty, UncertaintySettings
 from softsample.io import MM, read_json, read_record, read_table, write_json, write_table
 from softsample.report.tables import loading
+from softsample.response.curves import ResponseCurves
 from softsample.workflow import logged_to, progress_bar, provenance
 
 with logged_to(snakemake):
@@ -27,7 +27,7 @@ with logged_to(snakemake):
         height = MM * read_json(cuboid)["height_mm"]
         coarse = ExponentFamily.of_table(read_table(curves), mode, height)
         families[sample] = coarse.anchored(
-            CurveFamily.of_table(read_table(fine), mode), given.alpha
+            ResponseCurves.of_table(read_table(fine), mode), given.alpha
         )
         measured[sample] = MeasuredCurve.of_record(read_record(record), mode)
     bar, likelihoods, reports, tables = progress_bar(), {}, {}, []

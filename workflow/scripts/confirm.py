@@ -5,7 +5,6 @@ import pandas as pd
 
 from softsample.calibration.measured import MeasuredCurve
 from softsample.constitutive.ogden import OgdenMaterial
-from softsample.fem.family import run_report
 from softsample.fem.fields import contact_report, max_principal_hencky_strain
 from softsample.fem.setup import set_up
 from softsample.io import (
@@ -18,6 +17,7 @@ from softsample.io import (
     write_table,
 )
 from softsample.protocol import travel_sign
+from softsample.response.unit import run_report
 from softsample.workflow import logged_to, progress_bar, provenance
 
 with logged_to(snakemake):

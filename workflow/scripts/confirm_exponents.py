@@ -2,12 +2,12 @@
 
 import numpy as np
 
-from softsample.calibration.curves import CurveFamily
 from softsample.calibration.exponents import ExponentFamily
 from softsample.calibration.measured import MeasuredCurve
 from softsample.constitutive.ogden import unit_modulus
 from softsample.fem.setup import set_up
 from softsample.io import MM, read_json, read_mesh_with_data, read_record, read_table, write_json
+from softsample.response.curves import ResponseCurves
 from softsample.workflow import logged_to, progress_bar, provenance
 
 with logged_to(snakemake):
@@ -17,7 +17,7 @@ with logged_to(snakemake):
     measured = MeasuredCurve.of_record(read_record(files.record), given.mode)
     height = MM * read_json(files.cuboid)["height_mm"]
     family = ExponentFamily.of_table(read_table(files.curves), given.mode, height).anchored(
-        CurveFamily.of_table(read_table(files.fine), given.mode), given.material["alpha"]
+        ResponseCurves.of_table(read_table(files.fine), given.mode), given.material["alpha"]
     )
     model, boundary = set_up(
         *read_mesh_with_data(files.mesh),

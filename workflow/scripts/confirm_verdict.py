@@ -2,38 +2,31 @@
 
 from softsample.constitutive.ogden import OgdenMaterial
 from softsample.io import read_json, read_record, read_table, write_table
+from softsample.loop.candidates import candidates
 from softsample.loop.confirm import confirmations, sizes_to_confirm
 from softsample.loop.diagnose import LoopSettings
-from softsample.loop.effects import library
-from softsample.loop.specimen import Elastic, Specimen
+from softsample.loop.held_out import tests_of
+from softsample.shapes import IdealShape
 from softsample.workflow import logged_to
 
 with logged_to(snakemake):
     given, files = snakemake.params, snakemake.input
     verdict = read_json(files.verdict)
     solid = OgdenMaterial.of_fit(read_json(files.fit))
-    specimens = [
-        Specimen.of_record(
-            name,
-            mode,
-            read_record(files.records[k]),
-            Elastic.of_tables(
-                mode,
-                read_table(files.curves[k]),
-                [read_table(files.variants[k]), read_table(files.runs[k])],
-                solid,
-            ),
-        )
-        for k, (name, mode) in enumerate(zip(given.samples, given.modes, strict=True))
+    responses = [
+        (read_table(curves), [*map(read_table, changes)], solid.poisson_ratio, None)
+        for curves, *changes in zip(files.curves, files.perturbations, files.runs, strict=True)
     ]
+    records = [read_record(path) for path in files.records]
+    heights = [IdealShape.of_report(read_json(path)).height for path in files.cuboids]
+    tests = tests_of(given.rows, records, responses, heights, given.hold_out)
     table = confirmations(
-        specimens,
+        tests,
         sizes_to_confirm(verdict),
         verdict["path"][0]["threshold"],
         LoopSettings.of_config(given.loop),
-        library(solid),
+        {effect.name: effect for effect in candidates(tests, heights[0], solid)},
     )
-    group, geometry = snakemake.wildcards.group, snakemake.wildcards.geometry
-    table.insert(0, "geometry", geometry)
-    table.insert(0, "group", group)
+    table.insert(0, "geometry", snakemake.wildcards.geometry)
+    table.insert(0, "group", snakemake.wildcards.group)
     write_table(snakemake.output.table, table)

@@ -4,34 +4,32 @@ from softsample.constitutive.ogden import OgdenMaterial
 from softsample.figures.loop import loop_figure
 from softsample.figures.style import save
 from softsample.io import read_json, read_record, read_table, write_json, write_text, written_aside
-from softsample.loop.diagnose import LoopSettings, diagnose, report
-from softsample.loop.effects import library
+from softsample.loop.candidates import candidates
+from softsample.loop.diagnose import LoopSettings, diagnose
+from softsample.loop.held_out import hold_out_text, tests_of
+from softsample.loop.leave_out import left_out_errors
 from softsample.loop.page import page
-from softsample.loop.specimen import Elastic, Specimen
-from softsample.workflow import logged_to, provenance
+from softsample.loop.verdict import document
+from softsample.shapes import IdealShape
+from softsample.workflow import logged_to, progress_bar, provenance
 
 with logged_to(snakemake):
     given, files = snakemake.params, snakemake.input
-    settings = LoopSettings.of_config(given.loop)
-    solid = OgdenMaterial.of_fit(read_json(files.fit))
-    specimens = [
-        Specimen.of_record(
-            name,
-            mode,
-            read_record(files.records[k]),
-            Elastic.of_tables(
-                mode,
-                read_table(files.curves[k]),
-                [read_table(files.variants[k])],
-                solid,
-                read_table(files.real[k]) if files.get("real") else None,
-            ),
-        )
-        for k, (name, mode) in enumerate(zip(given.samples, given.modes, strict=True))
+    settings, solid = LoopSettings.of_config(given.loop), OgdenMaterial.of_fit(read_json(files.fit))
+    real = [read_table(path) for path in files.get("real", [])] or [None] * len(given.rows)
+    responses = [
+        (read_table(curves), [read_table(changes)], solid.poisson_ratio, of_real)
+        for curves, changes, of_real in zip(files.curves, files.perturbations, real, strict=True)
     ]
-    effects = library(solid).values()
-    found = diagnose(specimens, settings, list(effects))
-    verdict = report(found, settings)
+    records = [read_record(path) for path in files.records]
+    heights = [IdealShape.of_report(read_json(path)).height for path in files.cuboids]
+    tests = tests_of(given.rows, records, responses, heights, given.hold_out)
+    own = [test for test in tests if test.name in given.samples]
+    effects = candidates(own, heights[0], solid)
+    found = diagnose(own, settings, effects)
+    left_out = left_out_errors(tests, given.folds, settings, effects, progress_bar())
+    rule = hold_out_text(given.hold_out, given.leave_out)
+    verdict = document(found, left_out, settings, solid, given.rows, rule)
     write_json(snakemake.output.verdict, {**verdict, "provenance": provenance(snakemake)})
     write_text(snakemake.output.page, page(snakemake.wildcards.group, verdict))
     with written_aside(snakemake.output.figure) as aside:

@@ -8,9 +8,9 @@ import pandas as pd
 from softsample.constitutive.ogden import OgdenMaterial
 from softsample.fem.boundary import ContactSettings, glued_boundary, platen_boundary
 from softsample.fem.explicit import ExplicitModel, SolverSettings
-from softsample.fem.family import find_pace
 from softsample.io import write_table
 from softsample.meshing.mesh import HexMesh
+from softsample.response.unit import find_pace
 from softsample.workflow import logged_to
 
 with logged_to(snakemake):

@@ -3,12 +3,13 @@
 from softsample.calibration.measured import MeasuredCurve
 from softsample.fem.boundary import ContactSettings
 from softsample.fem.explicit import SolverSettings
-from softsample.fem.family import FamilySettings, family_fractions
 from softsample.geometry_effects.shapes import Shape
 from softsample.geometry_effects.variants import EffectSettings, simulate, variants
 from softsample.io import read_distance, read_json, read_record, write_table
 from softsample.meshing.hexahedral import MeshSettings
 from softsample.meshing.sample import mesh_ideal, mesh_real
+from softsample.response.unit import FamilySettings, family_fractions
+from softsample.shapes import IdealShape
 from softsample.workflow import logged_to, progress_bar
 
 MM = 1e-3
@@ -19,11 +20,11 @@ with logged_to(snakemake):
     size = effects.pop("element_size_mm") * MM
     del keys["element_size_mm"]
     shift, preload = keys.pop("boundary_shift_mm") * MM, given.preload_mm * MM
-    cuboid = read_json(files.cuboid)
-    edges = tuple(cuboid[f"{name}_mm"] * MM for name in ("length", "width", "height"))
+    ideal = IdealShape.of_report(read_json(files.cuboid))
+    edges = (ideal.length, ideal.width, ideal.height)
     grid = read_distance(files.distance, files.segmentation)
     real = mesh_real(*grid, size, preload, MeshSettings(**keys), boundary_shift=shift)
-    shape = Shape(real.mesh, mesh_ideal(*edges, size).mesh, edges, given.top_normal_deg)
+    shape = Shape(real.mesh, mesh_ideal(ideal, size).mesh, edges, given.top_normal_deg)
     one_term = [1.0] if given.mode == "compression" else []
     table = simulate(
         variants(shape, given.mode, preload, EffectSettings(**effects)),

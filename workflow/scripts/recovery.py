@@ -1,9 +1,9 @@
 """Why moduli on the real geometry are off the sealed truth (rule `recovery`)."""
 
-from softsample.calibration.curves import CurveFamily
 from softsample.calibration.measured import MeasuredCurve
 from softsample.calibration.slsqp import CalibrationSettings
 from softsample.io import read_json, read_record, read_table, write_table
+from softsample.response.curves import ResponseCurves
 from softsample.scoring import (
     against_truth_mesh,
     contact_zero_error,
@@ -17,7 +17,7 @@ with logged_to(snakemake):
     given, files = snakemake.params, snakemake.input
     families, measured, starts, meshes = {}, {}, {}, {}
     for at, (sample, mode) in enumerate(zip(given.samples, given.modes, strict=True)):
-        families[sample] = CurveFamily.of_table(read_table(files.curves[at]), mode)
+        families[sample] = ResponseCurves.of_table(read_table(files.curves[at]), mode)
         measured[sample] = MeasuredCurve.of_record(read_record(files.records[at]), mode)
         truth, cuboid = read_json(files.truth[at]), read_json(files.cuboids[at])
         meshes[sample] = against_truth_mesh(truth, cuboid)

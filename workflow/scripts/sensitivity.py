@@ -4,10 +4,10 @@ import numpy as np
 
 from softsample.calibration.measured import MeasuredCurve
 from softsample.constitutive.ogden import OgdenMaterial
-from softsample.fem.family import curve_difference
 from softsample.fem.setup import set_up
 from softsample.io import read_json, read_mesh_with_data, read_record, read_table, write_json
 from softsample.protocol import travel_sign
+from softsample.response.unit import curve_difference
 from softsample.workflow import logged_to, progress_bar, provenance
 
 with logged_to(snakemake):

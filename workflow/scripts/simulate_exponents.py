@@ -1,11 +1,11 @@
 """Unit-modulus curves of one sample for free exponents (rule `simulate_exponents`)."""
 
 from softsample.calibration.measured import MeasuredCurve
-from softsample.fem.exponents import ExponentSettings, exponent_grid, simulate_exponents
-from softsample.fem.family import FamilySettings
 from softsample.fem.setup import set_up
 from softsample.io import read_json, read_mesh_with_data, read_record, write_table
 from softsample.protocol import travel_sign
+from softsample.response.exponents import ExponentSettings, exponent_grid, simulate_exponents
+from softsample.response.unit import FamilySettings
 from softsample.workflow import logged_to, progress_bar
 
 with logged_to(snakemake):

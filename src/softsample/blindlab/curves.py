@@ -17,6 +17,7 @@ from softsample.meshing.sample import SampleMesh, mesh_ideal, mesh_real
 from softsample.phantom.draw import random_cuboid
 from softsample.phantom.shapes import signed_distance
 from softsample.protocol import History
+from softsample.shapes import IdealShape
 
 Array = NDArray[np.float64]
 Curve = tuple[str, float, str, Array, Array]
@@ -42,12 +43,8 @@ def imperfect_mesh(body: Body, size_mm: float, bumps: float = 1.0) -> SampleMesh
 
 def cuboid_mesh(body: Body, size_mm: float, shift_mm: float = 0.0) -> SampleMesh:
     """Mesh of a cuboid, its free faces moved out by a length; the base stays."""
-    return mesh_ideal(
-        MM * (body.length + 2.0 * shift_mm),
-        MM * (body.width + 2.0 * shift_mm),
-        MM * (body.height + shift_mm),
-        MM * size_mm,
-    )
+    shape = IdealShape("cuboid", MM * body.length, MM * body.width, MM * body.height)
+    return mesh_ideal(shape.grown(MM * shift_mm), MM * size_mm)
 
 
 def tissue(body: Body) -> OgdenMaterial:

@@ -14,16 +14,17 @@ import pandas as pd
 from softsample.blindlab.bodies import POISSON
 from softsample.blindlab.curves import MM
 from softsample.blindlab.records import Record
-from softsample.calibration.curves import CurveFamily
-from softsample.loop.changes import for_all_mixtures
 from softsample.loop.diagnose import LoopSettings, diagnose, judgement
-from softsample.loop.specimen import Elastic, Specimen
+from softsample.loop.specimen import Specimen
+from softsample.response.changes import for_all_fractions
+from softsample.response.curves import ResponseCurves, before_zero
+from softsample.response.elastic import Elastic
 
 WHEN = ("before", "after")
 
 
-def elastics(table: pd.DataFrame, mixture: float) -> dict[str, Elastic]:
-    """The loop's model by mode, from `model_curves`, whose changes were simulated at a mixture."""
+def elastics(table: pd.DataFrame, fraction: float) -> dict[str, Elastic]:
+    """The loop's model by mode, from `model_curves`, whose changes were simulated at a fraction."""
     found = {}
     for mode, of_mode in table.groupby("mode"):
         travel = MM * np.unique(of_mode["displacement_mm"])
@@ -31,14 +32,15 @@ def elastics(table: pd.DataFrame, mixture: float) -> dict[str, Elastic]:
             str(name): MM**2 * curve.sort_values("displacement_mm")["area_mm2"].to_numpy()
             for name, curve in of_mode.groupby("curve")
         }
-        mixtures = sorted((name for name in curves if name[0].isdigit()), key=float)
-        family = CurveFamily(
-            np.array([float(r) for r in mixtures]),
+        fractions = sorted((name for name in curves if name[0].isdigit()), key=float)
+        response = ResponseCurves(
+            np.array([float(r) for r in fractions]),
             travel,
-            np.stack([curves.pop(r) for r in mixtures]),
+            np.stack([curves.pop(r) for r in fractions]),
+            before_zero(str(mode)),
         )
-        changes = for_all_mixtures(curves, family, mixture)
-        found[str(mode)] = Elastic(family, changes, mode == "compression", POISSON)
+        changes = for_all_fractions(curves, response, fraction)
+        found[str(mode)] = Elastic(response, changes, mode == "compression", POISSON)
     return found
 
 
@@ -101,7 +103,7 @@ def answer(
         "theta_before": verdict["theta_before"],
         "theta_after": verdict["theta_after"],
         "held_out_percent": held_out,
-        "white_mean_square": verdict["white_mean_square"],
+        "reduced_chi_square": verdict["white_mean_square"],
         "path": verdict["path"],
         "not_identifiable": verdict["not_identifiable"],
         "confidence": found.confidence(settings, bootstraps),

@@ -1,5 +1,7 @@
 """The loop's own model of a body: runs on another mesh and at another mixture than the records."""
 
+from collections.abc import Sequence
+
 import numpy as np
 import pandas as pd
 
@@ -8,10 +10,10 @@ from softsample.blindlab.curves import MM, MODULUS, cuboid_mesh, glued, imperfec
 from softsample.constitutive.ogden import unit_modulus
 from softsample.fem.boundary import ContactSettings, mode_boundary
 from softsample.fem.explicit import ExplicitModel, SolverSettings
-from softsample.fem.family import FamilySettings, family_fractions
-from softsample.loop.inputs import MechanicalTest, MeshedSample, VariantSettings
-from softsample.loop.variants import simulate_variants
 from softsample.meshing.sample import SampleMesh
+from softsample.response.perturbations import simulate_perturbations
+from softsample.response.pieces import MechanicalTest, MeshedSample, PerturbationSettings
+from softsample.response.unit import ResponseSettings, modulus_fractions, unit_runs
 
 
 def calibrated(body: Body) -> float:
@@ -20,9 +22,9 @@ def calibrated(body: Body) -> float:
 
 
 def model_curves(
-    body: Body, size_mm: float, solver: SolverSettings, variants: VariantSettings
+    body: Body, size_mm: float, solver: SolverSettings, variants: PerturbationSettings
 ) -> pd.DataFrame:
-    """Curves of the loop's model of a body: its cuboid, all mixtures, and the changed models.
+    """Curves of the loop's model of a body: its cuboid, all fractions, and the changed models.
 
     Returns
     -------
@@ -38,16 +40,16 @@ def model_curves(
         test = MechanicalTest(
             mode, solid, MM * body.stroke(mode), ContactSettings(), solver, variants
         )
-        travel, changes = simulate_variants(
+        travel, changes = simulate_perturbations(
             lambda shift: MeshedSample.of(cuboid_mesh(body, size_mm, shift / MM)), test
         )
         curves = dict(changes)
-        for fraction in family_fractions(FamilySettings()):
-            curves[str(fraction)] = _curve(mesh, mode, float(fraction), 1e3 * travel, solver)
+        fractions = [*map(float, modulus_fractions(ResponseSettings()))]
+        found = _curves(mesh, mode, [*fractions, r], travel, solver)
+        curves |= dict(zip(map(str, fractions), found, strict=False))
         if body.imperfect:
-            real = imperfect_mesh(body, size_mm)
-            curves["real_geometry"] = _curve(real, mode, r, 1e3 * travel, solver)
-            curves["real_geometry"] -= _curve(mesh, mode, r, 1e3 * travel, solver)
+            (real,) = _curves(imperfect_mesh(body, size_mm), mode, [r], travel, solver)
+            curves["real_geometry"] = real - found[-1]
         for name, area in curves.items():
             rows += [
                 {"curve": name, "mode": mode, "displacement_mm": u, "area_mm2": a}
@@ -56,11 +58,16 @@ def model_curves(
     return pd.DataFrame(rows)
 
 
-def _curve(
-    mesh: SampleMesh, mode: str, mixture: float, travel_mm: np.ndarray, solver: SolverSettings
-) -> np.ndarray:
-    """Force over modulus [m2] of one mixture at travels [mm]."""
+def _curves(
+    mesh: SampleMesh,
+    mode: str,
+    fractions: Sequence[float],
+    travel: np.ndarray,
+    solver: SolverSettings,
+) -> list[np.ndarray]:
+    """Force over modulus (n,) [m2] of each fraction at displacements [m]."""
     held = mode_boundary(mesh.mesh, mode, glued(mesh), ContactSettings())
-    solid = unit_modulus(mixture, ALPHA, POISSON, MODULUS)
-    run = ExplicitModel(mesh.mesh, solver).run(solid, held, MM * travel_mm[-1])
-    return np.interp(travel_mm, run.displacement / MM, run.force) / MODULUS
+    solids = [unit_modulus(r, ALPHA, POISSON, MODULUS) for r in fractions]
+    model = ExplicitModel(mesh.mesh, solver)
+    runs = unit_runs(model, held, travel[-1], solids, solver.loading_time_s)
+    return [np.interp(travel, run.displacement, run.force) / MODULUS for run, _ in runs]

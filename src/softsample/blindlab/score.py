@@ -267,7 +267,7 @@ def _effects(cases: Sequence[Case], left: Mapping[str, float]) -> Iterator[Row]:
         yield median(f"9 of {kind}", parts, "lower")
     yield share("10 held-out worse by 5 %", [bool(part < -0.05) for part in removed], "upper")
     yield median("11 white RMS after", [
-        float(np.sqrt(c.answer["white_mean_square"]["after"])) for c in right
+        float(np.sqrt(c.answer["reduced_chi_square"]["after"])) for c in right
     ], "upper")  # fmt: skip
     biased = [c.bias for c in cases if c.names[0] in strong and c.bias[0] > LEAST_BIAS]
     yield median("12 bias of mu removed", [1.0 - now / was for was, now in biased], "lower")

@@ -12,11 +12,11 @@ from numpy.typing import NDArray
 from scipy.optimize import minimize
 from scipy.special import gammaincc
 
-from softsample.calibration.curves import CurveFamily
 from softsample.calibration.likelihood import AreaLikelihood, Profile
 from softsample.constitutive.ogden import nominal_stress
 from softsample.errors import CalibrationError
 from softsample.protocol import travel_sign
+from softsample.response.curves import ResponseCurves
 
 Array = NDArray[np.float64]
 
@@ -103,7 +103,7 @@ class ExponentFamily:
         curve = self.force_per_mu(fraction, alpha1, alpha2)
         return mu * np.interp(displacement, self.displacement, curve)
 
-    def anchored(self, fine: CurveFamily, alpha: Sequence[float]) -> Self:
+    def anchored(self, fine: ResponseCurves, alpha: Sequence[float]) -> Self:
         """The same with the level of a finer mesh, whose family is known at the exponents `alpha`.
 
         Each mixture's forces are multiplied by the ratio of fine to coarse at `alpha`, so that the

@@ -18,6 +18,9 @@ Array = NDArray[np.float64]
 MODULI = ("mu", "mu1", "mu2")
 """What `moduli` returns, by name."""
 
+LEAST_SHARE = 1e-4
+"""Part of the modulus below which a term is as good as absent: its logarithm has to be finite."""
+
 STEPS = 2.0 ** np.arange(-1, 8)
 """Distances of a profile's points from the optimum, in steps."""
 
@@ -110,21 +113,21 @@ class AreaLikelihood:
         """
         sign, offset = (1.0, 0.0) if name == "mu1" else (-1.0, 1.0)
 
-        def share(mixture: float) -> float:
-            return offset + sign * mixture
+        def share(fraction: float) -> float:
+            return offset + sign * fraction
 
         def deviance(x: Array) -> float:
-            mixture = sign * (np.exp(x[1]) - offset)
-            return self(np.array([x[0] - x[1], mixture, *x[2:]]))
+            fraction = sign * (np.exp(x[1]) - offset)
+            return self(np.array([x[0] - x[1], fraction, *x[2:]]))
 
-        logs = [float(np.log(share(end))) for end in self.bounds[1]]
+        logs = [float(np.log(max(share(end), LEAST_SHARE))) for end in self.bounds[1]]
         best = self.best.copy()
-        best[1] = np.log(share(best[1]))
+        best[1] = np.log(max(share(best[1]), LEAST_SHARE))
         best[0] += best[1]
         return deviance, best, [(-np.inf, np.inf), (min(logs), max(logs)), *self.bounds[2:]]
 
     def profiles(self, confidence: float) -> dict[str, Profile]:
-        """Profiles of the moduli and of every shape parameter beside the mixture."""
+        """Profiles of the moduli and of every shape parameter beside the fraction."""
         shape = list(self.search.bounds)[2:]
         return {
             **{name: self.profile(name, 0.01, confidence) for name in MODULI},

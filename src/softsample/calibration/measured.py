@@ -1,27 +1,30 @@
-"""Loading ramp of one test as a curve: what a calibration follows."""
+"""Loading of one test as a curve: what a calibration follows."""
 
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
-from typing import Self
+from typing import Any, Self
 
 import numpy as np
-import pandas as pd
 from numpy.typing import NDArray
+from softsample.holdout import held_out
 
-from softsample.protocol import loading_ramp, travel_sign
+from softsample.errors import CalibrationError
+from softsample.protocol import travel_sign
+from softsample.records import Record
 
 Array = NDArray[np.float64]
 
 
 @dataclass(frozen=True)
 class MeasuredCurve:
-    """Loading ramp of one test along the direction of the travel.
+    """The loading of a record that is calibrated, along its direction.
 
     Parameters
     ----------
     displacement : (n,) float64
-        Travel of the platen [m].
+        Displacement of the platen [m].
     force : (n,) float64
-        Force of the platen on the sample along the travel [N]; positive when it resists.
+        Force of the platen on the sample along the displacement [N]; positive when it resists.
     """
 
     displacement: Array
@@ -44,25 +47,69 @@ class MeasuredCurve:
     def scale_of(self, force: Array) -> float:
         """Factor that brings `force` (n,) at the same displacements closest to this curve.
 
-        Least squares. Force is proportional to the shear modulus at a given mixture, so this is
+        Least squares. Force is proportional to the shear modulus at a given fraction, so this is
         the factor by which a calibrated modulus changes if the geometry does.
         """
         return float(self.force @ force / (force @ force))
 
     @classmethod
-    def of_record(cls, record: pd.DataFrame, mode: str) -> Self:
-        """Loading ramp of a record with columns `time_s`, `displacement_mm`, `force_N`."""
+    def of_record(
+        cls, record: Record, mode: str, held_out: NDArray[np.bool_] | None = None
+    ) -> Self:
+        """The marked loading of a record, without what is held out."""
+        kept = record.calibrated.astype(bool)
+        if held_out is not None:
+            kept = kept & ~held_out
         sign = travel_sign(mode)
-        time, displacement = record["time_s"].to_numpy(), record["displacement_mm"].to_numpy()
-        ramp = loading_ramp(time, 1e-3 * displacement)
-        return cls(sign * 1e-3 * displacement[ramp], sign * record["force_N"].to_numpy()[ramp])
+        return cls(sign * record.displacement[kept], sign * record.force[kept])
 
     @property
     def travel(self) -> float:
-        """Largest travel of the platen [m]."""
+        """Largest displacement of the platen [m]."""
         return float(self.displacement.max())
 
     @property
     def area(self) -> float:
         """Area under the curve [J]."""
         return self.area_between(np.zeros_like(self.force))
+
+
+FEWEST = 3
+"""Points of a loading below which it is as good as held out."""
+
+
+def fitted_curves(
+    rows: Mapping[str, Mapping[str, str]],
+    records: Sequence[Record],
+    heights: Sequence[float],
+    hold_out: Sequence[Mapping[str, Any]],
+) -> dict[str, MeasuredCurve]:
+    """Loadings of a group's samples that are calibrated, without what the study holds out.
+
+    Parameters
+    ----------
+    rows : mapping
+        Rows of the study table by sample, defaults filled in.
+    records, heights : sequence
+        Record and height of the idealised shape [m] of each.
+    hold_out : sequence of mapping
+        Selections of the study's settings.
+
+    Raises
+    ------
+    CalibrationError
+        If all of it is held out.
+    """
+    found = {}
+    for (name, row), record, height in zip(rows.items(), records, heights, strict=True):
+        curve = MeasuredCurve.of_record(
+            record, row["mode"], held_out(record, row, height, "force", hold_out)
+        )
+        if len(curve.force) >= FEWEST:
+            found[name] = curve
+    if not found:
+        raise CalibrationError(
+            f"all of {', '.join(rows)} is held out: nothing is left to calibrate on; narrow "
+            "hold_out in the settings of the study"
+        )
+    return found

@@ -9,9 +9,9 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.optimize import OptimizeResult, minimize
 
-from softsample.calibration.curves import Curves
 from softsample.calibration.measured import MeasuredCurve
 from softsample.errors import CalibrationError
+from softsample.response.curves import Curves
 
 Array = NDArray[np.float64]
 
@@ -87,6 +87,18 @@ class Fit:
         return any(start["converged"] for start in near)
 
     @property
+    def finding(self) -> str | None:
+        """What an optimum on a bound says of data and model; None away from all bounds."""
+        ends = {"mu1_fraction at its maximum": 1, "mu1_fraction at its minimum": 0}
+        parts = [
+            f"these data do not support a second term (mu1/mu = {ends[bound]})"
+            if bound in ends
+            else f"these data drive {bound}"
+            for bound in self.active_bounds
+        ]
+        return "; ".join(parts) or None
+
+    @property
     def success(self) -> bool:
         """Whether it converged away from all bounds."""
         return self.converged and not self.active_bounds
@@ -103,7 +115,7 @@ class Fit:
 
     def report(self) -> dict[str, Any]:
         """Everything a reader of the fit wants, units in the names."""
-        verdict = "converged" if self.success else "; ".join(["not trusted", *self.active_bounds])
+        verdict = self.finding or "converged" if self.converged else "not converged"
         return {
             "mu1_pa": self.mu1,
             "mu2_pa": self.mu2,
@@ -112,6 +124,7 @@ class Fit:
             "area_error_percent": {name: 100.0 * e for name, e in self.area_error.items()},
             "rms_N": self.rms,
             "active_bounds": self.active_bounds,
+            "finding": self.finding,
             "converged": self.converged,
             "success": self.success,
             "verdict": verdict,

@@ -19,10 +19,10 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from softsample.calibration.curves import Curves, Scaled
 from softsample.calibration.likelihood import MODULI, AreaLikelihood, moduli
 from softsample.calibration.measured import MeasuredCurve
 from softsample.calibration.slsqp import AreaObjective, CalibrationSettings, Fit, Search
+from softsample.response.curves import Curves, Scaled
 
 Array = NDArray[np.float64]
 

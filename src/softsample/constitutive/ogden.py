@@ -88,7 +88,7 @@ class OgdenMaterial:
     alpha : tuple of float
         Exponents, dimensionless, none zero, one per modulus.
     poisson_ratio : float
-        Initial Poisson's ratio, in (0, 0.5).
+        Initial Poisson's ratio, from 0 to below 0.5.
     fibres : Fibres, optional
         One family of fibres in addition.
     relaxation : Relaxation, optional
@@ -117,8 +117,8 @@ class OgdenMaterial:
             raise ValueError(f"moduli must be finite with a positive sum, got {self.mu} Pa")
         if not np.all(np.isfinite(self.alpha)) or 0.0 in self.alpha:
             raise ValueError(f"exponents must be finite and not zero, got {self.alpha}")
-        if not 0.0 < self.poisson_ratio < 0.5:
-            raise ValueError(f"Poisson's ratio must lie in (0, 0.5), got {self.poisson_ratio}")
+        if not 0.0 <= self.poisson_ratio < 0.5:
+            raise ValueError(f"Poisson's ratio must lie in [0, 0.5), got {self.poisson_ratio}")
 
     @classmethod
     def of_fit(cls, fit: Mapping[str, Any]) -> Self:
@@ -233,12 +233,29 @@ def ogden_stress(gradient: ArrayLike, material: OgdenMaterial) -> Array:
     """
     F = np.asarray(gradient, dtype=np.float64)
     stretch, direction, J = isochoric_stretches(F)
-    mandel = (material.bulk_modulus * (J - 1.0) * J)[..., None] * np.ones(3)
-    for mu, alpha in zip(material.mu, material.alpha, strict=True):
-        power = stretch**alpha
-        mandel = mandel + 2.0 * mu / alpha * (power - np.mean(power, axis=-1, keepdims=True))
+    mandel = principal_stress(stretch, J - 1.0, material)
     M = (direction * mandel[..., None, :]) @ np.swapaxes(direction, -1, -2)
     return np.asarray(np.swapaxes(np.linalg.inv(F), -1, -2) @ M)
+
+
+def principal_stress(isochoric: Array, dilatation: Array, material: OgdenMaterial) -> Array:
+    """Principal Kirchhoff stresses (..., 3) [Pa], which are those of the Mandel stress.
+
+    Parameters
+    ----------
+    isochoric : (..., 3) float64
+        Principal stretches times ``J**(-1/3)``.
+    dilatation : (...) float64
+        J - 1.
+    material : OgdenMaterial
+        Moduli [Pa], exponents and Poisson's ratio.
+    """
+    pressure = material.bulk_modulus * dilatation * (1.0 + dilatation)
+    stress = pressure[..., None] * np.ones(3)
+    for mu, alpha in zip(material.mu, material.alpha, strict=True):
+        power = isochoric**alpha
+        stress = stress + 2.0 * mu / alpha * (power - np.mean(power, axis=-1, keepdims=True))
+    return np.asarray(stress)
 
 
 def nominal_stress(

@@ -1,6 +1,6 @@
-"""What holds the sample: the glued base, a glued or a touching moving platen."""
+"""What holds the sample in a test: its ends and, where there are any, walls."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -9,6 +9,11 @@ from softsample.errors import InputError
 from softsample.fem.kernels import BASE, FREE, PLATEN, Platens
 from softsample.meshing.mesh import HexMesh, face_vectors
 from softsample.protocol import DIRECTIONS
+
+Ends = str | float
+"""What the ends of a sample do on the platens: BONDED, SLIDING or a coefficient of friction."""
+
+BONDED, SLIDING = "bonded", "sliding"
 
 
 @dataclass(frozen=True)
@@ -25,9 +30,11 @@ class ContactSettings:
     base_platen : bool
         Whether nodes of the side walls can fold onto the base platen.
     friction : float, optional
-        Coefficient of Coulomb friction at the moving platen; none (default) for no slip.
+        Coefficient of Coulomb friction at the moving platen; none (default) for what the ends
+        of the test say, and no slip if they are bonded.
     base_friction : float, optional
-        Coefficient at the base, on which the sample then lies; none (default) if it is glued.
+        Coefficient at the base, on which the sample then lies; none (default) for what the ends
+        say, and a glued base if they are bonded.
     """
 
     release: bool = True
@@ -55,7 +62,9 @@ class Boundary:
         Whether touching nodes can let go.
     friction : tuple of float
         Coefficients of Coulomb friction in contact with base and moving platen; infinite for
-        no slip. Nodes held from the start do not slip.
+        no slip. Nodes that are held from the start and no candidates do not slip.
+    confined : tuple of int
+        Axes along which walls without friction keep every node from moving.
     """
 
     held: NDArray[np.int8]
@@ -64,13 +73,18 @@ class Boundary:
     direction: NDArray[np.float64]
     release: bool = False
     friction: tuple[float, float] = (np.inf, np.inf)
+    confined: tuple[int, ...] = ()
 
     def platens(self) -> Platens:
         """Kernel argument `platens`."""
         return Platens(
             (self._glued(BASE), self._glued(PLATEN)), self.candidates, self.planes,
-            np.array(self.friction), self.direction, self.release,
+            np.array(self.friction), self.direction, self.release, self._mobile(),
         )  # fmt: skip
+
+    def _mobile(self) -> NDArray[np.float64]:
+        """One for axes along which nodes may move, zero for confined ones."""
+        return np.where(np.isin(np.arange(3), self.confined), 0.0, 1.0)
 
     def _glued(self, holder: int) -> NDArray[np.int32]:
         """Nodes held for good: those held from the start that their platen cannot let go."""
@@ -85,16 +99,96 @@ def _held(mesh: HexMesh, glued: NDArray[np.int64]) -> NDArray[np.int8]:
 
 
 def mode_boundary(
-    mesh: HexMesh, mode: str, glued: NDArray[np.int64], contact: ContactSettings
+    mesh: HexMesh,
+    mode: str,
+    glued: NDArray[np.int64],
+    contact: ContactSettings,
+    ends: Ends = BONDED,
 ) -> Boundary:
-    """Boundary conditions of a test mode: glued top, or a platen that meets the highest node."""
+    """Boundary conditions of a test mode.
+
+    Parameters
+    ----------
+    mesh : HexMesh
+        The sample on its base.
+    mode : str
+        `tension`, `compression`, `shear`, `pure_shear` (planar tension: a strip whose width, along
+        x, is kept) or `confined_compression` (in a chamber of the sample's own section).
+    glued : (m,) int64
+        Top nodes that follow the platen where it does not meet the sample by contact.
+    contact : ContactSettings
+        Rules of contact in both compressions; its coefficients of friction, where given, are
+        used in place of `ends`.
+    ends : str or float
+        `bonded`: no slip, the base glued; `sliding`: no friction at either end; a number:
+        Coulomb's coefficient at both, in compression only. Confined compression has no friction
+        whatever the ends are.
+
+    Raises
+    ------
+    InputError
+        If the mode cannot be tested with such ends, or no node is glued.
+
+    Notes
+    -----
+    Sliding ends bear no lateral force, hence the sample's lateral momentum stays zero: nothing
+    holds it sideways, and nothing needs to. ``tests/verification/test_ends.py`` has the closed
+    forms of all tests with sliding ends.
+    """
+    _check_ends(mode, ends)
     if mode == "compression":
-        return platen_boundary(mesh, contact)
-    return glued_boundary(mesh, mode, glued)
+        return platen_boundary(mesh, _rubbing(contact, ends))
+    if mode == "confined_compression":
+        smooth = replace(contact, friction=0.0, base_friction=0.0)
+        return replace(platen_boundary(mesh, smooth), confined=(0, 1))
+    if ends == BONDED:
+        return glued_boundary(mesh, mode, glued)
+    return _sliding_boundary(mesh, mode, glued)
+
+
+def _check_ends(mode: str, ends: Ends) -> None:
+    """Refuse ends that are none, and those that a mode cannot have."""
+    valid = ends in (BONDED, SLIDING) if isinstance(ends, str) else 0.0 <= ends < np.inf
+    if not valid:
+        raise InputError(
+            f"ends: {ends!r} is neither {BONDED}, {SLIDING} nor a coefficient of friction >= 0"
+        )
+    if not isinstance(ends, str) and mode in ("tension", "shear", "pure_shear"):
+        raise InputError(
+            f"ends: friction ({ends:g}) holds no sample in {mode}; choose {BONDED} or {SLIDING}"
+        )
+    if mode == "shear" and ends == SLIDING:
+        raise InputError(
+            f"ends: {SLIDING} leaves simple shear homogeneous, which needs no simulation; its "
+            f"force is a closed form. Choose {BONDED} for a sheared sample with free sides"
+        )
+
+
+def _rubbing(contact: ContactSettings, ends: Ends) -> ContactSettings:
+    """Rules of contact with the friction of the ends, where they give none themselves."""
+    if ends == BONDED:
+        return contact
+    friction = 0.0 if isinstance(ends, str) else float(ends)
+    return replace(
+        contact,
+        friction=friction if contact.friction is None else contact.friction,
+        base_friction=friction if contact.base_friction is None else contact.base_friction,
+    )
+
+
+def _sliding_boundary(mesh: HexMesh, mode: str, glued: NDArray[np.int64]) -> Boundary:
+    """Ends that move with their platens along z alone; planar tension keeps the width, along x."""
+    bonded = glued_boundary(mesh, mode, glued)
+    return replace(
+        bonded,
+        candidates=np.flatnonzero(bonded.held != FREE).astype(np.int32),
+        friction=(0.0, 0.0),
+        confined=(0,) if mode == "pure_shear" else (),
+    )
 
 
 def glued_boundary(mesh: HexMesh, mode: str, glued: NDArray[np.int64]) -> Boundary:
-    """Base fixed, `glued` nodes moved rigidly: tension and shear tests."""
+    """Base fixed, `glued` nodes moved rigidly: bonded ends in tension, shear and planar tension."""
     if len(glued) == 0:
         raise InputError("no node of the mesh is glued to the platen; check the bond")
     nowhere = np.array([[0.0, 0.0, -1.0, np.inf], [0.0, 0.0, 1.0, np.inf]])

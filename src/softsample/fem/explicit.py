@@ -115,7 +115,8 @@ class Run:
         estimate ``(platen - 2 base) / 3``, by the moving platen, by the base. Own weight is
         borne by both; its part at zero travel is what a taring afterwards takes off.
     force_vector : (n_points, 3) float64
-        The quasi-static estimate in the sample frame [N].
+        The quasi-static estimate in the sample frame [N]. Forces of the walls of a confined test
+        are not in it.
     displacement_field : (n_nodes, 3) float64
         Nodal displacements at the end [m].
     held : (n_nodes,) int8
@@ -428,9 +429,10 @@ class _March:
         self._free()
 
     def _free(self) -> None:
-        """Inverse masses of the nodes that nothing holds."""
+        """Inverse masses of the nodes that nothing holds, along the axes that no wall blocks."""
         free = self.motion.held == kernels.FREE
-        self.motion.mobility[:, :3] = np.where(free, 1.0 / self.model.mass, 0.0)[:, None]
+        mobility = np.where(free, 1.0 / self.model.mass, 0.0)
+        self.motion.mobility[:, :3] = mobility[:, None] * self.platens.mobile
 
     def go(self, snapshots: Array, progress: Progress | None) -> None:
         """March through the schedule in slices of constant step, then record the final state."""

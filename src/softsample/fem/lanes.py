@@ -343,11 +343,6 @@ def like(x, value):
     return type(x)(value)
 
 
-def maximum(x, y):
-    """The larger of two numbers."""
-    return x if x > y else y
-
-
 def copysign(x, y):
     """|x| with the sign of y."""
     return math.copysign(x, y)
@@ -406,10 +401,6 @@ class _Code:
         for c in coefficients[1:]:
             value = self.multiply_add(value, x, self.number(c))
         return value
-
-
-def _maximum_code(code, x, y):
-    return code.builder.select(code.builder.fcmp_ordered(">", x, y), x, y)
 
 
 def _copysign_code(code, x, y):
@@ -488,7 +479,6 @@ def _overload(function, generate):
             return (lambda x, y: two(x, y)) if isinstance(x, Lanes) else function
 
 
-_overload(maximum, _maximum_code)
 _overload(copysign, _copysign_code)
 _overload(reciprocal_sqrt, _reciprocal_sqrt_code)
 _overload(exp, _exp_code)

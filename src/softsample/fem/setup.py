@@ -6,7 +6,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from softsample.fem.boundary import Boundary, ContactSettings, mode_boundary
+from softsample.fem.boundary import BONDED, Boundary, ContactSettings, Ends, mode_boundary
 from softsample.fem.explicit import ExplicitModel, SolverSettings
 from softsample.meshing.mesh import HexMesh
 from softsample.meshing.regions import relative_stiffness
@@ -23,6 +23,7 @@ def set_up(
     solver: Section,
     contact: Section,
     material: Section,
+    ends: Ends = BONDED,
 ) -> tuple[ExplicitModel, Boundary]:
     """Model and boundary conditions of one test.
 
@@ -35,14 +36,17 @@ def set_up(
     cell_data : mapping
         `region` (n_elements,), the labels of regions of different stiffness, where there are any.
     mode : str
-        `tension`, `compression` or `shear`.
+        One of `softsample.protocol.DIRECTIONS`.
     solver, contact, material : mapping
         Sections of the config.
+    ends : str or float
+        What the ends of the sample do on the platens, see `mode_boundary`.
 
     Raises
     ------
     InputError
-        If a region has no stiffness in ``material: region_stiffness``.
+        If a region has no stiffness in ``material: region_stiffness``, or the mode cannot be
+        tested with such ends.
     MeshError
         If an element has no positive volume.
     """
@@ -53,4 +57,4 @@ def set_up(
     )
     model = ExplicitModel(mesh, SolverSettings(**solver), stiffness)
     glued = np.flatnonzero(point_data["glued"])
-    return model, mode_boundary(mesh, mode, glued, ContactSettings(**contact))
+    return model, mode_boundary(mesh, mode, glued, ContactSettings(**contact), ends)

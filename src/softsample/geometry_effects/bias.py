@@ -7,12 +7,12 @@ import numpy as np
 import pandas as pd
 from numpy.typing import NDArray
 
-from softsample.calibration.curves import CurveFamily
 from softsample.calibration.measured import MeasuredCurve
 from softsample.calibration.slsqp import CalibrationSettings, fit_ogden
+from softsample.response.curves import ResponseCurves
 
 Array = NDArray[np.float64]
-Families = Mapping[str, CurveFamily]
+Families = Mapping[str, ResponseCurves]
 
 BASE = ("real", "cuboid")
 """Sample and model of the plain bias."""
@@ -31,7 +31,7 @@ GAP = "gap_times_"
 """Start of the names of cuboids that the platen meets late; they are models as well."""
 
 
-def families(table: pd.DataFrame) -> tuple[dict[str, CurveFamily], dict[str, CurveFamily]]:
+def families(table: pd.DataFrame) -> tuple[dict[str, ResponseCurves], dict[str, ResponseCurves]]:
     """Two-term and one-term families of the variants of a sample.
 
     Parameters
@@ -39,14 +39,14 @@ def families(table: pd.DataFrame) -> tuple[dict[str, CurveFamily], dict[str, Cur
     table
         `softsample.geometry_effects.variants.simulate`; mixtures of 1 are the one-term material.
     """
-    two_term: dict[str, CurveFamily] = {}
-    one_term: dict[str, CurveFamily] = {}
+    two_term: dict[str, ResponseCurves] = {}
+    one_term: dict[str, ResponseCurves] = {}
     for name, curves in table.groupby("variant", sort=False):
         grid = curves.pivot_table("force_per_mu", index="mu1_fraction", columns="displacement")
         travel, fractions = grid.columns.to_numpy(float), grid.index.to_numpy(float)
         for found, rows in ((two_term, fractions < 1.0), (one_term, fractions == 1.0)):
             if rows.any():
-                found[str(name)] = CurveFamily(fractions[rows], travel, grid.to_numpy()[rows])
+                found[str(name)] = ResponseCurves(fractions[rows], travel, grid.to_numpy()[rows])
     return two_term, one_term
 
 
@@ -113,6 +113,6 @@ def group_bias(
     return pd.DataFrame(rows)
 
 
-def _record(family: CurveFamily, fit: Mapping[str, Any]) -> MeasuredCurve:
+def _record(family: ResponseCurves, fit: Mapping[str, Any]) -> MeasuredCurve:
     force = fit["mu_pa"] * family.force_per_mu(fit["mu1_fraction"], family.displacement)
     return MeasuredCurve(family.displacement, np.asarray(force, dtype=np.float64))

@@ -13,6 +13,7 @@ from softsample.fem.explicit import ExplicitModel, SolverSettings
 from softsample.geometry_effects.shapes import Shape, section_areas
 from softsample.meshing.cuboid import mesh_cuboid
 from softsample.meshing.mesh import HexMesh
+from softsample.response.unit import unit_runs
 
 Array = NDArray[np.float64]
 
@@ -163,9 +164,9 @@ def simulate(
         if progress is not None:
             progress(name, done / len(found))
         model, boundary = ExplicitModel(variant.mesh, solver), variant.boundary(mode, contact)
-        for fraction in fractions:
-            material = unit_modulus(fraction, alpha, poisson_ratio, modulus)
-            run = model.run(material, boundary, travel, loading_time=loading_time)
+        solids = [unit_modulus(r, alpha, poisson_ratio, modulus) for r in fractions]
+        runs = unit_runs(model, boundary, travel, solids, loading_time)
+        for fraction, (run, _) in zip(fractions, runs, strict=True):
             columns = {"displacement": run.displacement, "force_per_mu": run.force / modulus}
             tables.append(pd.DataFrame({"variant": name, "mu1_fraction": fraction, **columns}))
     return pd.concat(tables, ignore_index=True)

@@ -1,4 +1,4 @@
-"""Idealised cuboid and areas of a sample, from its signed distance.
+"""Idealised shape and areas of a sample, from its signed distance.
 
 The definitions are in ``docs/geometry.md``; they follow sections 2.4.1 and 3.1 of the study
 as far as it states them (S. Arzemanzadeh, K. Miller, A. Wittek, On the validity of using idealised
@@ -15,11 +15,22 @@ from skimage.measure import find_contours
 from softsample.errors import InputError, SegmentationError
 from softsample.imaging import distance as sdf
 from softsample.imaging import frame
+from softsample.shapes import IdealShape, Kind
 
 Array = NDArray[np.float64]
 
 MM = 1e-3
 """One millimetre [m]."""
+
+ROUND = 0.7
+"""A sample of at least this `circularity` is proposed to be idealised as a cylinder.
+
+A cuboid whose vertical edges have a third of its shorter edge as radius reaches 0.44, an ellipse
+whose axes differ by 10 % has 0.91 and one by 40 % 0.71; `docs/geometry.md` has made-up samples.
+"""
+
+LEVELS = (0.25, 0.5, 0.75)
+"""Heights of the sections of `circularity`, over that of the highest point."""
 
 
 @dataclass(frozen=True)
@@ -52,8 +63,9 @@ def measure(
     origin: ArrayLike,
     spacing: float,
     settings: MeasurementSettings | None = None,
+    shape: Kind = "cuboid",
 ) -> dict[str, Any]:
-    """Measure the cuboid and the areas of a sample.
+    """Measure the idealised shape and the areas of a sample.
 
     Parameters
     ----------
@@ -65,12 +77,15 @@ def measure(
     spacing : float
         Grid spacing [m].
     settings : MeasurementSettings, optional
+    shape : {"cuboid", "cylinder"}
+        What the sample is idealised as.
 
     Returns
     -------
     dict
         Flat record in mm, mm2, mm3 and percent, the keys of ``cuboid/{sample}.json``. Percents
-        are ``100 (area / (length width) - 1)``.
+        are ``100 (area / ideal area - 1)``. `circularity` and `proposed_shape` say which shape
+        the sample looks like, whichever it is idealised as.
 
     Raises
     ------
@@ -83,29 +98,61 @@ def measure(
     field, start = _checked(distance, origin, spacing)
     top = top_heights(field, start, spacing)
     peak = sdf.highest_point(field, start, spacing)
-    length, width, height, lengths, widths = _cuboid(field, start, spacing, top, settings)
-    bottom = section_area(section(field, start, spacing, 0.0), spacing)
-    upper, glued = _top_areas(field, start, spacing, peak[2], settings)
-    ideal = length * width
+    ideal, sections, top_sd = _idealised(field, start, spacing, top, settings, shape)
+    areas = _areas(field, start, spacing, float(peak[2]), settings)
+    roundness = circularity(field, start, spacing)
     return {
-        "length_mm": length / MM,
-        "width_mm": width / MM,
-        "height_mm": height / MM,
-        "length_sections_mm": [value / MM for value in lengths],
-        "width_sections_mm": [value / MM for value in widths],
-        "bottom_area_mm2": bottom / MM**2,
-        "top_area_mm2": upper / MM**2,
-        "glued_area_mm2": glued / MM**2,
-        "ideal_area_mm2": ideal / MM**2,
-        "bottom_difference_percent": 100.0 * (bottom / ideal - 1.0),
-        "top_difference_percent": 100.0 * (upper / ideal - 1.0),
-        "glued_difference_percent": 100.0 * (glued / ideal - 1.0),
+        **ideal.report(),
+        **{
+            f"{name}_sections_mm": [size / MM for size in sizes] for name, sizes in sections.items()
+        },
+        **{f"{name}_area_mm2": area / MM**2 for name, area in areas.items()},
+        **{
+            f"{name}_difference_percent": 100.0 * (area / ideal.area - 1.0)
+            for name, area in areas.items()
+        },
         "volume_real_mm3": sdf.volume_above_base(field, start, spacing) / MM**3,
-        "volume_ideal_mm3": ideal * height / MM**3,
         "highest_point_mm": float(peak[2] / MM),
         "highest_point_position_mm": [float(value / MM) for value in peak],
-        "top_height_sd_mm": _core_heights(top, start, spacing, length, width, settings)[1] / MM,
+        "top_height_sd_mm": top_sd / MM,
+        "circularity": roundness,
+        "proposed_shape": proposed_shape(roundness),
     }
+
+
+def circularity(distance: Array, origin: Array, spacing: float) -> float:
+    """How much the sections look like a disc: 1 for a disc, 0 for a rectangle.
+
+    The product of two ratios, mean over three sections: how much of the smallest rectangle
+    around the section its corners leave empty, from 0 to the ``1 - pi/4`` of an ellipse (1 there,
+    less again if more is empty), and its shorter side over its longer one.
+
+    Parameters
+    ----------
+    distance, origin, spacing
+        As of `measure`.
+    """
+    peak = sdf.highest_point(distance, origin, spacing)[2]
+    planes = [section(distance, origin, spacing, float(level * peak)) for level in LEVELS]
+    return float(np.mean([_section_circularity(plane) for plane in planes]))
+
+
+def proposed_shape(circularity: float) -> Kind:
+    """Shape that a sample of this `circularity` looks like; a person decides."""
+    return "cylinder" if circularity >= ROUND else "cuboid"
+
+
+def _section_circularity(plane: Array) -> float:
+    """`circularity` of one section, from its outline at grid resolution or better."""
+    outline = np.concatenate(find_contours(plane, 0.0))
+    angles = np.radians(np.arange(90))
+    across = np.ptp(outline @ np.stack([np.cos(angles), np.sin(angles)]), axis=0)
+    along = np.ptp(outline @ np.stack([-np.sin(angles), np.cos(angles)]), axis=0)
+    best = int(np.argmin(across * along))
+    empty = 1.0 - section_area(plane, 1.0) / (across[best] * along[best])
+    sides = sorted((across[best], along[best]))
+    full = 1.0 - 0.25 * np.pi
+    return float(max(0.0, 1.0 - abs(empty - full) / full) * sides[0] / sides[1])
 
 
 def section(field: Array, origin: Array, spacing: float, height: float) -> Array:
@@ -189,54 +236,92 @@ def top_heights(field: Array, origin: Array, spacing: float) -> Array:
     return np.where(some & (height > 0.0), height, np.nan)
 
 
-def _core_heights(
-    top: Array,
-    origin: Array,
-    spacing: float,
-    length: float,
-    width: float,
-    settings: MeasurementSettings,
-) -> tuple[float, float]:
-    """Mean and standard deviation of the top inside the core of length and width [m]."""
-    known = np.isfinite(top)
-    x, y = (origin[axis] / spacing + np.arange(top.shape[axis]) for axis in (0, 1))
-    half = 0.5 * settings.top_core_fraction / spacing
-    share = np.outer(_overlap(x, 0.0, half * length), _overlap(y, 0.0, half * width)) * known
+def _core_heights(top: Array, share: Array) -> tuple[float, float]:
+    """Mean and standard deviation of the top [m] over `share` (nx, ny) of each column."""
+    share = share * np.isfinite(top)
     if share.sum() == 0.0:
         raise SegmentationError("the core of the top is empty; look at the segmentation")
-    height = np.where(known, top, 0.0)
+    height = np.where(share > 0.0, top, 0.0)
     mean = float(np.sum(share * height) / share.sum())
     return mean, float(np.sqrt(np.sum(share * (height - mean) ** 2) / share.sum()))
 
 
-def _cuboid(
-    field: Array, origin: Array, spacing: float, top: Array, settings: MeasurementSettings
-) -> tuple[float, float, float, list[float], list[float]]:
-    """Length, width, height, and the widths of the three sections [m].
+def _core(
+    kind: Kind, columns: tuple[int, ...], origin: Array, spacing: float, sides: tuple[float, float]
+) -> Array:
+    """Share of each column of the grid (nx, ny) in the rectangle, or circle, of `sides` [m]."""
+    x, y = (origin[axis] / spacing + np.arange(columns[axis]) for axis in (0, 1))
+    half = [0.5 * side / spacing for side in sides]
+    if kind == "cylinder":
+        away = np.hypot(x[:, None], y) - half[0]
+        return np.asarray(np.clip(0.5 - away, 0.0, 1.0))
+    return np.outer(_overlap(x, 0.0, half[0]), _overlap(y, 0.0, half[1]))
+
+
+def _idealised(
+    field: Array,
+    origin: Array,
+    spacing: float,
+    top: Array,
+    settings: MeasurementSettings,
+    kind: Kind,
+) -> tuple[IdealShape, dict[str, list[float]], float]:
+    """Idealised shape, the sizes of its three sections, and the top's standard deviation [m].
 
     The height sets the sections and the lengths set the core of the height: iterated.
     """
+    sizes_of = _round_sizes if kind == "cylinder" else _straight_sizes
     height = float(np.nanmedian(top))
     length, width = (spacing * np.isfinite(top).any(axis=1 - axis).sum() for axis in (0, 1))
-    offset = settings.section_offset_mm * MM
     for _ in range(20):
         before = np.array([length, width, height])
-        height, _ = _core_heights(top, origin, spacing, length, width, settings)
-        if height < 2.0 * offset:
-            raise SegmentationError(
-                f"sample is {height / MM:.3g} mm high, lower than two section offsets; look at"
-                " the segmentation or lower measurement: section_offset_mm"
-            )
-        planes = [
-            section(field, origin, spacing, z) for z in (offset, 0.5 * height, height - offset)
-        ]
-        core = settings.width_core_fraction
-        lengths = [mean_width(plane, spacing, core) for plane in planes]
-        widths = [mean_width(plane.T, spacing, core) for plane in planes]
-        length, width = float(np.mean(lengths)), float(np.mean(widths))
+        core = (settings.top_core_fraction * length, settings.top_core_fraction * width)
+        height, spread = _core_heights(top, _core(kind, top.shape, origin, spacing, core))
+        planes = _three_sections(field, origin, spacing, height, settings.section_offset_mm * MM)
+        length, width, sections = sizes_of(planes, spacing, settings.width_core_fraction)
         if np.allclose(before, [length, width, height], rtol=1e-6, atol=0.0):
             break
-    return length, width, height, lengths, widths
+    return IdealShape(kind, length, width, height), sections, spread
+
+
+def _three_sections(
+    field: Array, origin: Array, spacing: float, height: float, offset: float
+) -> list[Array]:
+    """Sections at `offset` above the base, at half the height, and `offset` below the top."""
+    if height < 2.0 * offset:
+        raise SegmentationError(
+            f"sample is {height / MM:.3g} mm high, lower than two section offsets; look at"
+            " the segmentation or lower measurement: section_offset_mm"
+        )
+    return [section(field, origin, spacing, z) for z in (offset, 0.5 * height, height - offset)]
+
+
+def _straight_sizes(
+    planes: list[Array], spacing: float, core: float
+) -> tuple[float, float, dict[str, list[float]]]:
+    """Length and width of a cuboid, and those of its sections [m]: mean widths."""
+    lengths = [mean_width(plane, spacing, core) for plane in planes]
+    widths = [mean_width(plane.T, spacing, core) for plane in planes]
+    sections = {"length": lengths, "width": widths}
+    return float(np.mean(lengths)), float(np.mean(widths)), sections
+
+
+def _round_sizes(
+    planes: list[Array], spacing: float, core: float
+) -> tuple[float, float, dict[str, list[float]]]:
+    """Diameter of a cylinder, twice, and those of its sections [m]: circles of equal area."""
+    areas = np.array([section_area(plane, spacing) for plane in planes])
+    diameter = float(np.sqrt(4.0 / np.pi * areas.mean()))
+    return diameter, diameter, {"diameter": np.sqrt(4.0 / np.pi * areas).tolist()}
+
+
+def _areas(
+    field: Array, origin: Array, spacing: float, peak: float, settings: MeasurementSettings
+) -> dict[str, float]:
+    """Areas of the base, of the top, and of what is glued [m2]."""
+    upper, glued = _top_areas(field, origin, spacing, peak, settings)
+    bottom = section_area(section(field, origin, spacing, 0.0), spacing)
+    return {"bottom": bottom, "top": upper, "glued": glued}
 
 
 def _top_areas(

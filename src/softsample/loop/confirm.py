@@ -13,16 +13,16 @@ import pandas as pd
 from numpy.typing import NDArray
 
 from softsample.constitutive.ogden import Fibres, OgdenMaterial
-from softsample.fem.boundary import Boundary, mode_boundary, platen_boundary
+from softsample.fem.boundary import Boundary, platen_boundary
 from softsample.loop.diagnose import LoopSettings, pose
 from softsample.loop.effects import library
 from softsample.loop.effects.base import Effect, Values
 from softsample.loop.fit import Fit
-from softsample.loop.inputs import MechanicalTest, MeshedSample
 from softsample.loop.model import Model, State
 from softsample.loop.screen import penalty
 from softsample.loop.specimen import Specimen
-from softsample.loop.variants import MARGIN, changed_boundaries, paced
+from softsample.response.perturbations import MARGIN, changed_boundaries, paced
+from softsample.response.pieces import MechanicalTest, MeshedSample
 
 Array = NDArray[np.float64]
 Runs = list[tuple[float, OgdenMaterial, Boundary]]
@@ -76,7 +76,7 @@ def simulate_sizes(
 
     sample = mesh_shifted(0.0)
     model = sample.model(test.solver)
-    held = mode_boundary(sample.mesh, test.mode, sample.glued, test.contact)
+    held = test.held(sample)
     pace = paced(model, material, held, reach)
     changes = {}
     for name, values in sizes.items():
@@ -85,8 +85,7 @@ def simulate_sizes(
         if name == "boundary_shift":
             larger = mesh_shifted(1e-3 * values["shift_mm"])
             on = larger.model(test.solver)
-            shifted = mode_boundary(larger.mesh, test.mode, larger.glued, test.contact)
-            runs = [(1.0, material, shifted)]
+            runs = [(1.0, material, test.held(larger))]
         else:
             on, runs = model, _runs(name, values, sample, test, held)
         change = sum(
@@ -115,14 +114,14 @@ def _runs(
     if name == "platen_tilt":
         axis, tilt = np.radians(values["axis_deg"]), values["tilt_deg"]
         tilts = (float(tilt * np.cos(axis)), float(tilt * np.sin(axis)))
-        return [(1.0, material, platen_boundary(sample.mesh, test.contact, tilt_deg=tilts))]
-    side, steps = values["side"], replace(test.variants, missing_bond=values["missing"])
+        return [(1.0, material, platen_boundary(sample.mesh, test.platen_contact, tilt_deg=tilts))]
+    side, steps = values["side"], replace(test.steps, missing_bond=values["missing"])
     weights = {
         "partial_bond_ahead": max(side, 0.0),
         "partial_bond_behind": max(-side, 0.0),
         "partial_bond_beside": 1.0 - abs(side),
     }
-    boundaries = changed_boundaries(sample, replace(test, variants=steps))
+    boundaries = changed_boundaries(sample, replace(test, steps=steps))
     return [
         (weight, material, boundaries[variant])
         for variant, weight in weights.items()
@@ -203,8 +202,8 @@ def at_size(name: str) -> str:
 
 
 def _simulated(name: str) -> Callable[[Specimen, float, Array, Values], Array]:
-    return lambda specimen, mixture, travel, values: specimen.elastic.change_per_mu(
-        at_size(name), mixture, travel
+    return lambda specimen, fraction, travel, values: specimen.elastic.change_per_mu(
+        at_size(name), fraction, travel
     )
 
 

@@ -7,9 +7,10 @@ from typing import Any, Self
 import numpy as np
 from numpy.typing import NDArray
 
+from softsample.loop.accept import Errors, Judged, objection_to
 from softsample.loop.effects import library
 from softsample.loop.effects.base import Effect
-from softsample.loop.errors import Error, errors, held_out
+from softsample.loop.errors import cross_validated, errors, held_out_errors
 from softsample.loop.fit import Fit, Problem
 from softsample.loop.limits import detection_limits
 from softsample.loop.model import FIXED
@@ -27,10 +28,12 @@ from softsample.loop.select import Selection, SelectionSettings, select
 from softsample.loop.specimen import Specimen, blocks
 
 Array = NDArray[np.float64]
-Errors = Mapping[str, Mapping[str, Error]]
 
 PER_BLOCK = 4
 """Points of a block at which predictions are computed."""
+
+HELD_OUT = "held_out"
+"""Fold of what a study holds out."""
 
 NINETY = 1.6449
 """Standard deviations of a two-sided 90 % interval."""
@@ -66,27 +69,38 @@ class Diagnosis:
         One for each test.
     selection : Selection
         The path to the verdict.
-    verdict : str
-        `explained`, `none` or `unknown`.
-    before, after : dict
-        Error by mode and phase.
-    held_out_before, held_out_after : dict
-        Error by fold and mode.
+    objection : str
+        Why the selected effects do not hold as an explanation, or why nothing explains what is
+        left; empty if there is no objection.
+    before : Judged
+        Errors of the plain model.
+    selected : Judged
+        Errors with the selected effects, whether or not they are given.
     """
 
     problem: Problem
     noises: list[Noise]
     selection: Selection
-    verdict: str
-    before: Errors
-    after: Errors
-    held_out_before: Errors
-    held_out_after: Errors
+    objection: str
+    before: Judged
+    selected: Judged
+
+    @property
+    def verdict(self) -> str:
+        """`explained`, `none` or `unknown`."""
+        if self.objection:
+            return "unknown"
+        return "explained" if self.selection.final.model.effects else "none"
+
+    @property
+    def after(self) -> Judged:
+        """Errors of what is reported."""
+        return self.selected if self.verdict == "explained" else self.before
 
     @property
     def final(self) -> Fit:
         """What is reported after: an explanation that does not hold is no better than none."""
-        return self.selection.base if self.verdict == "unknown" else self.selection.final
+        return self.selection.base if self.objection else self.selection.final
 
     def confidence(self, settings: LoopSettings, draws: int) -> float | None:
         """How often the first effect's class is found again; none without effect or draws."""
@@ -98,9 +112,10 @@ class Diagnosis:
 
 
 def pose(specimens: Sequence[Specimen], settings: NoiseSettings) -> tuple[Problem, list[Noise]]:
-    """The records with their noise; its floor needs a first fit of the material.
+    """The records with their noise; the discrepancy needs a first fit of the material.
 
-    The problem works with `PER_BLOCK` means of samples in a block, which say as much.
+    The problem works with `PER_BLOCK` means of samples in a block, which say as much. What is held
+    out of the records is no part of it.
     """
     noises = shared([measure_noise(specimen, settings) for specimen in specimens])
     specimens = [
@@ -117,7 +132,7 @@ def pose(specimens: Sequence[Specimen], settings: NoiseSettings) -> tuple[Proble
     lower = [
         material.mu
         * s.elastic.ratio_change_per_mu(
-            material.mixture, travel, s.elastic.poisson_ratio - settings.poisson_ratio
+            material.mu1_fraction, travel, s.elastic.poisson_ratio - settings.poisson_ratio
         )
         for s, travel in zip(specimens, travels, strict=True)
     ]
@@ -133,7 +148,11 @@ def _whiteners(
     """Whitener of every test, its scale by what a model predicts per sample [N]."""
     sizes = [block_size(s.time, settings) for s in specimens]
     return [
-        Whitener(covariance(s, noise, blocks(model, size), settings), size)
+        Whitener(
+            covariance(s, noise, blocks(model, size), settings),
+            size,
+            blocks(s.held_out.astype(float), size) == 0.0,
+        )
         for s, noise, model, size in zip(specimens, noises, models, sizes, strict=True)
     ]
 
@@ -154,42 +173,20 @@ def diagnose(
     effects : sequence of Effect, optional
         Library to choose from; all by default.
     """
-    problem, noises = pose(specimens, settings.noise)
+    problem, noises = pose([s for s in specimens if not s.held_out.all()], settings.noise)
     known = list(library().values()) if effects is None else list(effects)
     selection = select(problem, known, settings.selection)
-    base, final = selection.base, selection.final
     spread = [noise.block for noise in noises]
-    before, after = errors(problem, base, spread), errors(problem, final, spread)
-    held_out_before = held_out(problem, base, spread)
-    verdict = _verdict(selection, settings.selection)
-    explained = verdict == "explained"
-    return Diagnosis(
-        problem,
-        noises,
-        selection,
-        verdict,
-        before,
-        after if explained else before,
-        held_out_before,
-        held_out(selection.problem, final, spread) if explained else held_out_before,
+    before, after = (
+        Judged(
+            errors(problem, fit, spread),
+            cross_validated(posed, fit, spread),
+            held_out_errors(fit, specimens, noises[0].white),
+        )
+        for posed, fit in ((problem, selection.base), (selection.problem, selection.final))
     )
-
-
-def _verdict(selection: Selection, rules: SelectionSettings) -> str:
-    """What is missing.
-
-    An explanation that leaves the records further off than floor and doubt of its form allow is
-    none. Nor is one to which the records ask loudly for something more that no effect serves.
-    """
-    n = len(selection.final.white)
-    left, before = selection.final.cost, selection.base.cost
-    if left / n > rules.unknown_ratio and left - n > rules.unknown_share * (before - n):
-        return "unknown"
-    if selection.problem.spoiled(selection.base, selection.final):
-        return "unknown"
-    if selection.unserved and left / n > rules.unserved_ratio:
-        return "unknown"
-    return "explained" if selection.final.model.effects else "none"
+    objection = objection_to(selection, before, after, settings.selection)
+    return Diagnosis(problem, noises, selection, objection, before, after)
 
 
 def report(diagnosis: Diagnosis, settings: LoopSettings) -> dict[str, Any]:
@@ -217,19 +214,22 @@ def _first_size(effect: Effect, multiple: float) -> dict[str, float | str]:
 def judgement(diagnosis: Diagnosis, settings: LoopSettings) -> dict[str, Any]:
     """What `verdict.json` holds, but for the sizes that would have been seen."""
     selection, final = diagnosis.selection, diagnosis.final
-    mixtures = diagnosis.problem.mixtures
+    fractions = diagnosis.problem.fractions
     return {
         "verdict": diagnosis.verdict,
         "effects": [
             _effect_report(effect, selection, settings.selection.form_doubt)
             for effect in final.model.effects
         ],
-        "theta_before": _theta(selection.base, settings.noise, mixtures),
-        "theta_after": _theta(final, settings.noise, mixtures),
-        "error_before": _report(diagnosis.before),
-        "error_after": _report(diagnosis.after),
-        "held_out_before": _report(diagnosis.held_out_before),
-        "held_out_after": _report(diagnosis.held_out_after),
+        "theta_before": _theta(selection.base, settings.noise, fractions),
+        "theta_after": _theta(final, settings.noise, fractions),
+        "withheld": _withheld(diagnosis, settings),
+        "error_before": error_report(diagnosis.before.fitted),
+        "error_after": error_report(diagnosis.after.fitted),
+        "folds_before": error_report(diagnosis.before.folds),
+        "folds_after": error_report(diagnosis.after.folds),
+        "held_out_before": _declared(diagnosis.before),
+        "held_out_after": _declared(diagnosis.after),
         "noise": {
             label: {
                 "white_N": n.white,
@@ -241,7 +241,7 @@ def judgement(diagnosis: Diagnosis, settings: LoopSettings) -> dict[str, Any]:
             )
         },
         "floor": asdict(settings.noise),
-        "white_mean_square": {
+        "reduced_chi_square": {
             "before": selection.base.cost / len(selection.base.white),
             "after": final.cost / len(final.white),
         },
@@ -268,7 +268,28 @@ def judgement(diagnosis: Diagnosis, settings: LoopSettings) -> dict[str, Any]:
     }
 
 
-def _report(found: Errors) -> dict[str, Any]:
+def _declared(judged: Judged) -> dict[str, Any]:
+    """What the study holds out, or the folds of what is fitted if it holds nothing out."""
+    return error_report({HELD_OUT: judged.held_out} if judged.held_out else judged.folds)
+
+
+def _withheld(diagnosis: Diagnosis, settings: LoopSettings) -> list[dict[str, Any]]:
+    """Effects that were selected and are not given, with the reason and what they would do."""
+    if not diagnosis.objection:
+        return []
+    selection = diagnosis.selection
+    return [
+        {
+            **_effect_report(effect, selection, settings.selection.form_doubt),
+            "reason": diagnosis.objection,
+            "held_out_if_given": _declared(diagnosis.selected),
+        }
+        for effect in selection.final.model.effects
+    ]
+
+
+def error_report(found: Errors) -> dict[str, Any]:
+    """Errors by two names, in newton and percent."""
     return {
         name: {part: error.report() for part, error in parts.items()}
         for name, parts in found.items()
@@ -276,12 +297,12 @@ def _report(found: Errors) -> dict[str, Any]:
 
 
 def _theta(
-    fit: Fit, noise: NoiseSettings, mixtures: tuple[float, float]
+    fit: Fit, noise: NoiseSettings, fractions: tuple[float, float]
 ) -> dict[str, dict[str, float | str]]:
     """Material with 90 % intervals; the scale of a test can be that of all of them."""
     deviation = np.sqrt(np.diag(fit.covariance))
     deviation[0] = np.hypot(deviation[0], 0.01 * noise.scale_percent)
-    mu, r = fit.state.material.mu, fit.state.material.mixture
+    mu, r = fit.state.material.mu, fit.state.material.mu1_fraction
     return {
         "mu": {
             "value": mu,
@@ -292,8 +313,8 @@ def _theta(
         "mu1_fraction": {
             "value": r,
             "unit": "1",
-            "low": max(mixtures[0], r - NINETY * float(deviation[1])),
-            "high": min(mixtures[1], r + NINETY * float(deviation[1])),
+            "low": max(fractions[0], r - NINETY * float(deviation[1])),
+            "high": min(fractions[1], r + NINETY * float(deviation[1])),
         },
     }
 

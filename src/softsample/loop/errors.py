@@ -6,10 +6,10 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
-from softsample.loop.fit import Fit, Problem
+from softsample.loop.fit import Fit, Problem, labels
 from softsample.loop.model import FIXED, State, residuals
 from softsample.loop.screen import LEAST_SIGNATURE
-from softsample.loop.specimen import blocks
+from softsample.loop.specimen import Specimen, blocks
 
 Array = NDArray[np.float64]
 Mask = NDArray[np.bool_]
@@ -41,7 +41,8 @@ class Error:
         }
 
 
-def _error(residual: Array, noise: float, peak: float) -> Error:
+def error_of(residual: Array, noise: float, peak: float) -> Error:
+    """Error of residuals (n,) [N] whose noise has a standard deviation [N]."""
     square = float(np.mean(residual**2))
     return Error(np.sqrt(square), float(np.sqrt(max(0.0, square - noise**2))), peak)
 
@@ -59,10 +60,11 @@ def errors(problem: Problem, fit: Fit, noises: Sequence[float]) -> dict[str, dic
     report: dict[str, dict[str, Error]] = {}
     for k, (specimen, part) in enumerate(zip(problem.specimens, parts, strict=True)):
         means, phase = blocks(part, problem.whiteners[k].size), phase_of_blocks(problem, k)
-        choices = {"all": np.ones(len(phase), bool)}
-        choices |= {name: phase == name for name in dict.fromkeys(phase.tolist())}
+        kept = problem.whiteners[k].keep
+        choices = {"all": kept}
+        choices |= {name: kept & (phase == name) for name in dict.fromkeys(phase[kept].tolist())}
         report[problem.labels[k]] = {
-            name: _error(means[chosen], noises[k], specimen.peak)
+            name: error_of(means[chosen], noises[k], specimen.peak)
             for name, chosen in choices.items()
         }
     return report
@@ -72,22 +74,30 @@ def folds(problem: Problem) -> dict[str, list[Mask]]:
     """What each fold leaves out, blocks as one mask a test: a mode, what follows the ramp, ..."""
     n = len(problem.specimens)
     phases = [phase_of_blocks(problem, k) for k in range(n)]
+    kept = [whitener.keep for whitener in problem.whiteners]
     none = [np.zeros(len(phase), bool) for phase in phases]
     found = {}
     if n > 1:
         for k, label in enumerate(problem.labels):
-            found[f"leave_out_{label}"] = [~mask if j == k else mask for j, mask in enumerate(none)]
-    after = [np.isin(phase, ("hold", "unloading")) for phase in phases]
+            found[f"leave_out_{label}"] = [
+                kept[j] if j == k else mask for j, mask in enumerate(none)
+            ]
+    after = [
+        np.isin(phase, ("hold", "unloading")) & own for phase, own in zip(phases, kept, strict=True)
+    ]
     if all(mask.any() for mask in after):
         found["after_ramp"] = after
     found["last_quarter"] = []
     for k, specimen in enumerate(problem.specimens):
-        travel = blocks(specimen.travel, problem.whiteners[k].size)
-        found["last_quarter"].append((phases[k] == "ramp") & (travel > 0.75 * specimen.reach))
+        travel = np.abs(blocks(specimen.travel, problem.whiteners[k].size))
+        reached = np.abs(specimen.travel[~specimen.held_out]).max(initial=0.0)
+        found["last_quarter"].append(kept[k] & (phases[k] == "ramp") & (travel > 0.75 * reached))
     return found
 
 
-def held_out(problem: Problem, fit: Fit, noises: Sequence[float]) -> dict[str, dict[str, Error]]:
+def cross_validated(
+    problem: Problem, fit: Fit, noises: Sequence[float]
+) -> dict[str, dict[str, Error]]:
     """Error on what a fold leaves out, by fold and mode, of the model fitted to the rest.
 
     The noise of `problem` has to allow for errors in the form of the fit's effects. Sizes that the
@@ -95,11 +105,11 @@ def held_out(problem: Problem, fit: Fit, noises: Sequence[float]) -> dict[str, d
     """
     report = {}
     for name, masks in folds(problem).items():
-        kept = [w.on(~mask) for w, mask in zip(problem.whiteners, masks, strict=True)]
+        kept = [w.on(w.keep & ~mask) for w, mask in zip(problem.whiteners, masks, strict=True)]
         fitted = problem.with_whiteners(kept).fit(fit.model, fit.state)
         parts = residuals(fit.model, problem.specimens, informed(fitted))
         report[name] = {
-            label: _error(blocks(part, w.size)[mask], noise, specimen.peak)
+            label: error_of(blocks(part, w.size)[mask], noise, specimen.peak)
             for label, specimen, part, w, mask, noise in zip(
                 problem.labels,
                 problem.specimens,
@@ -112,6 +122,28 @@ def held_out(problem: Problem, fit: Fit, noises: Sequence[float]) -> dict[str, d
             if mask.any()
         }
     return report
+
+
+def held_out_errors(fit: Fit, specimens: Sequence[Specimen], noise: float) -> dict[str, Error]:
+    """Error of a fit on what is held out of tests, by test; percent are of its own peak.
+
+    Parameters
+    ----------
+    fit : Fit
+        To what is not held out.
+    specimens : sequence of Specimen
+        All tests of the group.
+    noise : float
+        Standard deviation of a sample of the cell [N].
+    """
+    state, found = informed(fit), {}
+    for label, specimen in zip(labels(specimens), specimens, strict=True):
+        chosen = specimen.held_out
+        if chosen.any():
+            left = (specimen.force - fit.model.predict(specimen, state))[chosen]
+            peak = float(np.abs(specimen.force[chosen]).max())
+            found[label] = error_of(left, noise, peak)
+    return found
 
 
 def informed(fit: Fit) -> State:

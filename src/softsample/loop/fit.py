@@ -9,7 +9,7 @@ from scipy.optimize import least_squares
 
 from softsample.loop.model import CONTACT_ZERO, FIXED, Material, Model, Packing, State, residuals
 from softsample.loop.noise import Whitener
-from softsample.loop.specimen import Specimen, blocks
+from softsample.loop.specimen import FORCE, Specimen, blocks
 
 Array = NDArray[np.float64]
 
@@ -59,6 +59,13 @@ class Fit:
         return np.asarray(np.linalg.pinv(information, rcond=1e-12, hermitian=True))
 
 
+def labels(specimens: Sequence[Specimen]) -> list[str]:
+    """Modes of tests, numbered from the second test of a mode on, and their channels."""
+    kinds = [s.mode if s.channel == FORCE else f"{s.mode}_normal" for s in specimens]
+    counts = [kinds[: k + 1].count(kind) for k, kind in enumerate(kinds)]
+    return [kind if n == 1 else f"{kind}_{n}" for kind, n in zip(kinds, counts, strict=True)]
+
+
 class Problem:
     """Records of one group with their noise.
 
@@ -93,15 +100,13 @@ class Problem:
 
     @property
     def labels(self) -> list[str]:
-        """Modes of the tests; numbered from the second test of a mode on."""
-        modes = [specimen.mode for specimen in self.specimens]
-        counts = [modes[: k + 1].count(mode) for k, mode in enumerate(modes)]
-        return [m if n == 1 else f"{m}_{n}" for m, n in zip(modes, counts, strict=True)]
+        """Names of the tests."""
+        return labels(self.specimens)
 
     @property
-    def mixtures(self) -> tuple[float, float]:
+    def fractions(self) -> tuple[float, float]:
         """Least and largest r that the curve families of all tests hold."""
-        ends = [specimen.elastic.family.bounds["mu1_fraction"] for specimen in self.specimens]
+        ends = [specimen.elastic.curves.bounds["mu1_fraction"] for specimen in self.specimens]
         return max(low for low, _ in ends), min(high for _, high in ends)
 
     def with_forces(self, forces: Sequence[Array]) -> "Problem":
@@ -205,7 +210,7 @@ class Problem:
         return min(fits, key=lambda fit: fit.cost)
 
     def _fit_from(self, model: Model, start: State) -> Fit:
-        packing = Packing(model, self.mixtures)
+        packing = Packing(model, self.fractions)
         margin = 1e-6 * (packing.high - packing.low)
         first = np.clip(packing.pack(start), packing.low + margin, packing.high - margin)
 

@@ -7,7 +7,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from softsample.loop.effects.base import Effect, Parameter, Values
-from softsample.loop.specimen import Specimen
+from softsample.loop.specimen import FORCE, Specimen
 
 Array = NDArray[np.float64]
 
@@ -20,12 +20,12 @@ class Material:
     ----------
     mu : float
         Shear modulus [Pa].
-    mixture : float
-        r = mu1 / mu, dimensionless.
+    mu1_fraction : float
+        mu1 / mu, dimensionless.
     """
 
     mu: float
-    mixture: float
+    mu1_fraction: float
 
 
 @dataclass(frozen=True)
@@ -60,20 +60,24 @@ class Model:
         return travel
 
     def predict(self, specimen: Specimen, state: "State") -> Array:
-        """Force along the travel at every sample of the record (n,) [N]."""
+        """Force in the specimen's channel at every sample of the record (n,) [N].
+
+        The one function that predicts a record. What effects do to the reading of the force
+        concerns the channel along the displacement.
+        """
         material, values = state.material, state.values
         travel = self.travel(specimen, state)
-        per_mu = specimen.elastic.force_per_mu(material.mixture, travel)
+        per_mu = specimen.elastic.force_per_mu(material.mu1_fraction, travel)
         for effect in self.effects:
             per_mu = per_mu + effect.elastic(
-                specimen, material.mixture, travel, values[effect.name]
+                specimen, material.mu1_fraction, travel, values[effect.name]
             )
         force = material.mu * per_mu
         for effect in self.effects:
             force = effect.tissue(specimen, force, travel, values[effect.name])
         if specimen.elastic.contact:  # the platen leaves a sample that would have to pull on it
             force = np.maximum(force, 0.0)
-        for effect in self.effects:
+        for effect in self.effects if specimen.channel == FORCE else ():
             force = effect.instrument(specimen, force, travel, values[effect.name])
         return force
 
@@ -134,7 +138,7 @@ class Packing:
     def pack(self, state: State) -> Array:
         """Vector of a state."""
         parts = [state.values[e.name][p.name] / _unit(p) for e, p in self.model.parameters]
-        head = np.log(state.material.mu), state.material.mixture, state.contact_zero
+        head = np.log(state.material.mu), state.material.mu1_fraction, state.contact_zero
         return np.array([*head, *parts])
 
     def unpack(self, vector: Array) -> State:

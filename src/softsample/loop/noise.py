@@ -14,6 +14,9 @@ Array = NDArray[np.float64]
 KINDS = ("baseline", "ramp", "hold", "unloading")
 """Phases of a record."""
 
+MOST_BLOCKS = 1000
+"""Blocks of a record at most: its covariance is a full matrix."""
+
 GRAIN_LENGTH = 0.01
 """Correlation length of grain as a part of the stroke: points of a curve are 1/60 of it apart."""
 
@@ -80,8 +83,9 @@ class Noise:
 
 
 def block_size(time: Array, settings: NoiseSettings) -> int:
-    """Samples in a block."""
-    return max(1, round(settings.block_s / float(np.median(np.diff(time)))))
+    """Samples in a block, and no more blocks than `MOST_BLOCKS`."""
+    enough = -(-len(time) // MOST_BLOCKS)
+    return max(1, enough, round(settings.block_s / float(np.median(np.diff(time)))))
 
 
 def measure_noise(specimen: Specimen, settings: NoiseSettings) -> Noise:
@@ -164,7 +168,7 @@ def covariance(specimen: Specimen, noise: Noise, model: Array, settings: NoiseSe
     total = noise.white**2 / noise.size * np.eye(len(time))
     total += noise.slow**2 * np.exp(-lag / settings.correlation_s)
     apart = np.subtract.outer(travel, travel) / specimen.reach
-    onset = np.clip(specimen.travel / (0.02 * specimen.reach), 0.0, 1.0)
+    onset = np.clip(np.abs(specimen.travel) / (0.02 * specimen.reach), 0.0, 1.0)
     moved = 0.01 * specimen.peak * blocks(onset, size)
     for percent, length in (
         (settings.floor_percent, settings.floor_length),

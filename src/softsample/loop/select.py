@@ -55,6 +55,9 @@ class SelectionSettings:
         The rest is called unknown if its white mean square is above the first and more than the
         second of the sum of squares beyond noise is left. Below the first, an effect need not
         take a third of it.
+    fold_ratio : float
+        Cross-validated error with the selected effects over that without, above which they are
+        withheld.
     """
 
     most_effects: int = 3
@@ -69,6 +72,7 @@ class SelectionSettings:
     unserved_ratio: float = 2.0
     unknown_ratio: float = 1.25
     unknown_share: float = 0.3
+    fold_ratio: float = 1.0
 
 
 @dataclass(frozen=True)

@@ -30,9 +30,10 @@ def mesh_cylinder(diameter: float, height: float, element_size: float) -> HexMes
     Returns
     -------
     HexMesh
-        Points [m], axis z, origin at the centre of the base; layers of nodes are flat. All nodes
-        of the wall lie on the circle, as contact and glue see it, so that a section is the
-        inscribed polygon of its k nodes: it lacks ``2 pi^2 / (3 k^2)`` of the circle's area.
+        Points [m], axis z, origin at the centre of the base; layers of nodes are flat. A section
+        is a regular polygon of k corners with the area of the circle: the nodes of the wall lie
+        outside it by ``pi^2 / (3 k^2)`` of the radius, the middles of the sides inside it by half
+        as much.
 
     Raises
     ------
@@ -60,7 +61,9 @@ def mesh_cylinder(diameter: float, height: float, element_size: float) -> HexMes
             f"too small for elements of {1e3 * element_size:.3g} mm: choose a smaller mesh "
             "element size"
         )
-    plane, quads = _disc(radius, int(parts[0]), int(parts[1]))
+    step = 0.5 * np.pi / parts[0]  # angle between neighbouring nodes of the wall
+    outward = np.sqrt(step / np.sin(step))
+    plane, quads = _disc(outward * radius, int(parts[0]), int(parts[1]))
     return _extruded(plane, quads, np.linspace(0.0, height, parts[2] + 1))
 
 

@@ -176,21 +176,23 @@ def quality_report(
     volume : float
         Volume [m3] that the mesh should have.
     surface : LevelSet, optional
-        The surface that the mesh should follow; without it the distances are 0, as a cuboid's.
+        The surface that the mesh should follow; without it the distances are 0, as an idealised
+        shape's.
 
     Returns
     -------
     dict
-        ``elements, nodes, inverted`` (counts), ``min_scaled_jacobian, p1_scaled_jacobian,
-        median_scaled_jacobian`` (1), ``min_edge_over_h, fb_length_over_h`` (1), ``volume_mm3,
-        volume_difference_percent, mean_distance_mm, p95_distance_mm, highest_node_mm,
-        highest_point_mm``.
+        ``element_size_mm``, ``elements, nodes, inverted`` (counts), ``min_scaled_jacobian,
+        p1_scaled_jacobian, median_scaled_jacobian`` (1), ``min_edge_over_h, fb_length_over_h`` (1),
+        ``volume_mm3, volume_difference_percent, mean_distance_mm, p95_distance_mm,
+        highest_node_mm, highest_point_mm``.
     """
     jacobian = scaled_jacobian(mesh)
     mesh_volume = float(element_volumes(mesh).sum())
     mean, p95 = surface_distances(mesh, surface) if surface else (0.0, 0.0)
     highest = float(surface.highest_point[2]) if surface else mesh.highest
     return {
+        "element_size_mm": 1e3 * element_size,
         "elements": len(mesh.hexes),
         "nodes": len(mesh.points),
         "inverted": int(np.sum(jacobian <= 0.0)),

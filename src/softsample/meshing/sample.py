@@ -9,12 +9,14 @@ from numpy.typing import NDArray
 
 from softsample.meshing.bond import bonded_nodes
 from softsample.meshing.cuboid import mesh_cuboid
+from softsample.meshing.cylinder import mesh_cylinder
 from softsample.meshing.hexahedral import MeshSettings, mesh_solid
 from softsample.meshing.levelset import LevelSet
 from softsample.meshing.marks import MarkedImage
 from softsample.meshing.mesh import HexMesh
 from softsample.meshing.quality import quality_report, scaled_jacobian
 from softsample.meshing.regions import element_regions
+from softsample.shapes import IdealShape
 
 
 @dataclass(frozen=True, eq=False)
@@ -79,13 +81,32 @@ def mesh_real(
     return _with_fields(mesh, glued, report, seconds, regions)
 
 
-def mesh_ideal(length: float, width: float, height: float, element_size: float) -> SampleMesh:
-    """Mesh the idealised cuboid; parameters as of `mesh_cuboid`, glued is the top face."""
+def mesh_ideal(shape: IdealShape, element_size: float) -> SampleMesh:
+    """Mesh an idealised sample; glued is its top face.
+
+    Parameters
+    ----------
+    shape : IdealShape
+    element_size : float
+        Wanted edge of the elements [m].
+
+    Raises
+    ------
+    MeshError
+        If the shape is too small for such elements.
+    """
     start = process_time()
-    mesh = mesh_cuboid(length, width, height, element_size)
+    mesh = ideal_hexes(shape, element_size)
     seconds = process_time() - start
-    report = quality_report(mesh, element_size, length * width * height)
+    report = quality_report(mesh, element_size, shape.volume)
     return _with_fields(mesh, mesh.glued(0.0), report, seconds)
+
+
+def ideal_hexes(shape: IdealShape, element_size: float) -> HexMesh:
+    """Hexahedra of an idealised sample; parameters and errors as of `mesh_ideal`."""
+    if shape.kind == "cylinder":
+        return mesh_cylinder(shape.length, shape.height, element_size)
+    return mesh_cuboid(shape.length, shape.width, shape.height, element_size)
 
 
 def _with_fields(

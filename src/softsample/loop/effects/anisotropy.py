@@ -6,7 +6,7 @@ from softsample.loop.effects.base import Array, Effect, Parameter, Values
 from softsample.loop.specimen import Specimen
 
 
-def _elastic(specimen: Specimen, mixture: float, travel: Array, values: Values) -> Array:
+def _elastic(specimen: Specimen, fraction: float, travel: Array, values: Values) -> Array:
     """At any angle in the x-z plane, from the runs with fibres along z and x and between them.
 
     Few fibres change the force by an integral of (a . C a - 1) a a over a deformation that stays:
@@ -16,9 +16,9 @@ def _elastic(specimen: Specimen, mixture: float, travel: Array, values: Values) 
     """
 
     def change(name: str) -> Array:
-        return specimen.elastic.change_per_mu(f"fibres_{name}", mixture, travel)
+        return specimen.elastic.change_per_mu(f"fibres_{name}", fraction, travel)
 
-    sheared = specimen.mode == "shear"
+    sheared = specimen.kind == "shear"
     upright, ahead = change("z"), change("ahead")
     lying = np.zeros_like(travel) if sheared else change("x")
     behind = change("behind") if sheared else ahead

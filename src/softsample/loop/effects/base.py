@@ -35,6 +35,9 @@ class Parameter:
         not where the effect has a corner in them, as no fit gets away from there.
     neutral : float
         Value without effect.
+    physical : bool
+        Whether the ends of the range are limits of physics, such as all of a share, at which a
+        size may lie; others are limits of what is plausible.
     """
 
     name: str
@@ -44,6 +47,7 @@ class Parameter:
     nominal: float
     grid: tuple[float, ...] = ()
     neutral: float = 0.0
+    physical: bool = False
 
     @property
     def is_size(self) -> bool:
@@ -55,7 +59,7 @@ def _travel(specimen: Specimen, travel: Array, values: Values) -> Array:
     return travel
 
 
-def _none(specimen: Specimen, mixture: float, travel: Array, values: Values) -> Array:
+def _none(specimen: Specimen, fraction: float, travel: Array, values: Values) -> Array:
     return np.zeros_like(travel)
 
 
@@ -92,6 +96,8 @@ class Effect:
         Tests that it changes.
     identifiable : bool
         Whether any test of this protocol can show it.
+    of_time : bool
+        Whether it acts by the clock, so that records without time cannot show it.
     idealised : bool
         Whether the model is known to leave it out: it comes before physics if records ask for it.
     travel, elastic, tissue, instrument : callable
@@ -108,6 +114,7 @@ class Effect:
     experiment: str = ""
     modes: tuple[str, ...] = MODES
     identifiable: bool = True
+    of_time: bool = False
     idealised: bool = False
     travel: Callable[[Specimen, Array, Values], Array] = field(default=_travel)
     elastic: Callable[[Specimen, float, Array, Values], Array] = field(default=_none)

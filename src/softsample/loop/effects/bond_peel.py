@@ -7,7 +7,7 @@ from softsample.loop.specimen import Specimen
 
 
 def _tissue(specimen: Specimen, force: Array, travel: Array, values: Values) -> Array:
-    if specimen.mode == "compression":
+    if specimen.kind == "compression":
         return force
     furthest = np.maximum.accumulate(np.clip(travel / specimen.reach, 0.0, None))
     start = values["onset"]

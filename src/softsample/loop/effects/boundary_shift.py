@@ -4,8 +4,8 @@ from softsample.loop.effects.base import Array, Effect, Parameter, Values
 from softsample.loop.specimen import Specimen
 
 
-def _elastic(specimen: Specimen, mixture: float, travel: Array, values: Values) -> Array:
-    change = specimen.elastic.change_per_mu("boundary_shift", mixture, travel)
+def _elastic(specimen: Specimen, fraction: float, travel: Array, values: Values) -> Array:
+    change = specimen.elastic.change_per_mu("boundary_shift", fraction, travel)
     return values["shift_mm"] / 0.1 * change
 
 

@@ -5,7 +5,7 @@ from softsample.loop.specimen import Specimen
 
 
 def _travel(specimen: Specimen, travel: Array, values: Values) -> Array:
-    return travel + 1e-3 * values[f"{specimen.mode}_mm"]
+    return travel + 1e-3 * values[f"{specimen.kind}_mm"]
 
 
 EFFECT = Effect(

@@ -5,7 +5,7 @@ from softsample.loop.specimen import Specimen
 
 
 def _instrument(specimen: Specimen, force: Array, travel: Array, values: Values) -> Array:
-    return force + specimen.axis_sign * 1e-3 * values[f"{specimen.mode}_mN"]
+    return force + specimen.axis_sign * 1e-3 * values[f"{specimen.kind}_mN"]
 
 
 EFFECT = Effect(

@@ -5,7 +5,7 @@ from softsample.loop.specimen import Specimen
 
 
 def _travel(specimen: Specimen, travel: Array, values: Values) -> Array:
-    return travel - 1e-3 * values["gap_mm"] if specimen.mode == "compression" else travel
+    return travel - 1e-3 * values["gap_mm"] if specimen.kind == "compression" else travel
 
 
 EFFECT = Effect(

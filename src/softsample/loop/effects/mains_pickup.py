@@ -9,7 +9,7 @@ from softsample.loop.specimen import Specimen
 def _instrument(specimen: Specimen, force: Array, travel: Array, values: Values) -> Array:
     angle = 2.0 * np.pi * specimen.clock / values["period_s"]
     for part, of in (("sin", np.sin), ("cos", np.cos)):
-        size = values[f"{specimen.mode}_{part}_mN"]
+        size = values[f"{specimen.kind}_{part}_mN"]
         if size:  # most signatures are those of another mode, and there are many periods
             force = force + 1e-3 * size * of(angle)
     return force

@@ -2,8 +2,8 @@
 
 from softsample.constitutive.ogden import OgdenMaterial
 from softsample.loop.effects.base import SOLID, Array, Effect, Parameter, Values
-from softsample.loop.inputs import VariantSettings
 from softsample.loop.specimen import Specimen
+from softsample.response.pieces import PerturbationSettings
 
 NAMES = ("alpha1", "alpha2")
 
@@ -14,10 +14,10 @@ PARTS = ((0.25, 1.75, 1.25), (0.375, 1.5, 0.875))
 def about(solid: OgdenMaterial) -> Effect:
     """The effect for a model with the exponents of a two-term solid."""
 
-    def elastic(specimen: Specimen, mixture: float, travel: Array, values: Values) -> Array:
+    def elastic(specimen: Specimen, fraction: float, travel: Array, values: Values) -> Array:
         first, second = (
-            (values[name] - alpha) / VariantSettings.exponent
-            * specimen.elastic.change_per_mu(name, mixture, travel)
+            (values[name] - alpha) / PerturbationSettings.exponent
+            * specimen.elastic.change_per_mu(name, fraction, travel)
             for name, alpha in zip(NAMES, solid.alpha, strict=True)
         )  # fmt: skip
         return first + second

@@ -4,11 +4,11 @@ from softsample.loop.effects.base import Array, Effect, Parameter, Values
 from softsample.loop.specimen import Specimen
 
 
-def _elastic(specimen: Specimen, mixture: float, travel: Array, values: Values) -> Array:
+def _elastic(specimen: Specimen, fraction: float, travel: Array, values: Values) -> Array:
     change = specimen.elastic.change_per_mu
     facing = abs(values["side"])
-    end = change(f"partial_bond_{'ahead' if values['side'] > 0.0 else 'behind'}", mixture, travel)
-    beside = change("partial_bond_beside", mixture, travel)
+    end = change(f"partial_bond_{'ahead' if values['side'] > 0.0 else 'behind'}", fraction, travel)
+    beside = change("partial_bond_beside", fraction, travel)
     return values["missing"] / 0.125 * (facing * end + (1.0 - facing) * beside)
 
 

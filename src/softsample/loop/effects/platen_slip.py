@@ -11,12 +11,12 @@ LOOP = "_loop"
 """Ends the names of runs with friction that come back: what their force is more on that way."""
 
 
-def _elastic(specimen: Specimen, mixture: float, travel: Array, values: Values) -> Array:
-    slip = specimen.elastic.change_per_mu("platen_slip", mixture, travel)
-    return values["share"] * slip + _loop(specimen, mixture, travel, values["share"])
+def _elastic(specimen: Specimen, fraction: float, travel: Array, values: Values) -> Array:
+    slip = specimen.elastic.change_per_mu("platen_slip", fraction, travel)
+    return values["share"] * slip + _loop(specimen, fraction, travel, values["share"])
 
 
-def _loop(specimen: Specimen, mixture: float, travel: Array, share: float) -> Array:
+def _loop(specimen: Specimen, fraction: float, travel: Array, share: float) -> Array:
     """Change (n,) [m2] from loading to the way back.
 
     Between the runs, sticking, with more or less friction, and without, it is linear in the share
@@ -28,7 +28,10 @@ def _loop(specimen: Specimen, mixture: float, travel: Array, share: float) -> Ar
     runs = [name for name in elastic.variants if name.endswith(LOOP)]
     if not runs or not share:
         return np.zeros_like(travel)
-    change, end = partial(elastic.change_per_mu, mixture=mixture), elastic.family.displacement[-1:]
+    change, end = (
+        partial(elastic.change_per_mu, fraction=fraction),
+        elastic.family.displacement[-1:],
+    )
     free = change("platen_slip", travel=end).item()
     shares = {run: change(run.removesuffix(LOOP), travel=end).item() / free for run in runs}
     runs.sort(key=lambda run: shares[run])
@@ -41,7 +44,7 @@ def _loop(specimen: Specimen, mixture: float, travel: Array, share: float) -> Ar
         if size:
             at_turn = change(run, travel=end)  # what smoothing leaves there
             loop += size * (change(run, travel=end * way) - way * at_turn)
-    force_at_turn, force_at_end = (elastic.force_per_mu(mixture, x) for x in (turn, end))
+    force_at_turn, force_at_end = (elastic.force_per_mu(fraction, x) for x in (turn, end))
     return np.where(specimen.phase == "ramp", 0.0, loop * force_at_turn / force_at_end)
 
 

@@ -6,19 +6,19 @@ from softsample.loop.effects.base import Array, Effect, Parameter, Values
 from softsample.loop.specimen import Specimen
 
 
-def _elastic(specimen: Specimen, mixture: float, travel: Array, values: Values) -> Array:
+def _elastic(specimen: Specimen, fraction: float, travel: Array, values: Values) -> Array:
     """Turned about x and about y, each by its part of the tilt and with its own sign.
 
     A top that is not flat lies better against a platen that is tilted one way, and worse against
     one that is tilted the other way.
     """
-    if specimen.mode != "compression":
+    if specimen.kind != "compression":
         return np.zeros_like(travel)
     axis = np.radians(values["axis_deg"])
     change = np.zeros_like(travel)
     for name, part in (("x", np.cos(axis)), ("y", np.sin(axis))):
         way = name if part > 0.0 else f"minus_{name}"
-        change += abs(part) * specimen.elastic.change_per_mu(f"platen_tilt_{way}", mixture, travel)
+        change += abs(part) * specimen.elastic.change_per_mu(f"platen_tilt_{way}", fraction, travel)
     return values["tilt_deg"] * change
 
 

@@ -9,8 +9,8 @@ def about(solid: OgdenMaterial) -> Effect:
     """The effect for a model with the Poisson's ratio of a solid."""
     nu = solid.poisson_ratio
 
-    def elastic(specimen: Specimen, mixture: float, travel: Array, values: Values) -> Array:
-        return specimen.elastic.ratio_change_per_mu(mixture, travel, values["nu"])
+    def elastic(specimen: Specimen, fraction: float, travel: Array, values: Values) -> Array:
+        return specimen.elastic.ratio_change_per_mu(fraction, travel, values["nu"])
 
     return Effect(
         name="poisson_ratio",

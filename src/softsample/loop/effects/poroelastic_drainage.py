@@ -6,7 +6,7 @@ from softsample.loop.specimen import Specimen
 
 
 def _tissue(specimen: Specimen, force: Array, travel: Array, values: Values) -> Array:
-    if specimen.mode == "shear":
+    if specimen.kind == "shear":
         return force
     return drained(specimen.time, force, values["g"], values["tau_s"])
 
@@ -18,6 +18,7 @@ EFFECT = Effect(
         Parameter("g", "1", 0.0, 0.7, 0.1),
         Parameter("tau_s", "s", 40.0, 3000.0, 300.0, grid=(80.0, 300.0)),
     ),
+    of_time=True,
     tier="P",
     source="Greiner et al., Front. Mech. Eng. 7 (2021) 708350, doi:10.3389/fmech.2021.708350",
     signature="slow decay in the hold of tension and compression, none in shear",

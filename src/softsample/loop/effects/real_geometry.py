@@ -4,8 +4,8 @@ from softsample.loop.effects.base import Array, Effect, Parameter, Values
 from softsample.loop.specimen import Specimen
 
 
-def _elastic(specimen: Specimen, mixture: float, travel: Array, values: Values) -> Array:
-    return values["share"] * specimen.elastic.change_per_mu("real_geometry", mixture, travel)
+def _elastic(specimen: Specimen, fraction: float, travel: Array, values: Values) -> Array:
+    return values["share"] * specimen.elastic.change_per_mu("real_geometry", fraction, travel)
 
 
 EFFECT = Effect(

@@ -5,7 +5,7 @@ from softsample.loop.specimen import Specimen
 
 
 def _instrument(specimen: Specimen, force: Array, travel: Array, values: Values) -> Array:
-    if specimen.mode == "shear":
+    if specimen.kind == "shear":
         return force
     return force + specimen.axis_sign * 1e-3 * values["weight_mN"]
 

@@ -5,7 +5,7 @@ from softsample.loop.specimen import Specimen
 
 
 def _tissue(specimen: Specimen, force: Array, travel: Array, values: Values) -> Array:
-    return force * (1.0 + values["more"]) if specimen.mode == "compression" else force
+    return force * (1.0 + values["more"]) if specimen.kind == "compression" else force
 
 
 EFFECT = Effect(

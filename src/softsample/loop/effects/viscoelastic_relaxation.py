@@ -21,7 +21,7 @@ def _tissue(specimen: Specimen, force: Array, travel: Array, values: Values) -> 
     return first + second - force
 
 
-def _elastic(specimen: Specimen, mixture: float, travel: Array, values: Values) -> Array:
+def _elastic(specimen: Specimen, fraction: float, travel: Array, values: Values) -> Array:
     """What a bulk modulus that stays adds, by the correspondence of elastic and relaxed.
 
     With less of its shear modulus the tissue is less compressible: its Poisson's ratio rises. The
@@ -30,12 +30,12 @@ def _elastic(specimen: Specimen, mixture: float, travel: Array, values: Values) 
     """
     if not values["bulk"]:
         return np.zeros_like(travel)
-    force = specimen.elastic.force_per_mu(mixture, travel)
+    force = specimen.elastic.force_per_mu(fraction, travel)
     lost = force - _tissue(specimen, force, travel, values)
     felt = np.maximum(np.abs(force), LEAST_FORCE * np.abs(force).max())
     most = min(values["g1"] + values["g2"], 1.0)
     part = np.clip(lost * np.sign(force) / felt, LEAST_LOST, max(most, LEAST_LOST))
-    return values["bulk"] * specimen.elastic.softer_part(mixture, travel, 1.0 - part) * lost / part
+    return values["bulk"] * specimen.elastic.softer_part(fraction, travel, 1.0 - part) * lost / part
 
 
 EFFECT = Effect(
@@ -48,6 +48,7 @@ EFFECT = Effect(
         Parameter("tau2_s", "s", 10.0, 400.0, 80.0, grid=(60.0,)),
         Parameter("bulk", "1", 0.0, 1.0, 1.0, grid=(1.0,)),
     ),
+    of_time=True,
     tier="P",
     source="Budday et al., Acta Biomater. 48 (2017) 319, doi:10.1016/j.actbio.2016.10.036; "
     "bulk modulus: Tschoegl et al., Mech. Time-Depend. Mater. 6 (2002) 3, "

@@ -1,9 +1,9 @@
-"""A sample's curves for free exponents: runs of unit modulus on a grid of mixtures and exponents.
+"""A sample's curves for free exponents: runs of unit modulus on a grid of fractions and exponents.
 
 Real exponents take the solver's path by eigenvalues.
 """
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from itertools import product
 
@@ -14,7 +14,7 @@ from softsample.constitutive.ogden import unit_modulus
 from softsample.errors import InputError
 from softsample.fem.boundary import Boundary
 from softsample.fem.explicit import ExplicitModel
-from softsample.fem.family import FamilySettings, family_fractions
+from softsample.response.unit import Progress, ResponseSettings, modulus_fractions, unit_runs
 
 Array = NDArray[np.float64]
 
@@ -29,19 +29,17 @@ class ExponentSettings:
         Bounds of the exponents.
     nodes : int
         Chebyshev-Lobatto points of each exponent.
-    mixtures : int
-        Number of mixtures mu1 / mu.
+    fractions : int
+        Number of fractions mu1 / mu.
     """
 
     alpha1: tuple[float, float] = (-18.0, -2.0)
     alpha2: tuple[float, float] = (4.0, 26.0)
     nodes: int = 5
-    mixtures: int = 5
+    fractions: int = 5
 
 
-def exponent_grid(
-    settings: ExponentSettings, family: FamilySettings, alpha: Sequence[float]
-) -> dict[str, Array]:
+def exponent_grid(settings: ExponentSettings, alpha: Sequence[float]) -> dict[str, Array]:
     """Nodes of `mu1_fraction`, `alpha1` and `alpha2`, ascending.
 
     Raises
@@ -57,9 +55,8 @@ def exponent_grid(
                 f"{high:g}; free exponents set out from those of the study, so widen the range"
             )
     unit = -np.cos(np.pi * np.arange(settings.nodes) / (settings.nodes - 1))
-    mixtures = FamilySettings(family.mu1_fraction_min, family.mu1_fraction_max, settings.mixtures)
     return {
-        "mu1_fraction": family_fractions(mixtures),
+        "mu1_fraction": modulus_fractions(ResponseSettings(settings.fractions)),
         **{
             name: 0.5 * (low + high) + 0.5 * (high - low) * unit
             for name, (low, high) in ranges.items()
@@ -74,7 +71,7 @@ def simulate_exponents(
     grid: Mapping[str, Array],
     poisson_ratio: float,
     loading_time: float,
-    progress: Callable[[str, float], None] | None = None,
+    progress: Progress | None = None,
 ) -> dict[str, Array]:
     """Force per modulus against displacement at every point of a grid of `exponent_grid`.
 
@@ -85,18 +82,14 @@ def simulate_exponents(
     """
     modulus = model.settings.reference_modulus_pa
     points = list(product(*grid.values()))
+    solids = [
+        unit_modulus(fraction, list(map(float, alpha)), poisson_ratio, modulus)
+        for fraction, *alpha in points
+    ]
+    runs = unit_runs(model, boundary, travel, solids, loading_time, progress)
     rows = []
-    for done, (fraction, *exponents) in enumerate(points):
-        alpha = [float(exponent) for exponent in exponents]
-        if progress:
-            progress(f"mu1/mu {fraction:.2f}, exponents {alpha}", done / len(points))
-        run = model.run(
-            unit_modulus(fraction, alpha, poisson_ratio, modulus),
-            boundary,
-            travel,
-            loading_time=loading_time,
-        )
-        place = np.broadcast_to((fraction, *alpha), (len(run.force), 3))
-        rows.append(np.column_stack([place, run.displacement, run.force / modulus]))
+    for place, (run, _) in zip(points, runs, strict=True):
+        columns = [np.broadcast_to(place, (len(run.force), 3)), run.displacement]
+        rows.append(np.column_stack([*columns, run.force / modulus]))
     names = (*grid, "displacement", "force")
     return dict(zip(names, np.concatenate(rows).T, strict=True))

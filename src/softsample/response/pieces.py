@@ -1,22 +1,21 @@
-"""What runs of changed models start from, of what the files of the workflow hold."""
+"""What is simulated: a meshed sample, its test, and the steps of changed models."""
 
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any, Self
 
 import numpy as np
-import pandas as pd
 from numpy.typing import NDArray
 
-from softsample.calibration.measured import MeasuredCurve
 from softsample.constitutive.ogden import OgdenMaterial
-from softsample.fem.boundary import ContactSettings
+from softsample.fem.boundary import Boundary, ContactSettings, mode_boundary
 from softsample.fem.explicit import ExplicitModel, SolverSettings
 from softsample.meshing.hexahedral import MeshSettings
 from softsample.meshing.marks import MarkedImage
 from softsample.meshing.mesh import HexMesh
 from softsample.meshing.regions import relative_stiffness
 from softsample.meshing.sample import SampleMesh, mesh_ideal, mesh_real
+from softsample.shapes import IdealShape, element_size
 
 Array = NDArray[np.float64]
 
@@ -24,8 +23,8 @@ MM = 1e-3
 
 
 @dataclass(frozen=True)
-class VariantSettings:
-    """Steps of the changed models; mirrors config `loop: variants:`.
+class PerturbationSettings:
+    """Steps of the changed models; mirrors config `loop: perturbations:`.
 
     Parameters
     ----------
@@ -61,13 +60,20 @@ class MechanicalTest:
     Parameters
     ----------
     mode : str
-        `tension`, `compression` or `shear`.
+        One of `softsample.protocol.DIRECTIONS`.
     material : OgdenMaterial
         Two-term material at the optimum; its modulus only sets the scale.
     travel : float
-        Travel of the record [m].
-    contact, solver, variants
+        Largest displacement of the platen [m].
+    contact, solver
         As of the config.
+    steps : PerturbationSettings
+        Steps of the changed models.
+    ends : str or float
+        `bonded`, `sliding`, a coefficient of Coulomb friction, or `unknown`: bonded, and what
+        sliding ends change is a perturbation.
+    normal : bool
+        Whether the force along z is wanted too, beside that along the displacement.
     """
 
     mode: str
@@ -75,19 +81,43 @@ class MechanicalTest:
     travel: float
     contact: ContactSettings
     solver: SolverSettings
-    variants: VariantSettings
+    steps: PerturbationSettings
+    ends: str | float = "bonded"
+    normal: bool = False
 
     @classmethod
-    def of(cls, fit: Mapping[str, Any], record: pd.DataFrame, given: Mapping[str, Any]) -> Self:
-        """From a calibration, a record, and `mode`, `contact`, `solver`, `variants` of the job."""
+    def of(cls, material: OgdenMaterial, travel: float, given: Mapping[str, Any]) -> Self:
+        """From a material, a displacement [m], and the parameters of the job.
+
+        These are `mode`, `ends`, `normal`, `contact`, `solver` and `perturbations`.
+        """
         return cls(
             given["mode"],
-            OgdenMaterial.of_fit(fit),
-            MeasuredCurve.of_record(record, given["mode"]).travel,
+            material,
+            travel,
             ContactSettings(**given["contact"]),
             SolverSettings(**given["solver"]),
-            VariantSettings(**given["variants"]),
+            PerturbationSettings(**given["perturbations"]),
+            given["ends"],
+            given["normal"],
         )
+
+    @property
+    def base_ends(self) -> str | float:
+        """Ends of the unchanged model."""
+        return "bonded" if self.ends == "unknown" else self.ends
+
+    def held(self, sample: "MeshedSample") -> Boundary:
+        """What holds a sample in the unchanged model."""
+        return mode_boundary(sample.mesh, self.mode, sample.glued, self.contact, self.base_ends)
+
+    @property
+    def platen_contact(self) -> ContactSettings:
+        """Contact of a pressed sample, its friction that of the ends."""
+        if self.base_ends == "bonded" or self.contact.friction is not None:
+            return self.contact
+        friction = 0.0 if self.base_ends == "sliding" else float(self.base_ends)
+        return replace(self.contact, friction=friction, base_friction=friction)
 
 
 @dataclass(frozen=True, eq=False)
@@ -122,9 +152,8 @@ class MeshedSample:
 
 def mesher(
     geometry: str,
-    grid: tuple[Array, Array, float],
-    cuboid: Mapping[str, float],
-    marks: Mapping[str, MarkedImage],
+    shape: IdealShape,
+    real: Callable[[], tuple[tuple[Array, Array, float], Mapping[str, MarkedImage]]],
     given: Mapping[str, Any],
 ) -> Callable[[float], MeshedSample]:
     """Meshes a sample with its surface moved out by a length [m].
@@ -133,25 +162,21 @@ def mesher(
     ----------
     geometry : str
         `real` or `ideal`.
-    grid : tuple
-        Its signed distance, where its origin is [m], and its spacing [m].
-    cuboid : mapping
-        `length_mm`, `width_mm` and `height_mm`.
-    marks : mapping
-        `bond_mask` and `labels` of the real geometry, if there are any.
+    shape : IdealShape
+        Its idealised shape.
+    real : callable
+        Reads, for the real geometry, its signed distance, where the origin of that is [m], and the
+        spacing [m]; and `bond_mask` and `labels` if there are any.
     given : mapping
         `mesh`, `preload_mm`, `element_size_mm` and `region_stiffness` of the job.
     """
-    size = given["element_size_mm"] * MM
-    if geometry == "ideal":
-        length, width, height = (
-            cuboid[f"{name}_mm"] * MM for name in ("length", "width", "height")
-        )
-        return lambda out: MeshedSample.of(
-            mesh_ideal(length + 2.0 * out, width + 2.0 * out, height + out, size)
-        )
     keys = {name: value for name, value in given["mesh"].items() if name != "element_size_mm"}
+    across = keys.pop("elements_across")
+    size = element_size(shape, given["element_size_mm"] * MM, across)
+    if geometry == "ideal":
+        return lambda out: MeshedSample.of(mesh_ideal(shape.grown(out), size))
     segmented = keys.pop("boundary_shift_mm") * MM
+    grid, marks = real()
     return lambda out: MeshedSample.of(
         mesh_real(
             *grid,

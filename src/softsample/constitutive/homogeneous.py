@@ -1,0 +1,176 @@
+"""Homogeneous tests of the compressible Ogden solid: what ends without friction leave.
+
+Every test has three principal stretches, some of which are given by the strain and the others
+follow from faces without traction. The finite element tests with sliding ends are these.
+"""
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from softsample.constitutive.ogden import OgdenMaterial, principal_stress
+from softsample.errors import InputError
+
+Array = NDArray[np.float64]
+
+FREE = {
+    "tension": (1.0, 1.0, 0.0),
+    "compression": (1.0, 1.0, 0.0),
+    "shear": (0.0, 1.0, 0.0),
+    "pure_shear": (0.0, 1.0, 0.0),
+    "confined_compression": (0.0, 0.0, 0.0),
+}
+"""One for the principal directions along which nothing holds the sample, the second (y) in each
+but confined compression; in simple shear the first and third lie in the plane of shear."""
+
+COMPRESSIVE = ("compression", "confined_compression")
+"""Modes whose positive strain shortens the sample."""
+
+CLOSE = 1e-14
+"""Change of a logarithmic stretch that ends Newton's iteration."""
+
+
+def homogeneous_force(mode: str, strain: ArrayLike, material: OgdenMaterial) -> Array:
+    """Nominal stress along the platen's travel in a homogeneous test.
+
+    Parameters
+    ----------
+    mode : str
+        `tension`, `compression`: uniaxial, all sides free of traction. `pure_shear`: planar
+        tension, the width (x) kept, the thickness (y) free. `confined_compression`: no lateral
+        strain. `shear`: simple shear of x over z, the height kept, the faces that are neither
+        sheared nor held (y) free of traction.
+    strain : (n,) array_like
+        Travel over height, dimensionless; positive as the test loads, either sign allowed.
+    material : OgdenMaterial
+        Moduli [Pa], exponents and Poisson's ratio; relaxation has no part in it.
+
+    Returns
+    -------
+    (n,) float64
+        Force along the travel per reference area [Pa], of the sign of the strain in a solid
+        that resists.
+
+    Raises
+    ------
+    InputError
+        If the strain leaves no height.
+    ValueError
+        If the mode is none of these, or the material has fibres.
+
+    Notes
+    -----
+    Verified in ``tests/verification/test_homogeneous.py`` against `ogden_stress`, felupe and the
+    incompressible limits. Below J = 1/2 the energy ``K/2 (J - 1)^2`` softens; where this gives
+    several lateral stretches with free faces, the one that J = 1/2 to 1 holds is taken.
+    """
+    log_stretch, stress = _principal_state(mode, strain, material)
+    if mode == "shear":
+        return np.asarray((stress[:, 0] - stress[:, 2]) / (2.0 * np.cosh(log_stretch[:, 0])))
+    return np.asarray(_sign(mode) * stress[:, 2] * np.exp(-log_stretch[:, 2]))
+
+
+def homogeneous_normal(strain: ArrayLike, material: OgdenMaterial) -> Array:
+    """Normal traction on the sheared face in simple shear, along z, tension positive.
+
+    The height is kept; the faces that are neither sheared nor held (y) are free of traction, as
+    in the incompressible solid of the reference, which is the limit. The inclined faces (x) get
+    the traction that homogeneous deformation asks for.
+
+    Parameters
+    ----------
+    strain : (n,) array_like
+        Travel over height, either sign.
+    material : OgdenMaterial
+        Moduli [Pa], exponents and Poisson's ratio.
+
+    Returns
+    -------
+    (n,) float64
+        Force per reference area [Pa], even in the strain; negative where the platen has to push.
+
+    References
+    ----------
+    C. O. Horgan, J. G. Murphy, J. Elasticity 98 (2010) 205, doi:10.1007/s10659-009-9225-7.
+    """
+    log_stretch, stress = _principal_state("shear", strain, material)
+    square = np.exp(2.0 * log_stretch[:, 0])
+    return np.asarray((stress[:, 0] + square * stress[:, 2]) / (1.0 + square))
+
+
+def linear_modulus(mode: str, material: OgdenMaterial) -> float:
+    """Slope [Pa] of `homogeneous_force` at no strain, from linear elasticity.
+
+    Young's modulus E for `tension` and `compression`, E / (1 - nu^2) for `pure_shear`, the shear
+    modulus for `shear`, the oedometric modulus for `confined_compression`.
+    """
+    mu, nu = material.shear_modulus, material.poisson_ratio
+    return {
+        "tension": 2.0 * mu * (1.0 + nu),
+        "compression": 2.0 * mu * (1.0 + nu),
+        "shear": mu,
+        "pure_shear": 2.0 * mu / (1.0 - nu),
+        "confined_compression": 2.0 * mu * (1.0 - nu) / (1.0 - 2.0 * nu),
+    }[mode]
+
+
+def _sign(mode: str) -> float:
+    return -1.0 if mode in COMPRESSIVE else 1.0
+
+
+def _principal_state(mode: str, strain: ArrayLike, material: OgdenMaterial) -> tuple[Array, Array]:
+    """Logarithmic principal stretches (n, 3) and principal Kirchhoff stresses (n, 3) [Pa]."""
+    if mode not in FREE:
+        raise ValueError(f"mode {mode!r} is none of {', '.join(FREE)}")
+    if material.fibres:
+        raise ValueError("homogeneous tests are those of an isotropic solid; leave the fibres out")
+    given = _given(mode, np.atleast_1d(np.asarray(strain, dtype=np.float64)))
+    free = np.array(FREE[mode])
+    log_stretch = given + (_free_stretch(given, free, material)[:, None] * free if any(free) else 0)
+    return log_stretch, _kirchhoff(log_stretch, material)
+
+
+def _given(mode: str, strain: Array) -> Array:
+    """Logarithmic principal stretches (n, 3) that the strain sets, zero where it sets none."""
+    none = np.zeros_like(strain)
+    if mode == "shear":
+        stretch = np.arcsinh(0.5 * strain)
+        return np.stack([stretch, none, -stretch], axis=1)
+    if not np.all(_sign(mode) * strain > -1.0):
+        worst = strain[np.argmin(_sign(mode) * strain)]
+        raise InputError(
+            f"strain {worst:g} in {mode} leaves no height; check height_mm and displacement_mm"
+        )
+    return np.stack([none, none, np.log1p(_sign(mode) * strain)], axis=1)
+
+
+def _kirchhoff(log_stretch: NDArray, material: OgdenMaterial) -> NDArray:
+    """Principal Kirchhoff stresses (n, 3) [Pa] of logarithmic stretches, real or complex."""
+    volume = log_stretch.sum(axis=1)
+    isochoric = np.exp(log_stretch - volume[:, None] / 3.0)
+    return principal_stress(isochoric, np.expm1(volume), material)
+
+
+def _free_stretch(given: Array, free: Array, material: OgdenMaterial) -> Array:
+    """Logarithmic stretch (n,) along the `free` directions that leaves them without traction.
+
+    Newton's iteration from J = 1, within an interval whose ends have tractions of unlike signs.
+    Slopes are exact to rounding: the traction is an analytic function, taken at a complex stretch
+    (W. Squire, G. Trapp, SIAM Rev. 40 (1998) 110, doi:10.1137/S003614459631241X).
+    """
+
+    def traction(y: NDArray) -> NDArray:
+        return _kirchhoff(given + y[:, None] * free, material)[:, 1]
+
+    high = np.abs(given).max(axis=1)
+    halved = np.clip((np.log(0.5) - given.sum(axis=1)) / free.sum(), -high, high)
+    low = np.where(traction(halved) < 0.0, halved, -high)
+    y, tiny = -given.sum(axis=1) / free.sum(), 1e-30
+    for _ in range(200):
+        value = traction(y + 1j * tiny)
+        low, high = np.where(value.real < 0.0, y, low), np.where(value.real < 0.0, high, y)
+        newton = y - value.real * tiny / value.imag
+        inside = (newton >= low) & (newton <= high)
+        before, y = y, np.where(inside, newton, 0.5 * (low + high))
+        if np.abs(y - before).max() < CLOSE:
+            return y
+    raise ArithmeticError(f"no lateral stretch leaves the sides free at {material}")

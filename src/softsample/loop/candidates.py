@@ -1,0 +1,85 @@
+"""Effects that a group's records may show, with ranges that suit their size, force and clock."""
+
+from collections.abc import Sequence
+from dataclasses import replace
+
+import numpy as np
+
+from softsample.constitutive.ogden import OgdenMaterial
+from softsample.loop.effects import library
+from softsample.loop.effects.base import Effect, Parameter
+from softsample.loop.specimen import Specimen
+from softsample.response.perturbations import ENDS
+
+HEIGHTS = (6.5e-3, 26e-3)
+"""Heights [m] of samples whose ranges of lengths hold as they are: 13 mm by a factor of two."""
+
+PEAKS = (0.2, 5.0)
+"""Peak forces [N] of tests whose ranges of forces hold as they are: 1 N by a factor of five."""
+
+RIPPLE_HZ = (95.0, 105.0)
+"""Sampling rates [Hz] that fold the ripple of the mains, of 100 Hz, to that effect's periods."""
+
+RIPPLE = "mains_pickup"
+
+
+def candidates(specimens: Sequence[Specimen], height: float, solid: OgdenMaterial) -> list[Effect]:
+    """The library for the records of a group.
+
+    Effects of time are no candidates without recorded time. Ranges of lengths and forces go with
+    the size of the sample and the peak force where these are far from those of the study.
+
+    Parameters
+    ----------
+    specimens : sequence of Specimen
+        The tests.
+    height : float
+        Of the samples [m].
+    solid : OgdenMaterial
+        What the model is made of.
+    """
+    timed = all(s.timed for s in specimens)
+    rippled = timed and all(RIPPLE_HZ[0] < _rate(s) < RIPPLE_HZ[1] for s in specimens)
+    length = _beyond(height, HEIGHTS)
+    force = _beyond(float(np.median([s.peak for s in specimens])), PEAKS)
+    scales = {"mm": length, "mN": force, "mN/s": force, "mm/N": length / force}
+    there = {RIPPLE: rippled, "ends": _open_ends(specimens)}
+    absent = {name for name, present in there.items() if not present}
+    return [
+        _scaled(effect, scales)
+        for effect in library(solid).values()
+        if (timed or not effect.of_time) and effect.name not in absent
+    ]
+
+
+def _open_ends(specimens: Sequence[Specimen]) -> bool:
+    """Whether the study leaves open what the ends of a sample do."""
+    return any(ENDS in specimen.elastic.perturbations for specimen in specimens)
+
+
+def _rate(specimen: Specimen) -> float:
+    """Sampling rate [Hz]."""
+    return float(1.0 / np.median(np.diff(specimen.time)))
+
+
+def _beyond(value: float, ends: tuple[float, float]) -> float:
+    """Ratio of a value to the nearer end of a range; 1 within it."""
+    return float(value / np.clip(value, *ends))
+
+
+def _scaled(effect: Effect, scales: dict[str, float]) -> Effect:
+    return replace(
+        effect,
+        parameters=tuple(_stretched(p, scales.get(p.unit, 1.0)) for p in effect.parameters),
+    )
+
+
+def _stretched(parameter: Parameter, by: float) -> Parameter:
+    return replace(
+        parameter,
+        low=by * parameter.low,
+        high=by * parameter.high,
+        nominal=by * parameter.nominal,
+        neutral=by * parameter.neutral,
+        grid=tuple(by * value for value in parameter.grid),
+    )

@@ -1,0 +1,73 @@
+"""The channels of a record as tests of the diagnosis, with what the study holds out of them."""
+
+from collections.abc import Mapping, Sequence
+from typing import Any
+
+import numpy as np
+import pandas as pd
+
+from softsample.holdout import held_out
+from softsample.loop.specimen import FORCE, NORMAL, Specimen
+from softsample.records import Record
+from softsample.response.elastic import Elastic
+
+Tables = tuple[pd.DataFrame, list[pd.DataFrame], float, pd.DataFrame | None]
+
+
+def specimens_of(
+    row: Mapping[str, str],
+    record: Record,
+    tables: Tables,
+    height: float,
+    hold_out: Sequence[Mapping[str, Any]],
+) -> list[Specimen]:
+    """Tests of one sample: its force, and the normal force if it was recorded in shear.
+
+    Parameters
+    ----------
+    row : mapping
+        Of the study table, defaults filled in.
+    record : Record
+        Of the sample.
+    tables : tuple
+        Response, changes of it, Poisson's ratio, and the response of the real geometry if the
+        model is the ideal one.
+    height : float
+        Of the idealised shape [m].
+    hold_out : sequence of mapping
+        Selections of the study's settings.
+    """
+    has_normal = row["mode"] == "shear" and record.force_normal is not None
+    return [
+        Specimen.of_record(
+            row["sample"],
+            row["mode"],
+            record,
+            Elastic.of_tables(row["mode"], *tables, channel=channel),
+            channel,
+            np.asarray(held_out(record, row, height, channel, hold_out)),
+        )
+        for channel in ((FORCE, NORMAL) if has_normal else (FORCE,))
+    ]
+
+
+def tests_of(
+    rows: Sequence[Mapping[str, str]],
+    records: Sequence[Record],
+    tables: Sequence[Tables],
+    heights: Sequence[float],
+    hold_out: Sequence[Mapping[str, Any]],
+) -> list[Specimen]:
+    """Tests of several samples, see `specimens_of`."""
+    every = zip(rows, records, tables, heights, strict=True)
+    return [test for sample in every for test in specimens_of(*sample, hold_out)]
+
+
+def hold_out_text(hold_out: Sequence[Mapping[str, Any]], leave_out: str | None) -> str:
+    """What a study holds out, in words; empty if nothing."""
+    parts = [
+        " and ".join(f"{name.replace('_', ' ')} {value}" for name, value in selection.items())
+        for selection in hold_out
+    ]
+    held = [f"held out: {'; '.join(parts)}"] if parts else []
+    return "; ".join([*held, *([f"each {leave_out} left out in turn"] if leave_out else [])])

@@ -1,0 +1,124 @@
+"""Changes of the elastic force by variants of the model: from their file, for all fractions."""
+
+from collections.abc import Mapping
+
+import numpy as np
+import pandas as pd
+from numpy.typing import NDArray
+
+from softsample.protocol import travel_sign
+from softsample.response.curves import ResponseCurves
+
+Array = NDArray[np.float64]
+
+TOUCH = 0.02
+"""Part of the largest force below which the platen hardly touches, and a part of it says little."""
+
+DEGREE = 5
+"""Of the polynomials for changes as parts of the force."""
+
+FIBRES = ("fibres_", "at_size_anisotropy")
+"""How names of changes by fibres begin."""
+
+NORMAL = "_normal"
+"""Ends the names of changes of the normal force."""
+
+ENDINGS = {"force": "_mm2", "force_normal": f"{NORMAL}_mm2"}
+"""How columns of changes end, by the force that they are of."""
+
+PRESSED, PRESSED_ELSEWHERE = "pressed", "pressed_elsewhere"
+"""Shear of a sample that was compressed before, at the others' fraction and at another one."""
+
+
+def read_changes(
+    table: pd.DataFrame, curves: ResponseCurves, mode: str, channel: str = "force"
+) -> dict[str, Array]:
+    """Changes of a force per modulus [m2] on the displacements of a response, from their file."""
+    sign = travel_sign(mode)
+    travel = 1e-3 * sign * table["displacement_mm"].to_numpy()
+    ending = ENDINGS[channel]
+    others = tuple(other for other in ENDINGS.values() if len(other) > len(ending))
+    return {
+        name.removesuffix(ending): np.interp(
+            curves.displacement, travel, 1e-6 * sign * table[name].to_numpy()
+        )
+        for name in table.columns
+        if name.endswith(ending) and not name.endswith(others)
+    }
+
+
+def table_of_changes(
+    mode: str, fraction: float, displacement: Array, changes: Mapping[str, Array]
+) -> pd.DataFrame:
+    """Their file.
+
+    Parameters
+    ----------
+    mode : str
+        Of the test.
+    fraction : float
+        Modulus fraction at which the changes were simulated.
+    displacement : (n,) float64
+        Displacements of the platen [m].
+    changes : mapping of (n,) float64
+        Changes of the force per modulus [m2] by perturbation.
+    """
+    sign = travel_sign(mode)
+    columns = {f"{name}_mm2": 1e6 * sign * change for name, change in changes.items()}
+    table = {"mu1_fraction": fraction, "displacement_mm": 1e3 * sign * displacement}
+    return pd.DataFrame({**table, **columns})
+
+
+def for_all_fractions(
+    changes: Mapping[str, Array], curves: ResponseCurves, fraction: float
+) -> dict[str, ResponseCurves]:
+    """Changes that were simulated at one fraction, carried to all, without the grain of the mesh.
+
+    A changed term of the solid goes with its part of the modulus, and fibres are beside it; what
+    changes shape, boundary or compressibility changes the force by the same part of it. That part
+    is smooth along the travel, while nodes of a coarse mesh meet the platen one by one. Of a sample
+    that was compressed before, it is taken to be linear in the fraction.
+
+    Parameters
+    ----------
+    changes : mapping of (n,) float64
+        Change of the force per modulus by variant [m2] on the displacements of the curves.
+    curves : ResponseCurves
+        Force of the unchanged model.
+    fraction : float
+        At which they were simulated.
+    """
+    r, there = curves.fractions, curves.curve(fraction)
+    forces = np.stack([curves.curve(x) for x in r])
+    follows = {
+        "alpha1": np.outer(r / fraction, there),
+        "alpha2": np.outer((1.0 - r) / (1.0 - fraction), there),
+        **{name: np.tile(there, (len(r), 1)) for name in changes if name.startswith(FIBRES)},
+    }
+    parts = {
+        name: _smooth_part(curves.displacement, change, there)
+        for name, change in changes.items()
+        if name != PRESSED_ELSEWHERE
+    }
+    if PRESSED_ELSEWHERE in changes:
+        other = elsewhere(fraction)
+        part = _smooth_part(curves.displacement, changes[PRESSED_ELSEWHERE], curves.curve(other))
+        slope = (part - parts[PRESSED]) / (other - fraction)
+        parts[PRESSED] = parts[PRESSED] + np.outer(r - fraction, slope)
+    return {
+        name: ResponseCurves(r, curves.displacement, follows.get(name, forces) * part)
+        for name, part in parts.items()
+    }
+
+
+def _smooth_part(travel: Array, change: Array, force: Array) -> Array:
+    """Polynomial (n,) for a change as a part of the force, fitted where there is force."""
+    weight = 1.0 / (np.abs(force) + TOUCH * np.abs(force).max())
+    powers = np.vander(travel / travel[-1], DEGREE + 1)
+    found, *_ = np.linalg.lstsq((weight * force)[:, None] * powers, weight * change, rcond=None)
+    return np.asarray(powers @ found)
+
+
+def elsewhere(fraction: float) -> float:
+    """A fraction that differs by a quarter."""
+    return fraction + (0.25 if fraction < 0.5 else -0.25)

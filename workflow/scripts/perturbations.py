@@ -1,0 +1,36 @@
+"""What changes of the model do to the response of a piece (rule `perturbations`)."""
+
+from functools import partial
+
+from softsample.shapes import IdealShape
+
+from softsample.constitutive.ogden import OgdenMaterial
+from softsample.io import (
+    read_distance,
+    read_json,
+    read_marks,
+    read_record,
+    write_table,
+)
+from softsample.records import reach
+from softsample.response.changes import table_of_changes
+from softsample.response.perturbations import perturbations_of
+from softsample.response.pieces import MechanicalTest, mesher
+from softsample.workflow import logged_to, progress_bar
+
+with logged_to(snakemake):
+    files, given = snakemake.input, dict(snakemake.params.items())
+    records = [read_record(path) for path in files.records]
+    given["normal"] = any(record.force_normal is not None for record in records)
+    shape = IdealShape.of_report(read_json(files.cuboid))
+    geometry = snakemake.wildcards.geometry
+    marks = partial(read_marks, files.bond_mask, files.labels, files.segmentation)
+    grid = partial(read_distance, files.distance, files.segmentation)
+    mesh_shifted = mesher(geometry, shape, lambda: (grid(), marks()), given)
+    material = OgdenMaterial.of_fit(read_json(files.fit))
+    test = MechanicalTest.of(material, reach(records, given["mode"]), given)
+    displacement, changes = perturbations_of(geometry, shape, mesh_shifted, test, progress_bar())
+    write_table(
+        snakemake.output.changes,
+        table_of_changes(test.mode, material.mu1_fraction, displacement, changes),
+    )

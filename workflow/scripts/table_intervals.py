@@ -6,17 +6,18 @@ from softsample.workflow import logged_to
 
 with logged_to(snakemake):
     given, files = snakemake.params, snakemake.input
-    bands = dict(zip(given.modes, map(read_json, files.bands), strict=True))
+    bands = dict(zip(given.banded, map(read_json, files.bands), strict=True))
     changes = dict(zip(given.modes, map(read_json, files.sensitivities), strict=True))
     forces = {
-        (sample, geometry, model): force_terms(
-            given.modes[sample],
-            bands[sample],
-            changes[sample]["changes"],
-            read_json(report)["error_bound_percent"],
+        (piece, geometry, model): force_terms(
+            given.modes[piece],
+            bands.get(piece),
+            changes[piece]["changes"],
+            read_json(report),
             given.element_size_mm,
             FloorSettings(**given.floor),
         )
-        for (sample, geometry, model), report in zip(given.curves, files.curves, strict=True)
+        for (piece, geometry, model), report in zip(given.curves, files.curves, strict=True)
     }
-    write_table(snakemake.output.table, interval_table([*map(read_json, files.fits)], forces))
+    table = interval_table([*map(read_json, files.fits)], forces, given.piece_of)
+    write_table(snakemake.output.table, table)

@@ -9,8 +9,8 @@ from softsample.measured.files import lines_of, numbers
 from softsample.measured.sample import Sample, cuboid, record
 
 ABOUT = (
-    "Blood clots of nine conditions (their names run from C10 to C40 and from T60 to T120), three of "
-    "each, in simple shear to half of their height either way, with shear and normal force; the "
+    "Blood clots of nine conditions (C10 to C40 and T60 to T120 in their names), three of each, in "
+    "simple shear to half of their height either way, with shear and normal force; the "
     "file of each clot runs from the largest negative to the largest positive shear."
 )
 UNSTATED = (

@@ -32,7 +32,9 @@ def held_out_figure(summary: pd.DataFrame) -> Figure:
     ):
         ax.plot(values, rows, marker, color=colour, label=name, ms=2.5)
     ax.set_yticks(np.arange(len(studies)), studies)
-    ax.set(xscale="log", xlabel="Error on what was held out, RMS [% of peak]")
+    # no axis can be logarithmic if every run failed
+    ax.set_xscale("log" if (before > 0.0).any() else "linear")
+    ax.set(xlabel="Error on what was held out, RMS [% of peak]")
     ax.invert_yaxis()
     ax.legend(loc="best")
     return figure

@@ -14,6 +14,7 @@ from softsample.errors import InputError
 from softsample.io import read_table
 from softsample.measured.catalogue import check_files, check_folder
 from softsample.measured.files import sheets
+from softsample.measured.folder import chosen_studies
 from softsample.measured.readers import (
     READERS,
     brain,
@@ -77,7 +78,7 @@ def phantom(folder, stress_factor=1.0, load="Load (N)"):
 def test_phantom_is_pushed_and_pushes_back(tmp_path):
     phantom(tmp_path)
     (sample,) = ecoflex.read(tmp_path)
-    assert (sample.name, sample.group, sample.specimen) == ("EF99_0T_A3", "EF99_0T", "A")
+    assert (sample.name, sample.group, sample.specimen) == ("EF99_0T_A3", "EF99_0T", "EF99_0T_A")
     assert sample.mode == "compression"
     assert sample.shape == {"shape": "cylinder", "height_mm": 30.0, "diameter_mm": 50.0}
     assert sample.record.iloc[-1].to_dict() == pytest.approx(
@@ -105,6 +106,11 @@ def test_real_phantoms():
         speed = np.ptp(sample.record["displacement_mm"]) / np.ptp(sample.record["time_s"])
         assert 60.0 * speed == pytest.approx(10.0, rel=0.02)
         assert sample.record["force_N"].iloc[-1] < -50.0
+    for study in ("ecoflex-phantoms", "ecoflex-phantoms-sliding"):
+        strain, specimens = chosen_studies()[study]["settings"]["hold_out"]
+        assert strain == {"strain_above": 0.5}
+        second = {s.specimen for s in samples.values() if s.specimen.endswith("_B")}
+        assert set(specimens["specimen"]) == second
 
 
 TRACE = "g\tg\tg\t\nForce\tDistance\tTime\t\n{unit}\tmm\tsec\t\n\n"

@@ -47,14 +47,14 @@ def read_file(path: Path) -> Sample:
     )
     table = numbers(path, lines[starts[0] :], (TIME, TRAVEL, LOAD, STRESS))
     _check_stress(path, table, 0.25 * np.pi * diameter**2)
-    group, specimen = path.stem.rsplit("_", 1)
+    group, repeat = path.stem.rsplit("_", 1)
     return Sample(
         path.stem,
         group,
         "compression",
         cylinder(diameter, height),
         record(-table[TRAVEL], -table[LOAD], time_s=table[TIME]),
-        specimen=specimen[0],
+        specimen=f"{group}_{repeat[0]}",
     )
 
 

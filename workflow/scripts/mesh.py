@@ -17,16 +17,21 @@ from softsample.workflow import logged_to, provenance
 MM = 1e-3
 
 with logged_to(snakemake):
-    files, keys = snakemake.input, dict(snakemake.params.mesh)
+    given, files = snakemake.params, snakemake.input
     ideal = IdealShape.of_report(read_json(files.cuboid))
-    wanted, across = keys.pop("element_size_mm") * MM, keys.pop("elements_across")
-    size = snakemake.params.coarsening * element_size(ideal, wanted, across)
-    shift = keys.pop("boundary_shift_mm") * MM
+    wanted = given.mesh["element_size_mm"] * MM
+    size = given.coarsening * element_size(ideal, wanted, given.mesh["elements_across"])
     if files.distance:
         grid = read_distance(files.distance, files.segmentation)
         marks = read_marks(files.bond_mask, files.labels, files.segmentation)
-        preload = snakemake.params.preload_mm * MM
-        made = mesh_real(*grid, size, preload, MeshSettings(**keys), boundary_shift=shift, **marks)
+        made = mesh_real(
+            *grid,
+            size,
+            given.preload_mm * MM,
+            MeshSettings.of_config(given.mesh),
+            boundary_shift=given.mesh["boundary_shift_mm"] * MM,
+            **marks,
+        )
     else:
         made = mesh_ideal(ideal, size)
     write_mesh(snakemake.output.mesh, made.mesh, made.point_data, made.cell_data)

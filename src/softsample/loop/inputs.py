@@ -147,14 +147,13 @@ def mesher(
     if geometry == "ideal":
         shape = IdealShape.of_report(cuboid)
         return lambda out: MeshedSample.of(mesh_ideal(shape.grown(out), size))
-    keys = {name: value for name, value in given["mesh"].items() if name != "element_size_mm"}
-    segmented = keys.pop("boundary_shift_mm") * MM
+    segmented = given["mesh"]["boundary_shift_mm"] * MM
     return lambda out: MeshedSample.of(
         mesh_real(
             *grid,
             size,
             given["preload_mm"] * MM,
-            MeshSettings(**keys),
+            MeshSettings.of_config(given["mesh"]),
             boundary_shift=segmented + out,
             bond_mask=marks.get("bond_mask"),
             labels=marks.get("labels"),

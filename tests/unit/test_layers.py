@@ -28,7 +28,7 @@ ALLOWED = {
     "io": {"errors", "files", "formats", "meshing"},
     "fem": {"errors", "meshing", "constitutive", "protocol"},
     "calibration": {"errors", "protocol", "records", "constitutive", "fem"},
-    "geometry_effects": {"errors", "meshing", "constitutive", "fem", "calibration"},
+    "geometry_effects": {"errors", "meshing", "constitutive", "fem", "calibration", "shapes"},
     "checks": {"errors", "fem", "meshing"},
     "scoring": {"errors", "calibration"},
     "report": {"errors"},

@@ -21,14 +21,13 @@ os.environ.update(PYTHONPATH=os.pathsep.join(dict.fromkeys(search_path)))
 from softsample.errors import SoftsampleError
 from softsample.files import show_presence
 from softsample.formats import files_of
-from softsample.holdout import check_hold_out, folds, wholly_held_out
 from softsample.io import read_json, read_samples, read_table, read_yaml
 from softsample.measured.catalogue import check_folder, set_files
 from softsample.progress import show_jobs_in_lines
 from softsample.report.results import in_brief
 from softsample.report.tables import LEVEL
 from softsample.study.plan import GEOMETRIES, Plan
-from softsample.validation import DEFAULT_AXES, check_config, check_samples, resolved
+from softsample.validation import DEFAULT_AXES, check_config, check_samples
 from softsample.workflow import failed_jobs, sha256_of_files
 
 if workflow.is_main_process:
@@ -52,9 +51,7 @@ def checked_study():
         if not table.is_file() and (ROOT / table).is_file():
             table = Path(os.path.relpath(ROOT / table))
         rows = check_samples(read_samples(table), schema("samples"), str(table))
-        check_hold_out(rows, HOLD_OUT)
-        held_out = (row["sample"] for row in rows if wholly_held_out(row, HOLD_OUT))
-        return table, Plan({row["sample"]: row for row in rows}, frozenset(held_out))
+        return table, Plan({row["sample"]: row for row in rows})
     except SoftsampleError as error:
         raise WorkflowError(str(error)) from None
 
@@ -94,8 +91,6 @@ def finished(plan, failures):
 
 
 STARTED = time.time()
-# What no model is fitted to, and what is left out in turn.
-HOLD_OUT, LEAVE_OUT = config.get("hold_out", []), config.get("leave_out")
 TABLE, PLAN = checked_study()
 # After a run in which samples failed, tables and figures of the others can still be had.
 LEFT_OUT, FAILURES = [], []
@@ -108,6 +103,8 @@ if os.environ.get("SOFTSAMPLE_PARTIAL"):
         raise WorkflowError("no group of samples came through; there is nothing to report")
 SAMPLES, GROUPS, PIECES = PLAN.rows, PLAN.groups, PLAN.pieces
 COMPRESSED = [name for name in PIECES if SAMPLES[name]["mode"] == "compression"]
+# Parts of the data that no fit sees: the settings of a study may name some.
+HOLD_OUT, LEAVE_OUT = config.get("hold_out", []), config.get("leave_out")
 SHIPPED = (ROOT / "resources").resolve() in TABLE.resolve().parents
 
 
@@ -228,18 +225,8 @@ def samples_of(group):
 
 
 def row_value(column):
-    """Params function: one value of the sample's row, or what its empty cell means."""
-    return lambda wildcards: resolved(SAMPLES[known(wildcards.sample)])[column]
-
-
-def rows_of(names):
-    """Rows of samples, with what their empty cells mean."""
-    return [resolved(SAMPLES[known(name)]) for name in names]
-
-
-def folds_of(group):
-    """Samples that a diagnosis of the group leaves out in turn, by what they have in common."""
-    return dict(folds(rows_of(SAMPLES if LEAVE_OUT == "group" else samples_of(group)), LEAVE_OUT))
+    """Params function: one value of the sample's row."""
+    return lambda wildcards: SAMPLES[known(wildcards.sample)][column]
 
 
 def test_axes(wildcards):
@@ -303,12 +290,6 @@ def calibration_records(wildcards):
     """Input function: records of the samples that a calibration is made of."""
     names = members(wildcards.group, wildcards.model)
     return [f"<results>/records/{name}.csv" for name in names]
-
-
-def calibration_shapes(wildcards):
-    """Input function: idealised shapes of the members of a calibration, one each."""
-    names = members(wildcards.group, wildcards.model)
-    return [f"<results>/cuboid/{piece_of(name)}.json" for name in names]
 
 
 def calibration_modes(wildcards):

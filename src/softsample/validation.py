@@ -61,6 +61,12 @@ def resolved(row: Mapping[str, str]) -> dict[str, str]:
     return {"specimen": row.get("sample", ""), **DEFAULTS, **row}
 
 
+def ends_of(row: Mapping[str, str]) -> str | float:
+    """What the ends of a sample do: `bonded`, `sliding`, `unknown` or a coefficient of friction."""
+    cell = resolved(row)["ends"]
+    return float(cell) if _is_number(cell) else cell
+
+
 def overlaid(base: Mapping[str, Any], own: Mapping[str, Any]) -> dict[str, Any]:
     """Settings with the keys of others in place of theirs, as Snakemake does it."""
     merged = copy.deepcopy(dict(base))
@@ -169,8 +175,8 @@ def _of_material(alpha: Sequence[float], step: float) -> Iterator[tuple[str, str
         if exponent + step == 0.0:
             yield (
                 f"material.alpha.{k}",
-                f"{exponent} + {step}, the step of loop.perturbations.exponent, is the exponent 0 in a "
-                "run of the loop; give another step",
+                f"{exponent} + {step}, the step of loop.perturbations.exponent, is the exponent 0 "
+                "in a run of the loop; give another step",
             )
 
 

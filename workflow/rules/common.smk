@@ -21,13 +21,20 @@ os.environ.update(PYTHONPATH=os.pathsep.join(dict.fromkeys(search_path)))
 from softsample.errors import SoftsampleError
 from softsample.files import show_presence
 from softsample.formats import files_of
+from softsample.holdout import check_hold_out, folds
 from softsample.io import read_json, read_samples, read_table, read_yaml
 from softsample.measured.catalogue import check_folder, set_files
 from softsample.progress import show_jobs_in_lines
 from softsample.report.results import in_brief
 from softsample.report.tables import LEVEL
 from softsample.study.plan import GEOMETRIES, Plan
-from softsample.validation import DEFAULT_AXES, check_config, check_samples
+from softsample.validation import (
+    DEFAULT_AXES,
+    check_config,
+    check_samples,
+    ends_of,
+    resolved,
+)
 from softsample.workflow import failed_jobs, sha256_of_files
 
 if workflow.is_main_process:
@@ -51,6 +58,7 @@ def checked_study():
         if not table.is_file() and (ROOT / table).is_file():
             table = Path(os.path.relpath(ROOT / table))
         rows = check_samples(read_samples(table), schema("samples"), str(table))
+        check_hold_out(rows, config.get("hold_out", []))
         return table, Plan({row["sample"]: row for row in rows})
     except SoftsampleError as error:
         raise WorkflowError(str(error)) from None
@@ -226,7 +234,12 @@ def samples_of(group):
 
 def row_value(column):
     """Params function: one value of the sample's row."""
-    return lambda wildcards: SAMPLES[known(wildcards.sample)][column]
+    return lambda wildcards: resolved(SAMPLES[known(wildcards.sample)])[column]
+
+
+def row_ends(wildcards):
+    """Params function: what the ends of the sample do on the platens."""
+    return ends_of(SAMPLES[known(wildcards.sample)])
 
 
 def test_axes(wildcards):
@@ -270,6 +283,19 @@ def members(group, model):
     return PLAN.members(known_group(group), model)
 
 
+def rows_of(names):
+    """Rows of samples, with what empty cells mean."""
+    return [resolved(SAMPLES[name]) for name in names]
+
+
+def folds_of(group):
+    """Samples of each part of a group that is left out in turn, by the name of the fold."""
+    if LEAVE_OUT == "group":
+        return {f"leave_out_{group}": samples_of(group)}
+    rows = [SAMPLES[name] for name in samples_of(group)]
+    return {f"leave_out_{value}": names for value, names in folds(rows, LEAVE_OUT)}
+
+
 def calibration_curves(ending):
     """Input function: curves of the members of a calibration, one each, or their reports."""
     return lambda wildcards: [
@@ -286,15 +312,18 @@ def calibration_meshes(wildcards):
     ]
 
 
+def calibration_shapes(wildcards):
+    """Input function: idealised shapes of the members of a calibration, one each."""
+    return [
+        f"<results>/cuboid/{piece_of(name)}.json"
+        for name in members(wildcards.group, wildcards.model)
+    ]
+
+
 def calibration_records(wildcards):
     """Input function: records of the samples that a calibration is made of."""
     names = members(wildcards.group, wildcards.model)
     return [f"<results>/records/{name}.csv" for name in names]
-
-
-def calibration_modes(wildcards):
-    """Params function: modes of the samples that a calibration is made of."""
-    return [SAMPLES[name]["mode"] for name in members(wildcards.group, wildcards.model)]
 
 
 def calibrations(groups):

@@ -165,6 +165,15 @@ def test_one_term_figure_has_one_bar_a_geometry():
     assert [p.get_height() for p in figure.axes[1].patches] == pytest.approx([1.0, 0.8])
 
 
+def test_the_picture_of_a_held_out_sample_says_so():
+    nothing = curves("D1").iloc[:0]
+    force = response_figure({"ideal": nothing}, "tension", "title").axes[0]
+    assert [text.get_text() for text in force.texts] == [
+        "held out: nothing of this record was calibrated"
+    ]
+    assert not response_figure({"ideal": curves("D1")}, "tension", "title").axes[0].texts
+
+
 def test_every_mode_has_a_colour_of_its_own():
     assert len(set(MODE_COLOURS.values())) == len(MODES)
     assert tuple(MODE_COLOURS) == MODES

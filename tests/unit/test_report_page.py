@@ -179,8 +179,13 @@ def test_facts_of_a_sample_of_stated_dimensions():
 def test_facts_of_a_surface_have_no_film_and_no_sigma():
     cuboid = {"length_mm": 20.0, "width_mm": 10.0, "height_mm": 10.0}
     cuboid |= {"bottom_difference_percent": 1.0, "top_difference_percent": -20.0}
-    facts = dict(sample_facts({"record": RECORD}, {"volume_mm3": 1900.0}, cuboid, {}, {}))
-    assert facts["Surface"] == "1900 mm³"
+    segmented = {"volume_mm3": 1900.0, "boundary_sigma_mm": 0.1, "film_mm": 0.0, "tilt_deg": 2.0}
+    facts = dict(sample_facts({"record": RECORD}, segmented, cuboid, {}, {}))
+    assert facts["Surface"] == "1900 mm³, as given"
+    image = {"shape": [40, 40, 20], "voxel_mm": [0.5, 0.5, 1.0]}
+    facts = dict(sample_facts({"record": RECORD, "image": image}, segmented, cuboid, {}, {}))
+    assert facts["Surface"].endswith("film of 0 mm taken off, tilt of 2° taken out")
+    assert next(iter(facts)) == "Image"
     assert facts["Cuboid"] == (
         "20 × 10 × 10 mm; faces of the sample against it: bottom 1 %, top −20 %"
     )

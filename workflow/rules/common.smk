@@ -21,7 +21,7 @@ os.environ.update(PYTHONPATH=os.pathsep.join(dict.fromkeys(search_path)))
 from softsample.errors import SoftsampleError
 from softsample.files import show_presence
 from softsample.formats import files_of
-from softsample.holdout import check_hold_out, folds
+from softsample.holdout import check_hold_out, folds, wholly_held_out
 from softsample.io import read_json, read_samples, read_table, read_yaml
 from softsample.progress import show_jobs_in_lines
 from softsample.report.results import in_brief
@@ -57,8 +57,9 @@ def checked_study():
         if not table.is_file() and (ROOT / table).is_file():
             table = Path(os.path.relpath(ROOT / table))
         rows = check_samples(read_samples(table), schema("samples"), str(table))
-        check_hold_out(rows, config.get("hold_out", []))
-        return table, Plan({row["sample"]: row for row in rows})
+        check_hold_out(rows, HOLD_OUT)
+        held_out = (row["sample"] for row in rows if wholly_held_out(row, HOLD_OUT))
+        return table, Plan({row["sample"]: row for row in rows}, frozenset(held_out))
     except SoftsampleError as error:
         raise WorkflowError(str(error)) from None
 
@@ -66,7 +67,7 @@ def checked_study():
 # Stages that the report rests on; an export, say, may have failed.
 REPORTED = {
     *("check_inputs", "segment", "measure", "mesh", "simulate", "calibrate", "confirm"),
-    *("band", "sensitivity", "variants", "diagnose", "checks"),
+    *("one_term", "band", "sensitivity", "perturbations", "diagnose", "checks"),
     *("figure_sample", "figure_response", "figure_strain"),
 }
 
@@ -98,6 +99,8 @@ def finished(plan, failures):
 
 
 STARTED = time.time()
+# What no model is fitted to, and what is left out in turn: the settings of a study may name some.
+HOLD_OUT, LEAVE_OUT = config.get("hold_out", []), config.get("leave_out")
 TABLE, PLAN = checked_study()
 # After a run in which samples failed, tables and figures of the others can still be had.
 LEFT_OUT, FAILURES = [], []
@@ -105,13 +108,11 @@ if os.environ.get("SOFTSAMPLE_PARTIAL"):
     FAILURES = failed_jobs(f"{config['results']}/logs")
     came_through = finished(PLAN, FAILURES)
     LEFT_OUT = [name for name in PLAN.rows if name not in came_through]
-    PLAN = Plan(came_through)
+    PLAN = Plan(came_through, PLAN.held_out)
     if not came_through:
         raise WorkflowError("no group of samples came through; there is nothing to report")
 SAMPLES, GROUPS, PIECES = PLAN.rows, PLAN.groups, PLAN.pieces
 COMPRESSED = [name for name in PIECES if SAMPLES[name]["mode"] == "compression"]
-# Parts of the data that no fit sees: the settings of a study may name some.
-HOLD_OUT, LEAVE_OUT = config.get("hold_out", []), config.get("leave_out")
 SHIPPED = (ROOT / "resources").resolve() in TABLE.resolve().parents
 
 

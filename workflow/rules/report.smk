@@ -135,6 +135,7 @@ rule table_intervals:
         bands=expand("<results>/band/{sample}.json", sample=PLAN.banded),
         sensitivities=best_sensitivities(PIECES),
         curves=[f"<results>/curves/{'/'.join(key)}.json" for key in PLAN.curves],
+        meshes=[f"<results>/mesh/{piece}/{geometry}.json" for piece, geometry, _ in PLAN.curves],
         code=library("workflow/scripts/table_intervals.py"),
     output:
         table=report(
@@ -150,7 +151,6 @@ rule table_intervals:
         piece_of=PLAN.piece_of,
         banded=PLAN.banded,
         curves=PLAN.curves,
-        element_size_mm=config["mesh"]["element_size_mm"],
         floor=config["floor"],
     message:
         "Intervals of all calibrated moduli"

@@ -14,10 +14,12 @@ with logged_to(snakemake):
             bands.get(piece),
             changes[piece]["changes"],
             read_json(report),
-            given.element_size_mm,
+            read_json(mesh)["element_size_mm"],
             FloorSettings(**given.floor),
         )
-        for (piece, geometry, model), report in zip(given.curves, files.curves, strict=True)
+        for (piece, geometry, model), report, mesh in zip(
+            given.curves, files.curves, files.meshes, strict=True
+        )
     }
     table = interval_table([*map(read_json, files.fits)], forces, given.piece_of)
     write_table(snakemake.output.table, table)

@@ -18,7 +18,8 @@ def response_figure(
     Parameters
     ----------
     curves
-        By geometry, `ideal` or both: `displacement_mm`, `measured_N`, `model_N`.
+        By geometry, `ideal` or both: `displacement_mm`, `measured_N`, `model_N`; empty for a
+        sample that is held out.
     mode
         Loading, which gives the colour.
     title
@@ -40,6 +41,9 @@ def response_figure(
         force.plot(travel, curve["model_N"], label=f"model, {names[geometry]}", **line)
         misfit = 1e3 * (curve["measured_N"] - curve["model_N"])
         left_over.plot(travel, misfit, **{**line, "lw": 0.7})
+    if all(table.empty for table in curves.values()):
+        held_out = "held out: nothing of this record was calibrated"
+        force.text(0.5, 0.6, held_out, ha="center", transform=force.transAxes)
     for ax in (force, left_over):
         ax.axhline(0.0, color="0.75", lw=0.5, zorder=0)
         ax.set_xlabel("Displacement of the platen [mm]")

@@ -27,9 +27,10 @@ def sample_facts(
         `mesh/` and `fields/{sample}/{geometry}.json` by geometry.
     """
     rows = [("Record", record_fact(found["record"])), _ideal(cuboid)]
+    image = found.get("image")
     if segmentation:
-        rows.insert(1, ("Surface", _surface(segmentation)))
-    if image := found.get("image"):
+        rows.insert(1, ("Surface", _surface(segmentation, image is not None)))
+    if image:
         voxels = f"{_by(image['shape'], 'voxels')} of {_by(image['voxel_mm'], 'mm')}"
         rows.insert(0, ("Image", voxels))
     rows += [
@@ -65,13 +66,16 @@ def _given(text: str, value: float | None) -> str:
     return "" if value is None else text.format(written(value))
 
 
-def _surface(segmentation: Report) -> str:
-    """Volume of the sample; a surface that was given has no uncertainty, film and tilt."""
-    sigma, film, tilt = (segmentation.get(k) for k in ("boundary_sigma_mm", "film_mm", "tilt_deg"))
+def _surface(segmentation: Report, imaged: bool) -> str:
+    """Volume of the sample, and what was done to the segmentation of an image."""
+    volume = f"{written(segmentation['volume_mm3'])} mm³"
+    if not imaged:
+        return f"{volume}, as given"
     return (
-        f"{written(segmentation['volume_mm3'])} mm³"
-        f"{_given(', known to {} mm (one sigma)', sigma)}"
-        f"{_given('; film of {} mm taken off', film)}{_given(', tilt of {}° taken out', tilt)}"
+        f"{volume}, known to "
+        f"{written(segmentation['boundary_sigma_mm'])} mm (one sigma); film of "
+        f"{written(segmentation['film_mm'])} mm taken off, tilt of "
+        f"{written(segmentation['tilt_deg'])}° taken out"
     )
 
 

@@ -88,7 +88,7 @@ def force_terms(
         `curves/{sample}/{geometry}/{model}.json`: `error_bound_percent`, from two loading times.
         A closed form has no error of loading time, mesh or element.
     element_size_mm : float
-        Of the study; the sensitivity has elements of twice this size.
+        Of the piece's mesh; the sensitivity has elements of twice this size.
     settings : FloorSettings
         Floor of mesh and element.
     """

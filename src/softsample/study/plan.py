@@ -1,11 +1,11 @@
 """What a study computes for the rows of its table: geometries, equal pieces, models."""
 
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from functools import cached_property
 
 from softsample.errors import InputError
-from softsample.validation import DEFAULT_AXES
+from softsample.validation import DEFAULT_AXES, resolved
 
 Row = Mapping[str, str]
 
@@ -19,9 +19,6 @@ PIECE = (
     "segmentation", "bond_mask", "labels", "loading_axis", "shear_axis", "mode", "ends",
 )  # fmt: skip
 """Cells of a row that its mesh and its response depend on."""
-
-DEFAULTS = {**DEFAULT_AXES, "ends": "bonded"}
-"""What an empty cell of `PIECE` means."""
 
 TWO_TERM, ONE_TERM = "ogden2", "ogden1"
 
@@ -37,16 +34,26 @@ class Plan:
     ----------
     rows : mapping
         Rows of the table of samples by sample, empty cells left out.
+    held_out : set of str
+        Samples that are held out as a whole: a model of theirs alone cannot be calibrated.
 
     Raises
     ------
     InputError
-        If a name is a sample of one group and the name of another one that has other geometries.
+        If a name is a sample of one group and the name of another one that has other geometries,
+        or a whole group is held out.
     """
 
     rows: Mapping[str, Row]
+    held_out: frozenset[str] = field(default_factory=frozenset)
 
     def __post_init__(self) -> None:
+        for group in self.groups:
+            if TWO_TERM not in self.models(group):
+                raise InputError(
+                    f"hold_out: all samples of group {group!r} are held out, so that it has no "
+                    "model that could predict them; leave some in"
+                )
         for sample, row in self.rows.items():
             other = self._geometries.get(sample)
             if other and other != self._geometries[row["group"]]:
@@ -95,7 +102,7 @@ class Plan:
         """Samples by what their mesh and response depend on."""
         found: dict[tuple[str, ...], list[str]] = {}
         for sample, row in self.rows.items():
-            key = tuple({**DEFAULTS, **row}.get(cell, "") for cell in PIECE)
+            key = tuple({**DEFAULT_AXES, **resolved(row)}.get(cell, "") for cell in PIECE)
             found.setdefault(key, []).append(sample)
         return found
 
@@ -130,7 +137,11 @@ class Plan:
 
     def models(self, group: str) -> list[str]:
         """Material models that a group can be calibrated with."""
-        return [model for model in (TWO_TERM, ONE_TERM) if self.members(group, model)]
+        return [
+            model
+            for model in (TWO_TERM, ONE_TERM)
+            if set(self.members(group, model)) - self.held_out
+        ]
 
     def sample_models(self, sample: str) -> list[str]:
         """Material models that a sample takes part in."""
@@ -176,5 +187,5 @@ class Plan:
     @cached_property
     def ideal_shape(self) -> str:
         """What samples are idealised as: `cuboid`, `cylinder`, or both."""
-        kinds = {row.get("shape", "cuboid") for row in self.rows.values()}
+        kinds = {resolved(row)["shape"] for row in self.rows.values()}
         return kinds.pop() if len(kinds) == 1 else "cuboid or cylinder"

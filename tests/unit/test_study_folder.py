@@ -135,7 +135,7 @@ def test_everything_that_is_wrong_is_told_at_once(study, capsys):
     machines.write(study / "T8.csv", "\n".join(bad))
     image(study / "C7.nii.gz", affine=np.diag([400.0, 400.0, 400.0, 1.0]))
     table = study / "samples.tsv"
-    table.write_text(table.read_text() + "T8\tg\tpull\tno.nii\tC7.xls\n")
+    table.write_text(table.read_text() + "T8\tg\tpull\tno.nii\tC7.doc\n")
     (study / "study.yaml").write_text("records: {zero: {force: start}}\nmesh: {size: 1}\n")
     assert main(["check", str(study)]) == 1
     told = capsys.readouterr().err
@@ -145,7 +145,7 @@ def test_everything_that_is_wrong_is_told_at_once(study, capsys):
         "records.zero.force: 'start' is not one of file, rest",
         "mesh.size: unknown name",
         f"samples.tsv, row {line} (T8), column 'mode': 'pull' is not one of",
-        f"row {line} (T8), column 'record': 'C7.xls' has another form",
+        f"row {line} (T8), column 'record': 'C7.doc' has another form",
         f"row {line} (T8), column 'sample': 'T8' stands in row {line - 1} already",
         f"row {line} (T8): {study}/no.nii: no such image; correct its path",
         f"row {line - 2} (C7): {study}/C7.nii.gz: voxels of 400 x 400 x 400 mm, expected 0.05",

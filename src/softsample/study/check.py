@@ -23,8 +23,8 @@ from softsample.records import RecordSettings, aligned_record
 from softsample.shapes import IdealShape
 from softsample.study import ROOT, SETTINGS, TABLE, table_of
 from softsample.validation import (
-    ANY_DIMENSION,
     DEFAULT_AXES,
+    DIMENSIONS,
     check_config,
     overlaid,
     record_settings,
@@ -209,7 +209,7 @@ def _size(row: Mapping[str, str], result: Inspection) -> IdealShape | None:
         shape = IdealShape.of_row(stated_shape(row))
     except InputError:  # the table says what is wrong, or there is an image
         return None
-    sizes = [f"{name[:-3]} {row[name]} mm" for name in ANY_DIMENSION if name in row]
+    sizes = [f"{name[:-3]} {row[name]} mm" for name in DIMENSIONS[shape.kind]]
     result.found.append(
         f"  {shape.kind} of {', '.join(sizes)}: section {shape.area / MM**2:.4g} mm2"
     )

@@ -29,6 +29,7 @@ help:
 	echo "make quick      the same at 1 mm, for a look in minutes, into results-quick/"
 	echo "make new-study DIR=lab    a study folder of your own, with a worked sample"
 	echo "make add-sample DIR=lab IMAGE=scan.nii.gz RECORD=test.csv MODE=compression   a sample of yours"
+	echo "     without an image: SHAPE=cylinder DIAMETER=20 HEIGHT=10 (mm), or SURFACE=scan.stl, in its place"
 	echo "make check-study DIR=lab  everything that is wrong with it, in seconds"
 	echo "make study DIR=lab        its report (CONFIG=config/quick.yaml: at 1 mm, in minutes)"
 	echo "make docs       docs/reproduction.md and docs/recovery.md, tables and figures as they came out"
@@ -104,10 +105,14 @@ new-study: $(stamp)
 	@$(call given,DIR)
 	$(bin)/python -m softsample new "$(DIR)"
 
+# what the row of the sample may hold besides, as options of the command
+cells := IMAGE SURFACE SHAPE LENGTH WIDTH HEIGHT DIAMETER SAMPLE GROUP SPECIMEN ENDS FORMAT CYCLE
+lower = $(shell echo $(1) | tr A-Z a-z)
+
 add-sample: $(stamp)
-	@$(call given,DIR IMAGE RECORD MODE)
-	$(bin)/python -m softsample add "$(DIR)" --mode "$(MODE)" --image "$(IMAGE)" --record "$(RECORD)" \
-	  --sample "$(SAMPLE)" --group "$(GROUP)"
+	@$(call given,DIR RECORD MODE)
+	$(bin)/python -m softsample add "$(DIR)" --mode "$(MODE)" --record "$(RECORD)" \
+	  $(foreach cell,$(cells),$(if $($(cell)),--$(call lower,$(cell)) "$($(cell))"))
 
 check-study: $(stamp)
 	@$(call given,DIR)

@@ -21,6 +21,7 @@ ALLOWED = {
     "validation": {"errors"},
     "images": {"errors"},
     "records": {"errors", "protocol", "validation"},
+    "holdout": {"errors", "records", "validation"},
     "files": {"errors"},
     "workflow": {"errors", "files"},
     "manifest": {"errors", "files"},

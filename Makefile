@@ -45,7 +45,7 @@ help:
 	echo "make undeclared records with undeclared effects, from image to scored verdict: results/undeclared/"
 	echo "make blind      the loop on records with undeclared effects, scored: results/blind/"
 	echo "make blind-full the same at four sizes and three designs, fewer of each: results/blind-full/"
-	echo "make measured   the loop on records of others, if they are there: results/measured/"
+	echo "make measured   studies of public measured sets, if their files are there: results/measured/ (SETS=\"...\": only these)"
 	echo "make measured-docs  the same, and docs/measured.md as it came out"
 	echo "make format     let ruff and snakefmt rewrite the sources"
 	echo "make clean      remove results (clean-env: the environment)"
@@ -66,7 +66,7 @@ $(stamp):
 # releases the locks of both files with their processes; every Snakemake process and every job on a
 # cluster holds the second one. If samples failed, the report holds the others.
 busy := echo "Another run is working in this folder; wait for it, or stop it." >&2; exit 1
-define study
+define alone
 	mkdir -p .snakemake
 	exec 9> .snakemake/run.lock
 	if command -v flock > /dev/null; then
@@ -76,6 +76,9 @@ define study
 	    $(bin)/snakemake --unlock --quiet all $(1) > /dev/null 2>&1 9>&- || true
 	  fi
 	fi
+endef
+define study
+	$(call alone,$(1))
 	status=0
 	$(bin)/snakemake --cores $(CORES) $(1) 9>&- || status=$$?
 	if [ $$status -ge 128 ]; then
@@ -168,11 +171,22 @@ blind: $(stamp)
 blind-full: $(stamp)
 	$(bin)/snakemake --cores $(CORES) blind_full --configfile config/blind.yaml
 
+# every study is run by the ordinary workflow; one that fails does not stop the others
 measured: $(stamp)
-	$(bin)/snakemake --cores $(CORES) measured --configfile config/measured.yaml
+	@studies=$$($(bin)/python -m softsample.measured "$${SOFTSAMPLE_MEASURED_ROOT:-resources/measured}" results/measured/studies $(SETS))
+	$(call alone,)
+	failed=
+	while IFS= read -r study; do
+	  name=$${study##*/}
+	  echo "Study $$name"
+	  $(bin)/snakemake --cores $(CORES) --keep-going --configfile "$$study/study.yaml" \
+	    --config "samples=$$study/samples.tsv" "results=results/measured/$$name" -- verdicts reported < /dev/null 9>&- || failed="$$failed $$name"
+	done <<< "$$studies"
+	$(bin)/python -m softsample.measured.summary results/measured
+	if [ -n "$$failed" ]; then echo "Did not come through:$$failed" >&2; exit 1; fi
 
 measured-docs: measured
-	rm -rf docs/data/measured
+	rm -rf docs/data/measured docs/figures/measured
 	cp -R results/measured/docs/. docs/
 	find docs '(' -name .snakemake_timestamp -o -name '.*.sha256' ')' -delete
 

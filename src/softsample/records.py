@@ -149,6 +149,20 @@ class Record:
         return replace(self, phase=course.phase, cycle=course.cycle, calibrated=calibrated)
 
 
+def reach(records: Iterable[Record], mode: str) -> float:
+    """Largest displacement of the platen in the loadings of some records [m], either way in shear.
+
+    What lies beyond in a hold is noise of the reading.
+    """
+    sign = 0.0 if mode == "shear" else travel_sign(mode)
+    found = []
+    for record in records:
+        loading = record.displacement[(record.phase == "ramp") | record.calibrated]
+        along = np.abs(loading) if sign == 0.0 else sign * loading
+        found.append(float(along.max()))
+    return max(found)
+
+
 class Sized(Protocol):
     """A sample whose dimensions are stated, such as a `softsample.shapes.IdealShape`."""
 

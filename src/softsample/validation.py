@@ -61,6 +61,12 @@ def resolved(row: Mapping[str, str]) -> dict[str, str]:
     return {"specimen": row.get("sample", ""), **DEFAULTS, **row}
 
 
+def ends_of(row: Mapping[str, str]) -> str | float:
+    """What the ends of a sample do: `bonded`, `sliding`, `unknown` or a coefficient of friction."""
+    cell = resolved(row)["ends"]
+    return float(cell) if _is_number(cell) else cell
+
+
 def stated_shape(row: Mapping[str, str]) -> dict[str, str]:
     """Cells that state shape and dimensions of a row; none if its geometry is measured."""
     if "image" in row or "surface" in row:
@@ -126,7 +132,9 @@ def check_config(config: Mapping[str, Any], schema: Schema, source: str) -> None
 def _contradictions(config: Mapping[str, Any]) -> Iterator[tuple[str, str]]:
     """Places of values that are right each for itself, but not beside another one."""
     yield from _of_accuracy(config["floor"], config["mesh"], config["solver"], config["checks"])
-    yield from _of_material(config["material"]["alpha"], config["loop"]["variants"]["exponent"])
+    yield from _of_material(
+        config["material"]["alpha"], config["loop"]["perturbations"]["exponent"]
+    )
     ranges = {
         "calibration.mu_pa_min": [config["calibration"][f"mu_pa_{end}"] for end in ("min", "max")],
         **{f"exponents.{name}": config["exponents"][name] for name in ("alpha1", "alpha2")},
@@ -174,8 +182,8 @@ def _of_material(alpha: Sequence[float], step: float) -> Iterator[tuple[str, str
         if exponent + step == 0.0:
             yield (
                 f"material.alpha.{k}",
-                f"{exponent} + {step}, the step of loop.variants.exponent, is the exponent 0 in a "
-                "run of the loop; give another step",
+                f"{exponent} + {step}, the step of loop.perturbations.exponent, is the exponent 0 "
+                "in a run of the loop; give another step",
             )
 
 

@@ -27,13 +27,12 @@ from softsample.meshing.cuboid import mesh_cuboid
 from softsample.report.exponents import common_table, exponent_table
 from softsample.response.curves import ResponseCurves
 from softsample.response.exponents import ExponentSettings, exponent_grid, simulate_exponents
-from softsample.response.unit import FamilySettings
 
 HEIGHT, AREA = 13e-3, 4.6e-4  # of a bar [m], [m2]
 TRAVEL = {"T1": 0.25 * HEIGHT, "C1": 0.3 * HEIGHT}
 MODES = {"T1": "tension", "C1": "compression"}
 SETTINGS = ExponentSettings((-12.0, -4.0), (8.0, 20.0), 5, 5)
-GRID = exponent_grid(SETTINGS, FamilySettings(0.05, 0.95), (-8.0, 16.0))
+GRID = exponent_grid(SETTINGS, (-8.0, 16.0))
 
 
 def bar(sample, travel, fraction, alpha):
@@ -208,7 +207,7 @@ def test_p_value_is_that_of_two_degrees_of_freedom():
 
 def test_free_exponents_hold_those_of_the_study():
     with pytest.raises(InputError, match=r"material.alpha.1: 30 is outside exponents.alpha2, 8 to"):
-        exponent_grid(SETTINGS, FamilySettings(), (-8.0, 30.0))
+        exponent_grid(SETTINGS, (-8.0, 30.0))
 
 
 def test_simulated_grid_is_made_of_runs():
@@ -217,9 +216,7 @@ def test_simulated_grid_is_made_of_runs():
     model = ExplicitModel(mesh, SolverSettings())
     top = np.flatnonzero(mesh.points[:, 2] > 3.99e-3)
     boundary = mode_boundary(mesh, "tension", top, ContactSettings())
-    grid = exponent_grid(
-        ExponentSettings((-9.5, -3.5), (6.5, 14.5), 2, 2), FamilySettings(), (-8.0, 12.0)
-    )
+    grid = exponent_grid(ExponentSettings((-9.5, -3.5), (6.5, 14.5), 2, 2), (-8.0, 12.0))
     seen = []
     curves = simulate_exponents(
         model, boundary, 1e-3, grid, 0.49, 0.02, lambda label, done: seen.append(done)

@@ -17,9 +17,10 @@ from softsample.figures.geometry import SegmentedImage, geometry_figure
 from softsample.figures.geometry_effects import effects_figure, prescribed_figure
 from softsample.figures.moduli import GroupCurves, moduli_figure
 from softsample.figures.profiles import profile_figure
+from softsample.figures.response import response_figure
 from softsample.figures.strain import Deformed, StrainRow, strain_figure
 from softsample.figures.stress import stress_strain_figure
-from softsample.figures.style import PALETTE, colours, save
+from softsample.figures.style import MODE_COLOURS, PALETTE, colours, save
 from softsample.figures.surface import (
     FRONT,
     OBLIQUE,
@@ -32,6 +33,7 @@ from softsample.figures.surface import (
 )
 from softsample.meshing.cuboid import mesh_cuboid
 from softsample.report.geometry_effects import NAMES
+from softsample.study.plan import MODES
 
 MM = 1e-3
 
@@ -120,13 +122,61 @@ def test_a_fit_that_is_not_trusted_is_marked():
     figure = moduli_figure(groups, moduli(("S1", "shear"), ("S2", "shear")), "title")
     assert [t.get_text() for t in figure.axes[1].texts] == ["−20.0 %", "−20.0 % *"]
     keys = [text.get_text() for text in figure.legends[0].get_texts()]
-    assert "* fit not to be trusted, see the caption" in keys
+    assert "* on a bound, or not converged: see the caption" in keys
+
+
+def test_moduli_of_ideal_shapes_alone_have_one_bar_and_no_bias():
+    groups = [GroupCurves("D", "pure_shear", {"ideal": curves("D1", "D2")})]
+    unknown = ("mu_real_pa", "mu1_real_pa", "difference_percent", "paper_mu_real_pa")
+    table = moduli(("D", "pure_shear")).assign(**dict.fromkeys(unknown, np.nan))
+    figure = moduli_figure(groups, table, "title", "cylinder")
+    force, bars = figure.axes
+    assert force.get_title(loc="left") == "(a) Pure shear: force"
+    assert len([line for line in force.lines if line.get_marker() == "o"]) == 2
+    assert [patch.get_height() for patch in bars.patches] == pytest.approx([0.5, 0.3])
+    assert bars.patches[0].get_x() + 0.5 * bars.patches[0].get_width() == pytest.approx(0.0)
+    assert [text.get_text() for text in bars.texts] == ["–"]
+    keys = [text.get_text() for text in figure.legends[0].get_texts()]
+    assert "model, idealised cylinder" in keys
+    assert not [key for key in keys if "real" in key]
+
+
+def test_the_bias_of_a_mixed_study_is_a_dash_where_it_is_not_known():
+    groups = [group("S1", "shear", "S1"), GroupCurves("D", "shear", {"ideal": curves("D1")})]
+    table = moduli(("S1", "shear"), ("D", "shear"))
+    table.loc[1, ["mu_real_pa", "mu1_real_pa", "difference_percent", "paper_mu_real_pa"]] = np.nan
+    bars = moduli_figure(groups, table, "title").axes[1]
+    assert [text.get_text() for text in bars.texts] == ["−20.0 %", "–"]
+
+
+def test_a_record_is_drawn_once_whatever_geometries_there_are():
+    for there in (("real", "ideal"), ("ideal",)):
+        tables = {geometry: curves("D1") for geometry in there}
+        figure = response_figure(tables, "confined_compression", "title", "cylinder")
+        shown = [line.get_label() for line in figure.axes[0].lines if line.get_label()[0] != "_"]
+        assert shown[0] == "measured"
+        assert shown[-1] == "model, idealised cylinder"
+        assert len(shown) == 1 + len(there)
 
 
 def test_one_term_figure_has_one_bar_a_geometry():
     groups = [group("C1", "compression", "C1")]
     figure = moduli_figure(groups, moduli(("C1", "compression"), two_terms=False), "title")
     assert [p.get_height() for p in figure.axes[1].patches] == pytest.approx([1.0, 0.8])
+
+
+def test_the_picture_of_a_held_out_sample_says_so():
+    nothing = curves("D1").iloc[:0]
+    force = response_figure({"ideal": nothing}, "tension", "title").axes[0]
+    assert [text.get_text() for text in force.texts] == [
+        "held out: nothing of this record was calibrated"
+    ]
+    assert not response_figure({"ideal": curves("D1")}, "tension", "title").axes[0].texts
+
+
+def test_every_mode_has_a_colour_of_its_own():
+    assert len(set(MODE_COLOURS.values())) == len(MODES)
+    assert tuple(MODE_COLOURS) == MODES
 
 
 def test_stress_figure_has_a_line_and_a_band_for_each_mode():
@@ -192,7 +242,8 @@ def test_strain_figure(ball, cuboid, renderer):
     displacement[:, 0] = 0.3 * cuboid.points[:, 2] / MM
     strain = cuboid.points[cuboid.hexes].mean(axis=1)[:, 2] / MM
     shape = Deformed.of_run(cuboid, displacement, strain)
-    row = StrainRow("S1", "shear", 0.3, level_surface(*ball), shape, shape)
+    both = {"real": shape, "ideal": shape}
+    row = StrainRow("S1", "shear", 0.3, level_surface(*ball), both)
     figure = strain_figure([row], "title", renderer)
     before, real, ideal = figure.axes
     (bar,) = ideal.child_axes
@@ -208,6 +259,32 @@ def test_strain_figure(ball, cuboid, renderer):
     assert moving.get_x() + moving.get_width() == pytest.approx(3.1)  # 2 mm, sheared by 0.6 mm
     assert moving.get_x() > base.get_x()
     assert moving.get_y() == pytest.approx(2.0)
+
+
+def strained(cuboid, mode="tension"):
+    strain = cuboid.points[cuboid.hexes].mean(axis=1)[:, 2] / MM
+    ideal = Deformed.of_run(cuboid, np.zeros_like(cuboid.points), strain)
+    return StrainRow("D1", mode, 0.3, None, {"ideal": ideal})
+
+
+def test_strain_of_ideal_shapes_alone_is_one_panel_a_row(cuboid):
+    figure = strain_figure([strained(cuboid), strained(cuboid, "pure_shear")], "t", "matplotlib")
+    titles = [ax.get_title(loc="left") for ax in figure.axes]
+    assert titles == [
+        "(a) Tension, D1: nominal strain 0.30", "(b) Pure shear, D1: nominal strain 0.30"
+    ]  # fmt: skip
+    assert [ax.get_ylabel() for ax in figure.axes] == ["z [mm]"] * 2
+
+
+def test_strain_of_a_mixed_study_leaves_unknown_panels_blank(ball, cuboid):
+    known = strained(cuboid)
+    shapes = {"real": known.shapes["ideal"], **known.shapes}
+    known = replace(known, sample="S1", surface=level_surface(*ball), shapes=shapes, source="STL")
+    figure = strain_figure([known, strained(cuboid)], "title", "matplotlib")
+    assert len(figure.axes) == 6
+    titles = [ax.get_title(loc="left") for ax in figure.axes if ax.axison]
+    assert titles[0] == "(a) Tension, S1: STL"
+    assert titles[3:] == ["(d) Tension, D1: nominal strain 0.30"]
 
 
 def test_without_rendering_libraries_matplotlib_draws_and_says_what_to_install(monkeypatch, caplog):
@@ -336,7 +413,7 @@ def test_a_surface_without_limits_spans_its_own_values():
 def held_samples(cuboid):
     modes = ("shear", "tension", "compression")
     top = cuboid.glued(0.0)
-    return [[HeldSample(name[0].upper(), name, "ideal", cuboid, top) for name in modes]]
+    return [HeldSample(name[0].upper(), name, "ideal", cuboid, top) for name in modes]
 
 
 def test_boundary_conditions_show_what_is_fixed_glued_and_pressed(cuboid):
@@ -350,11 +427,29 @@ def test_boundary_conditions_show_what_is_fixed_glued_and_pressed(cuboid):
     assert moves[1] > 0.0 > moves[2]
 
 
+def test_boundary_conditions_of_a_mixed_study_leave_unknown_geometries_blank(cuboid):
+    tension, pressed = (
+        HeldSample(mode, mode, "ideal", cuboid, cuboid.glued(0.0))
+        for mode in ("tension", "compression")
+    )
+    held = [replace(tension, geometry="real"), tension, pressed]
+    figure = boundary_figure(held, "held", "matplotlib")
+    titles = [ax.get_title(loc="left") for ax in figure.axes]
+    assert titles == [
+        "(a) Tension, tension, real", "",
+        "(b) Tension, tension, idealised",
+        "(c) Compression, compression, idealised",
+    ]  # fmt: skip
+    assert [len(ax.patches) for ax in figure.axes] == [0, 0, 0, 1]
+
+
 def test_contact_areas_have_a_line_for_each_geometry():
     curve = pd.DataFrame({"strain": [0.0, 0.3], "share_percent": [0.0, 90.0]})
     figure = contact_figure({("C1", "real"): curve, ("C1", "ideal"): curve}, "contact")
     (ax,) = figure.axes
     assert [line.get_linestyle() for line in ax.lines] == ["-", "--"]
+    (alone,) = contact_figure({("C1", "ideal"): curve}, "contact", "cylinder").axes
+    assert [t.get_text() for t in alone.get_legend().get_texts()] == ["C1", "idealised cylinder"]
     assert "[–]" in ax.get_xlabel()
     assert "[%]" in ax.get_ylabel()
 

@@ -18,9 +18,12 @@ CHANGES = {
 }
 
 
-def terms(mode="compression", size=0.5, settings=SETTINGS):
-    band = {"low_percent": -1.0, "high_percent": 3.0}
-    return force_terms(mode, band, CHANGES, 0.5, size, settings)
+BAND = {"low_percent": -1.0, "high_percent": 3.0}
+CURVES = {"error_bound_percent": 0.5}
+
+
+def terms(mode="compression", size=0.5, settings=SETTINGS, band=BAND, curves=CURVES):
+    return force_terms(mode, band, CHANGES, curves, size, settings)
 
 
 def test_terms_by_hand():
@@ -68,8 +71,12 @@ FORCES = {
 }
 
 
+EACH = {"T": "T", "C": "C"}
+"""Every sample is a piece of its own."""
+
+
 def test_row_of_the_modulus_by_hand():
-    table = interval_table([fit()], FORCES).set_index("modulus")
+    table = interval_table([fit()], FORCES, EACH).set_index("modulus")
     assert list(table.index) == ["mu", "mu1", "mu2"]
     row = table.loc["mu"]
     expected = {
@@ -88,13 +95,45 @@ def test_row_of_the_modulus_by_hand():
 
 def test_a_mesh_too_stiff_in_one_test_and_too_soft_in_the_other_cancels():
     forces = FORCES | {("C", "real", "ogden2"): force(mesh=-1.5)}
-    row = interval_table([fit()], forces).set_index("modulus").loc["mu"]
+    row = interval_table([fit()], forces, EACH).set_index("modulus").loc["mu"]
     assert row["mesh_percent"] == pytest.approx(0.0)
+
+
+def test_records_of_one_piece_share_the_errors_of_its_model():
+    """A percent of force moves mu by -6 and -12 Pa; as one piece by -18 Pa, not by 13.4 Pa."""
+    forces = {("T", "real", "ogden2"): force(geometry=1.0, mesh=2.0)}
+    same = interval_table([fit()], forces, {"T": "T", "C": "T"}).set_index("modulus").loc["mu"]
+    assert same["geometry_percent"] == pytest.approx(1.8)
+    assert same["mesh_percent"] == pytest.approx(3.6)
+
+
+def test_what_is_not_known_is_empty_and_not_in_the_interval():
+    unknown = {key: {**value, "geometry": np.nan} for key, value in FORCES.items()}
+    none = {key: {**value, "geometry": 0.0} for key, value in FORCES.items()}
+    row, other = (interval_table([fit()], each, EACH).iloc[0] for each in (unknown, none))
+    assert np.isnan(row["geometry_percent"])
+    assert (row["low_pa"], row["high_pa"]) == (other["low_pa"], other["high_pa"])
+    assert np.isnan(terms(band=None)["geometry"])
+
+
+def test_a_closed_form_has_no_error_of_mesh_and_loading_time():
+    found = terms(band=None, curves={"method": "closed form"})
+    assert {name: value for name, value in found.items() if value} == {
+        "geometry": pytest.approx(np.nan, nan_ok=True)
+    }
+
+
+def test_element_term_of_the_other_modes():
+    tension = FloorSettings(1.0, (0.5, 1.0), {"tension": (3.0, 6.0)})
+    assert tension.element("pure_shear", 1.0) == pytest.approx(6.0)
+    assert tension.element("confined_compression", 1.0) == 0.0
+    own = FloorSettings(1.0, (0.5, 1.0), {"tension": (3.0, 6.0), "pure_shear": (1.0, 2.0)})
+    assert own.element("pure_shear", 1.0) == pytest.approx(2.0)
 
 
 def test_one_term_has_one_row():
     forces = {(s, "real", "ogden1"): value for (s, *_), value in FORCES.items()}
-    assert list(interval_table([fit("ogden1")], forces)["modulus"]) == ["mu"]
+    assert list(interval_table([fit("ogden1")], forces, EACH)["modulus"]) == ["mu"]
 
 
 def test_the_floor_is_what_the_verification_found():

@@ -10,7 +10,7 @@ import pytest
 import machines
 from softsample.errors import InputError
 from softsample.formats.machine import described, read
-from softsample.io import read_record, read_yaml
+from softsample.io import read_record_table, read_yaml
 from softsample.records import RecordSettings, aligned_record
 from softsample.validation import overlaid
 
@@ -67,7 +67,7 @@ def test_our_own_table_is_taken_as_it_stands(sample, mode):
     path = ROOT / f"resources/cohort/records/{sample}.csv"
     table, _ = imported(path, mode)
     pd.testing.assert_frame_equal(
-        table[["time_s", "displacement_mm", "force_N"]], read_record(path)
+        table[["time_s", "displacement_mm", "force_N"]], read_record_table(path)
     )
 
 

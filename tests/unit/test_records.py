@@ -6,7 +6,7 @@ import pandas as pd
 import pytest
 
 from softsample.errors import InputError
-from softsample.io import read_record, read_yaml
+from softsample.io import read_record_table, read_yaml
 from softsample.protocol import loading_ramp
 from softsample.records import Record, RecordSettings, aligned_record, check_record
 
@@ -43,7 +43,7 @@ def test_facts_of_a_good_record():
     [("C1", "compression", -3.9), ("T1", "tension", 3.25), ("S1", "shear", 3.9)],
 )
 def test_shipped_records_are_accepted(file, mode, travel):
-    table = read_record(ROOT / f"resources/cohort/records/{file}.csv")
+    table = read_record_table(ROOT / f"resources/cohort/records/{file}.csv")
     assert check(table, mode)["travel_mm"] == pytest.approx(travel, abs=0.03)
 
 
@@ -204,7 +204,7 @@ def aligned(table, mode="compression", size=None, which="largest", compressive=(
 def test_shipped_records_are_marked_as_the_ramp_that_was_calibrated_before(cohort):
     samples = pd.read_csv(ROOT / f"resources/{cohort}/samples.tsv", sep="\t", comment="#")
     for mode, file in zip(samples["mode"], samples["record"], strict=True):
-        raw = read_record(ROOT / f"resources/{cohort}" / file)
+        raw = read_record_table(ROOT / f"resources/{cohort}" / file)
         table, facts = aligned(raw, mode)
         ramp = loading_ramp(raw["time_s"].to_numpy(), 1e-3 * raw["displacement_mm"].to_numpy())
         assert np.flatnonzero(table["calibrated"]).tolist() == [*range(ramp.start, ramp.stop)]
@@ -215,7 +215,7 @@ def test_a_record_comes_back_from_its_file(tmp_path):
     raw = record().assign(force_normal_N=0.25, torque_Nmm=3.0)
     table, _ = aligned(raw)
     table.to_csv(tmp_path / "r.csv", index=False)
-    back = Record.of_table(read_record(tmp_path / "r.csv"))
+    back = Record.of_table(read_record_table(tmp_path / "r.csv"))
     assert set(back.phase) == {"baseline", "ramp"}
     assert back.calibrated.dtype == bool
     assert back.calibrated.sum() == np.sum(back.phase == "ramp")
@@ -348,7 +348,12 @@ UNUSUAL = {
     "fits": (1.0, 1.0, Size(), None),
     "strain": (3.0, 1.0, Size(), "strain of 116.9 % at a height of 10 mm; are displacement and"),
     "stiff": (1.0, 200.0, Size(), "nominal stress of 2e.06 Pa on 100 mm2; was the force written"),
-    "soft": (1.0, 5e-4, Size(), "nominal stress of 4.99 Pa on 100 mm2; was the force written in mN"),
+    "soft": (
+        1.0,
+        5e-4,
+        Size(),
+        "nominal stress of 4.99 Pa on 100 mm2; was the force written in mN",
+    ),
     "no size": (1.0, 200.0, None, "force of 199.7 N; was it written in mN or g"),
     "far": (30.0, 1.0, None, "displacement of 116.9 mm; was it written in another unit"),
 }

@@ -12,7 +12,7 @@ import yaml
 from docutils.utils import SystemMessage
 from PIL import Image
 
-from softsample.report.facts import verdict_sentence
+from softsample.report.facts import findings_of, record_fact, sample_facts, verdict_sentence
 from softsample.report.html import (
     as_json,
     caption,
@@ -25,8 +25,9 @@ from softsample.report.html import (
     table,
     written,
 )
-from softsample.report.results import in_brief
+from softsample.report.results import in_brief, study_results
 from softsample.report.scene import MOST_FACES, scene
+from softsample.validation import refusals
 
 ROOT = Path(__file__).resolve().parents[2]
 
@@ -133,7 +134,9 @@ def test_the_methods_cite_every_reference_and_no_other():
     references = yaml.safe_load((ROOT / "workflow/report/references.yaml").read_text("utf-8"))
     config = yaml.safe_load((ROOT / "config/config.yaml").read_text(encoding="utf-8"))
     template = ROOT / "workflow/report/methods.html.j2"
-    html = render_report(template, config=config, references=references)
+    html = render_report(
+        template, config=config, references=references, imaged=True, ideal="cuboid"
+    )
     for number, name in enumerate(references, start=1):
         assert f'<a href="#ref-{name}">[{number}]</a>' in html
         assert f'<li id="ref-{name}">' in html
@@ -150,10 +153,85 @@ def test_a_verdict_in_one_sentence():
     assert verdict_sentence({**verdict, "effects": []}).startswith("Error")
 
 
-def test_the_end_of_a_run_has_a_line_for_each_group():
-    def fit(value, low, high):
+RECORD = {
+    "samples": 120, "travel_mm": 4.0, "peak_force_N": 0.5, "force_noise_N": None,
+    "phases": [{"kind": "ramp"}], "warnings": [],
+}  # fmt: skip
+
+
+def test_a_record_without_time_has_neither_rate_nor_speed():
+    assert record_fact(RECORD) == "120 points; travel 4 mm, peak 0.5 N, noise – N; ramp"
+    timed = record_fact({**RECORD, "sampling_rate_hz": 50.0, "ramp_speed_mm_s": 0.5})
+    assert timed.startswith("120 points at 50 Hz; travel 4 mm, ramp 0.5 mm/s, peak")
+
+
+def test_facts_of_a_sample_of_stated_dimensions():
+    cylinder = {"shape": "cylinder", "diameter_mm": 20.0, "height_mm": 10.0}
+    mesh = {"ideal": {"elements": 800, "min_scaled_jacobian": 0.5}}
+    run = {"ideal": {"travel_mm": 4.0, "against_calibrated_curve_percent": 0.1}}
+    facts = dict(sample_facts({"record": RECORD}, None, cylinder, mesh, run))
+    assert list(facts) == ["Record", "Cylinder", "Meshes", "Run at the optimum"]
+    assert facts["Cylinder"].startswith("diameter 20 mm, height 10 mm, as stated")
+    assert "the bias, is not known" in facts["Cylinder"]
+    assert facts["Run at the optimum"].startswith("ideal: nominal strain 0.4")
+
+
+def test_facts_of_a_surface_have_no_film_and_no_sigma():
+    cuboid = {"length_mm": 20.0, "width_mm": 10.0, "height_mm": 10.0}
+    cuboid |= {"bottom_difference_percent": 1.0, "top_difference_percent": -20.0}
+    segmented = {"volume_mm3": 1900.0, "boundary_sigma_mm": 0.1, "film_mm": 0.0, "tilt_deg": 2.0}
+    facts = dict(sample_facts({"record": RECORD}, segmented, cuboid, {}, {}))
+    assert facts["Surface"] == "1900 mm³, as given"
+    image = {"shape": [40, 40, 20], "voxel_mm": [0.5, 0.5, 1.0]}
+    facts = dict(sample_facts({"record": RECORD, "image": image}, segmented, cuboid, {}, {}))
+    assert facts["Surface"].endswith("film of 0 mm taken off, tilt of 2° taken out")
+    assert next(iter(facts)) == "Image"
+    assert facts["Cuboid"] == (
+        "20 × 10 × 10 mm; faces of the sample against it: bottom 1 %, top −20 %"
+    )
+
+
+def test_findings_of_a_group_name_geometry_and_model():
+    sound = {"geometry": "real", "model": "ogden2", "success": True, "verdict": "converged"}
+    fits = [sound, {**sound, "geometry": "ideal", "finding": "no second term"}]
+    assert findings_of(fits) == ["ideal geometry, ogden2: no second term"]
+
+
+def test_numbers_of_a_study_without_a_true_shape_follow_the_schema():
+    """Bias null, real geometry absent; and what the schema requires is required."""
+    fit = {
+        "group": "D", "geometry": "ideal", "model": "ogden2", "samples": ["D1"],
+        "alpha": [-8.0, 16.0], "poisson_ratio": 0.49, "area_error_percent": {"D1": 2.0},
+        "success": True, "verdict": "converged",
+    }  # fmt: skip
+    rows = [{"modulus": name, "value_pa": 900.0, "low_pa": np.nan, "high_pa": np.nan}
+            for name in ("mu", "mu1", "mu2")]  # fmt: skip
+    intervals = pd.DataFrame(rows).assign(group="D", geometry="ideal", model="ogden2")
+    verdict = {"verdict": "none", "effects": [], "error_before": {}, "error_after": {}}
+    cylinder = {"shape": "cylinder", "diameter_mm": 20.0, "length_mm": 20.0, "width_mm": 20.0}
+    document = study_results(
+        {"D1": {"group": "D", "mode": "pure_shear"}}, [{"record": RECORD}],
+        [{**cylinder, "height_mm": 10.0, "ideal_area_mm2": 314.0}], [fit], intervals,
+        {"D": verdict},
+    )  # fmt: skip
+    keys = ("rule", "versions", "settings", "settings_sha256", "inputs", "code_sha256")
+    document["provenance"] = {key: {} for key in keys}
+    schema = yaml.safe_load((ROOT / "workflow/schemas/results.schema.yaml").read_text("utf-8"))
+    assert list(refusals(document, schema)) == []
+    assert document["groups"]["D"]["bias_percent"] == {"ogden2": None}
+    assert document["samples"]["D1"]["geometry"]["diameter_mm"] == 20.0
+    assert document["samples"]["D1"]["record"]["ramp_speed_mm_s"] is None
+    assert in_brief(document).splitlines()[1].split() == [
+        "D", "900", "900", "not", "known", "none"
+    ]  # fmt: skip
+    del document["groups"]["D"]["calibration"]["ideal"]
+    assert [place for place, _ in refusals(document, schema)] == ["groups.D.calibration.ideal"]
+
+
+def test_the_end_of_a_run_has_a_line_for_each_group_and_each_finding():
+    def fit(value, low, high, finding=None):
         mu = {"value_pa": value, "low_pa": low, "high_pa": high}
-        return {"ogden2": {"moduli": {"mu": mu}}}
+        return {"ogden2": {"moduli": {"mu": mu}, "finding": finding}}
 
     groups = {
         "S1": {
@@ -162,15 +240,16 @@ def test_the_end_of_a_run_has_a_line_for_each_group():
             "verdict": {"verdict": "none", "effects": []},
         },
         "TC1": {
-            "calibration": {"real": fit(900.0, None, None), "ideal": fit(450.0, None, None)},
+            "calibration": {"real": fit(900.0, None, None), "ideal": fit(450.0, None, None, "no")},
             "bias_percent": {"ogden2": -50.0},
             "verdict": {"verdict": "explained", "effects": [{"class": ["gain", "backlash"]}]},
         },
     }
     assert in_brief({"groups": groups}).splitlines() == [
-        "group  shear modulus [Pa]   cuboid [Pa]  bias     verdict",
-        "S1     1128 (1098 to 1157)  1061         -6.0 %   none",
-        "TC1    900                  450          -50.0 %  explained: gain|backlash",
+        "group  shear modulus [Pa]   ideal shape [Pa]  bias     verdict",
+        "S1     1128 (1098 to 1157)  1061              -6.0 %   none",
+        "TC1    900                  450               -50.0 %  explained: gain|backlash",
+        "TC1, ideal geometry, ogden2: no",
     ]
 
 

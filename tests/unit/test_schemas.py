@@ -22,7 +22,7 @@ from softsample.protocol import MODES
 from softsample.records import RecordSettings
 from softsample.report.intervals import FloorSettings
 from softsample.response.exponents import ExponentSettings
-from softsample.response.unit import FamilySettings
+from softsample.response.unit import ResponseSettings
 from softsample.validation import (
     check_config,
     check_samples,
@@ -84,7 +84,7 @@ def test_every_other_config_changes_the_study_and_is_accepted(path):
         ("mesh", MeshSettings, {"element_size_mm", "elements_across", "boundary_shift_mm"}),
         ("contact", ContactSettings, set()),
         ("solver", SolverSettings, set()),
-        ("family", FamilySettings, set()),
+        ("family", ResponseSettings, set()),
         ("calibration", CalibrationSettings, set()),
         ("exponents", ExponentSettings, set()),
         ("uncertainty", UncertaintySettings, set()),
@@ -130,7 +130,7 @@ BAD_CONFIGS = {
     "one exponent": (("material", "alpha", [-8.0]), "material.alpha: .* is too short"),
     "an exponent that the loop would make zero": (
         ("material", "alpha", [-2.0, 16.0]),
-        "material.alpha.0: -2.0 . 2.0, the step of loop.variants.exponent, is the exponent 0",
+        "material.alpha.0: -2.0 . 2.0, the step of loop.perturbations.exponent, is the exponent 0",
     ),
     "a base that no wall can touch": (
         ("contact", "side_walls", False),

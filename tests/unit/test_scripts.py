@@ -64,7 +64,7 @@ SELECTION = "softsample.loop.select"
 
 
 @pytest.mark.parametrize(
-    ("name", "knows"), [("simulate", False), ("variants", False), ("diagnose", True)]
+    ("name", "knows"), [("simulate", False), ("perturbations", False), ("diagnose", True)]
 )
 def test_a_change_of_the_selection_simulates_nothing_again(name, knows):
     """A job is out of date when a file changes that its script imports, directly or not."""

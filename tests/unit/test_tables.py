@@ -81,15 +81,46 @@ def test_loading_does_not_depend_on_the_order_of_samples():
     assert loading(["compression", "tension"]) == loading(["tension", "compression"])
     assert loading(["tension", "compression"]) == "tension+compression"
     assert loading(["shear", "shear"]) == "shear"
+    assert loading(["confined_compression", "pure_shear"]) == "pure_shear+confined_compression"
 
 
-def test_a_group_that_lacks_a_geometry_is_left_out_with_a_note(paper):
+def test_a_group_that_lacks_the_ideal_geometry_is_left_out_with_a_note(paper):
     fits = [
-        fit("S1", "real", 1.0, 1.0), fit("S1", "ideal", 1.0, 1.0), fit("S2", "ideal", 1.0, 1.0)
+        fit("S1", "real", 1.0, 1.0), fit("S1", "ideal", 1.0, 1.0), fit("S2", "real", 1.0, 1.0)
     ]  # fmt: skip
     table, notes = moduli_table(fits, "ogden2", paper)
     assert list(table["group"]) == ["S1"]
-    assert notes == ["S2 is left out: no calibration on the real geometry"]
+    assert notes == ["S2 is left out: no calibration on the ideal geometry"]
+
+
+def test_a_group_whose_true_shape_is_not_known_has_no_bias(paper):
+    fits = [fit("D", "ideal", 3.0, 1.0), fit("S1", "ideal", 1.0, 1.0), fit("S1", "real", 2.0, 1.0)]
+    table, notes = moduli_table(fits, "ogden2", paper)
+    assert list(table.columns) == TABLE_1
+    row = table.set_index("group").loc["D"]
+    assert row["mu_ideal_pa"] == 4.0
+    assert row[["mu1_real_pa", "mu_real_pa", "difference_percent"]].isna().all()
+    assert row["note"] == "no image or surface: moduli of the ideal shape, bias not known"
+    assert notes == []
+    summary = summary_table({"ogden2": table}, two_samples()).set_index("quantity")
+    assert summary.loc["modulus_two_term", "count"] == 1  # S1 alone
+    assert summary.loc["modulus_two_term", "mean_percent"] == pytest.approx(-100.0 / 3.0)
+
+
+def test_a_finding_stands_in_the_note_in_place_of_mistrust(paper):
+    second = "these data do not support a second term (mu1/mu = 1)"
+    bad = {"success": False, "verdict": "not trusted; mu1_fraction at its maximum"}
+    fits = [fit("S1", "ideal", 1.0, 1.0), fit("S1", "real", 1.0, 0.0, **bad, finding=second)]
+    table, notes = moduli_table(fits, "ogden2", paper)
+    assert table["note"].tolist() == [f"real geometry: {second}"]
+    assert notes == [f"S1, real geometry: {second}"]
+
+
+def test_many_samples_of_a_one_term_fit_have_the_name_of_their_group():
+    for count, label in ((3, "C0+C1+C2"), (4, "G")):
+        names = [f"C{k}" for k in range(count)]
+        one = fit("G", "ideal", 1.0, 0.0, names, ["compression"] * count, "ogden1")
+        assert moduli_table([one], "ogden1")[0]["group"].tolist() == [label]
 
 
 def test_no_group_at_all_gives_an_empty_table_with_all_columns(paper):
@@ -122,8 +153,14 @@ def test_a_group_that_the_paper_lacks_has_empty_columns(paper, known):
 def cuboid(bottom, top):
     return {
         "length_mm": 20.0, "width_mm": 10.0, "height_mm": 12.0, "volume_real_mm3": 2300.0,
-        "bottom_area_mm2": bottom, "top_area_mm2": top,
+        "bottom_area_mm2": bottom, "top_area_mm2": top, "ideal_area_mm2": 200.0,
     }  # fmt: skip
+
+
+CYLINDER = {
+    "shape": "cylinder", "diameter_mm": 20.0, "length_mm": 20.0, "width_mm": 20.0,
+    "height_mm": 10.0, "ideal_area_mm2": 100.0 * np.pi,
+}  # fmt: skip
 
 
 def test_row_of_geometry_by_hand():
@@ -136,6 +173,19 @@ def test_row_of_geometry_by_hand():
         "top_area_real_mm2": 150.0, "top_area_ideal_mm2": 200.0,
         "top_difference_percent": pytest.approx(-25.0),
     }  # fmt: skip
+
+
+def test_a_cylinder_of_stated_size_has_a_diameter_and_no_areas():
+    shapes = {"C1": cuboid(210.0, 150.0), "D1": CYLINDER}
+    table = geometry_table(shapes, dict.fromkeys(shapes, "compression"))
+    assert list(table["diameter_mm"].fillna(0.0)) == [0.0, 20.0]
+    row = table.iloc[1]
+    unknown = ["length_mm", "width_mm", "volume_real_mm3", "top_area_real_mm2"]
+    assert row[[*unknown, "bottom_difference_percent"]].isna().all()
+    assert row["bottom_area_ideal_mm2"] == pytest.approx(314.159, abs=1e-3)
+    summary = summary_table({}, table)
+    assert list(summary["count"]) == [1, 1, 1]  # of C1 alone
+    assert summary_table({}, table.iloc[1:]).empty
 
 
 def two_samples():
@@ -209,7 +259,8 @@ def test_both_ways_to_calibrate_by_hand():
 
 
 def test_nominal_stress_by_hand():
-    strain, stress = nominal_curve(np.array([2e-3, 0.0]), np.array([0.8, 0.0]), 20e-3, 10e-3, 1e-2)
+    shape = {"ideal_area_mm2": 200.0, "height_mm": 10.0}
+    strain, stress = nominal_curve(np.array([2e-3, 0.0]), np.array([0.8, 0.0]), shape)
     np.testing.assert_allclose(strain, [0.0, 0.2])
     np.testing.assert_allclose(stress, [0.0, 4000.0])
 
@@ -242,13 +293,21 @@ def test_contact_area_by_hand():
     assert table["ideal_sd_percent"].isna().all()
 
 
+def shown(samples=2, imaged=2, surfaces=0, geometries=("real", "ideal"), ideal="cuboid"):
+    meshes = [{"elements": 40633}, {"elements": 36244}][-len(geometries) :]
+    return {
+        "meshes": meshes, "geometries": geometries, "shown": "S1", "samples": samples,
+        "imaged": imaged, "surfaces": surfaces, "ideal": ideal,
+    }  # fmt: skip
+
+
 def study_numbers(shipped=True, **changes):
     fits = [fit("S1", "real", 500.0, 500.0, **changes), fit("S1", "ideal", 500.0, 400.0)]
     moduli, _ = moduli_table(fits, "ogden2")
     stress = stress_strain_table([("shear", np.array([0.0, 0.3]), np.array([0.0, 500.0]))])
     return caption_numbers(
-        summary_table({"ogden2": moduli}, two_samples()), stress, fits, [40633, 36244],
-        cohort="virtual cohort", shipped=shipped, shown="S1", samples=2,
+        summary_table({"ogden2": moduli}, two_samples()), stress, fits,
+        cohort="virtual cohort", shipped=shipped, **shown(),
     )  # fmt: skip
 
 
@@ -259,6 +318,34 @@ def test_caption_numbers():
     assert numbers["stress_at_end"] == "0.50 kPa at strain 0.30 in shear"
     assert "recovered" in numbers["materials"]
     assert "recovered" not in study_numbers(shipped=False)["materials"]
+
+
+def dimensions_only(**how):
+    fits = [fit("D", "ideal", 3.0, 1.0, ("D1",), ("pure_shear",))]
+    moduli, _ = moduli_table(fits, "ogden2")
+    stress = stress_strain_table([("pure_shear", np.array([0.0, 0.3]), np.array([0.0, 500.0]))])
+    summary = summary_table({"ogden2": moduli}, geometry_table({"D1": CYLINDER}, {"D1": "shear"}))
+    return caption_numbers(summary, stress, fits, cohort="study a", shipped=False, **shown(**how))
+
+
+def test_captions_say_that_the_bias_is_not_known_without_a_true_shape():
+    numbers = dimensions_only(imaged=0, geometries=("ideal",), ideal="cylinder")
+    assert numbers.keys() == study_numbers().keys()
+    assert numbers["bias_two_term"] == "not known without an image or a surface of the samples"
+    assert numbers["top_area"] == numbers["bias_two_term"]
+    assert numbers["modelled"].startswith("meshed as a cylinder of the stated dimensions")
+    assert numbers["elements_ideal"] == "36244"
+    assert numbers["stress_at_end"].endswith("in pure shear")
+    assert "real geometry" not in numbers["misfit_two_term"]
+
+
+def test_captions_of_a_mixed_study_say_what_is_known_of_which():
+    assert study_numbers()["modelled"] == "segmented in its image, meshed as it is and as a cuboid"
+    mixed = dimensions_only(samples=7, imaged=3, surfaces=1)["modelled"]
+    assert "(3 with an image and 1 with a surface)" in mixed
+    assert mixed.endswith("as a cuboid (3 by the stated dimensions alone)")
+    surfaces = dimensions_only(samples=2, imaged=0, surfaces=2)["modelled"]
+    assert surfaces.endswith("where its shape is known (2 with a surface) and as a cuboid")
 
 
 def test_a_doubtful_fit_is_named_in_the_captions():

@@ -42,7 +42,7 @@ rule blind_model:
         "<logs>/blind/model_{body}.log",
     params:
         bank=BLIND["bank"],
-        variants=config["loop"]["variants"],
+        perturbations=config["loop"]["perturbations"],
     message:
         "Blind laboratory: the loop's model of {wildcards.body}"
     script:

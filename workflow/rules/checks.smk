@@ -7,7 +7,7 @@ rule check_simulation:
         quality="<results>/mesh/{sample}/{geometry}.json",
         curves=lambda wildcards: [
             f"<results>/curves/{wildcards.sample}/{wildcards.geometry}/{model}.json"
-            for model in sample_models(wildcards.sample)
+            for model in PLAN.sample_models(known(wildcards.sample))
         ],
         direct="<results>/fields/{sample}/{geometry}.json",
         code=library("workflow/scripts/check_simulation.py"),

@@ -21,12 +21,19 @@ os.environ.update(PYTHONPATH=os.pathsep.join(dict.fromkeys(search_path)))
 from softsample.errors import SoftsampleError
 from softsample.files import show_presence
 from softsample.formats import files_of
+from softsample.holdout import check_hold_out, folds, wholly_held_out
 from softsample.io import read_json, read_samples, read_table, read_yaml
-from softsample.measured.catalogue import check_folder, set_files
 from softsample.progress import show_jobs_in_lines
 from softsample.report.results import in_brief
 from softsample.report.tables import LEVEL
-from softsample.validation import DEFAULT_AXES, check_config, check_samples
+from softsample.study.plan import GEOMETRIES, Plan
+from softsample.validation import (
+    DEFAULT_AXES,
+    check_config,
+    check_samples,
+    ends_of,
+    resolved,
+)
 from softsample.workflow import failed_jobs, sha256_of_files
 
 if workflow.is_main_process:
@@ -42,7 +49,7 @@ def schema(name):
 
 
 def checked_study():
-    """The table of samples as a dict of rows, after config and table passed their schemas."""
+    """Path and plan of the table of samples, after config and table passed their schemas."""
     source = ", ".join(str(name) for name in workflow.configfiles) + " or --config"
     try:
         check_config(config, schema("config"), source)
@@ -50,60 +57,62 @@ def checked_study():
         if not table.is_file() and (ROOT / table).is_file():
             table = Path(os.path.relpath(ROOT / table))
         rows = check_samples(read_samples(table), schema("samples"), str(table))
+        check_hold_out(rows, HOLD_OUT)
+        held_out = (row["sample"] for row in rows if wholly_held_out(row, HOLD_OUT))
+        return table, Plan({row["sample"]: row for row in rows}, frozenset(held_out))
     except SoftsampleError as error:
         raise WorkflowError(str(error)) from None
-    return table, {row["sample"]: row for row in rows}
 
 
 # Stages that the report rests on; an export, say, may have failed.
 REPORTED = {
     *("check_inputs", "segment", "measure", "mesh", "simulate", "calibrate", "confirm"),
-    *("band", "sensitivity", "variants", "diagnose", "checks"),
+    *("one_term", "band", "sensitivity", "perturbations", "diagnose", "checks"),
     *("figure_sample", "figure_response", "figure_strain"),
 }
 
 
-def finished(rows, failures):
+def finished(plan, failures):
     """Rows of the groups that have what the report needs, none of it of a job that failed since."""
-    names = sorted({*rows, *(row["group"] for row in rows.values())}, key=len, reverse=True)
+    names = sorted({*plan.rows, *plan.groups}, key=len, reverse=True)
 
     def owner(job):
         stage, _, rest = job.partition("/")
         own = (name for name in names if rest == name or rest.startswith(f"{name}_"))
         return next(own, None) if stage in REPORTED else None
 
-    def complete(row):
-        sample, group = row["sample"], row["group"]
+    def complete(group):
+        pieces, geometries = plan.pieces_of(group), plan.geometries(group)
         needed = [
-            *(f"fields/{sample}/{geometry}.json" for geometry in GEOMETRIES),
-            *(f"band/{sample}.json", f"sensitivity/{sample}/real.json"),
-            *(f"loop/{group}/verdict.json", f"loop/{group}/ideal/verdict.json"),
+            *(f"fields/{piece}/{name}.json" for piece in pieces for name in geometries),
+            *(f"sensitivity/{piece}/{plan.best(group)}.json" for piece in pieces),
+            *(f"band/{piece}.json" for piece in pieces if piece in plan.banded),
+            f"loop/{group}/verdict.json",
+            *([f"loop/{group}/ideal/verdict.json"] if "real" in geometries else []),
         ]
         there = all(Path(config["results"], name).is_file() for name in needed)
-        return there and not {sample, group} & failed
+        return there and not {group, *plan.groups[group]} & failed
 
     failed = {owner(job) for job, _ in failures}
-    lacking = {row["group"] for row in rows.values() if not complete(row)}
-    return {name: row for name, row in rows.items() if row["group"] not in lacking}
+    through = [group for group in plan.groups if complete(group)]
+    return {name: row for name, row in plan.rows.items() if row["group"] in through}
 
 
 STARTED = time.time()
-GEOMETRIES = ["real", "ideal"]
-TABLE, SAMPLES = checked_study()
+# What no model is fitted to, and what is left out in turn: the settings of a study may name some.
+HOLD_OUT, LEAVE_OUT = config.get("hold_out", []), config.get("leave_out")
+TABLE, PLAN = checked_study()
 # After a run in which samples failed, tables and figures of the others can still be had.
 LEFT_OUT, FAILURES = [], []
 if os.environ.get("SOFTSAMPLE_PARTIAL"):
     FAILURES = failed_jobs(f"{config['results']}/logs")
-    came_through = finished(SAMPLES, FAILURES)
-    LEFT_OUT = [name for name in SAMPLES if name not in came_through]
-    SAMPLES = came_through
-    if not SAMPLES:
+    came_through = finished(PLAN, FAILURES)
+    LEFT_OUT = [name for name in PLAN.rows if name not in came_through]
+    PLAN = Plan(came_through, PLAN.held_out)
+    if not came_through:
         raise WorkflowError("no group of samples came through; there is nothing to report")
-GROUPS = {
-    group: [name for name, row in SAMPLES.items() if row["group"] == group]
-    for group in dict.fromkeys(row["group"] for row in SAMPLES.values())
-}
-COMPRESSED = [name for name, row in SAMPLES.items() if row["mode"] == "compression"]
+SAMPLES, GROUPS, PIECES = PLAN.rows, PLAN.groups, PLAN.pieces
+COMPRESSED = [name for name in PIECES if SAMPLES[name]["mode"] == "compression"]
 SHIPPED = (ROOT / "resources").resolve() in TABLE.resolve().parents
 
 
@@ -211,16 +220,26 @@ def known(sample):
     return sample
 
 
-def samples_of(group):
-    """The group's samples, or an error that lists the groups there are."""
+def known_group(group):
+    """The group's name, or an error that lists those there are."""
     if group not in GROUPS:
         raise WorkflowError(f"no group {group!r} in {TABLE}; there are {', '.join(GROUPS)}")
-    return GROUPS[group]
+    return group
+
+
+def samples_of(group):
+    """The group's samples."""
+    return GROUPS[known_group(group)]
 
 
 def row_value(column):
     """Params function: one value of the sample's row."""
-    return lambda wildcards: SAMPLES[known(wildcards.sample)][column]
+    return lambda wildcards: resolved(SAMPLES[known(wildcards.sample)])[column]
+
+
+def row_ends(wildcards):
+    """Params function: what the ends of the sample do on the platens."""
+    return ends_of(SAMPLES[known(wildcards.sample)])
 
 
 def test_axes(wildcards):
@@ -229,27 +248,74 @@ def test_axes(wildcards):
     return {name: row.get(name, default) for name, default in DEFAULT_AXES.items()}
 
 
-def members(group, model):
-    """Samples of a group that take part in the calibration of a model.
+def has_image(sample):
+    """Whether the sample comes with an image."""
+    return PLAN.has_image(known(sample))
 
-    The one-term model is fitted to the compression samples alone, as in Table 2 of the paper.
-    """
-    modes = {"ogden1": ["compression"]}.get(model, ["tension", "compression", "shear"])
-    return [name for name in samples_of(group) if SAMPLES[name]["mode"] in modes]
+
+def has_real(sample):
+    """Whether the sample comes with an image or a surface."""
+    return PLAN.has_real(known(sample))
+
+
+def geometries_of(name):
+    """Geometries of a group, or of a sample's group: real and ideal, or ideal alone."""
+    return PLAN.geometries(name if name in GROUPS else known(name))
+
+
+def piece_of(sample):
+    """The sample whose mesh and curves stand for those of all equal pieces of the group."""
+    return PLAN.piece_of[known(sample)]
+
+
+def pieces_of(group):
+    """Pieces of a group."""
+    return PLAN.pieces_of(known_group(group))
+
+
+def records_of(piece):
+    """Samples that share a piece."""
+    return PLAN.records_of(known(piece))
+
+
+def members(group, model):
+    """Samples of a group that take part in the calibration of a model."""
+    return PLAN.members(known_group(group), model)
+
+
+def rows_of(names):
+    """Rows of samples, with what empty cells mean."""
+    return [resolved(SAMPLES[name]) for name in names]
+
+
+def folds_of(group):
+    """Samples of each part of a group that is left out in turn, by the name of the fold."""
+    if LEAVE_OUT == "group":
+        return {f"leave_out_{group}": samples_of(group)}
+    rows = [SAMPLES[name] for name in samples_of(group)]
+    return {f"leave_out_{value}": names for value, names in folds(rows, LEAVE_OUT)}
 
 
 def calibration_curves(ending):
-    """Input function: curves of the samples that a calibration is made of, or their reports."""
+    """Input function: curves of the members of a calibration, one each, or their reports."""
     return lambda wildcards: [
-        f"<results>/curves/{name}/{wildcards.geometry}/{wildcards.model}.{ending}"
+        f"<results>/curves/{piece_of(name)}/{wildcards.geometry}/{wildcards.model}.{ending}"
         for name in members(wildcards.group, wildcards.model)
     ]
 
 
 def calibration_meshes(wildcards):
-    """Input function: meshes of the samples that a calibration is made of."""
+    """Input function: meshes of the members of a calibration, one each."""
     return [
-        f"<results>/mesh/{name}/{wildcards.geometry}.vtu"
+        f"<results>/mesh/{piece_of(name)}/{wildcards.geometry}.vtu"
+        for name in members(wildcards.group, wildcards.model)
+    ]
+
+
+def calibration_shapes(wildcards):
+    """Input function: idealised shapes of the members of a calibration, one each."""
+    return [
+        f"<results>/cuboid/{piece_of(name)}.json"
         for name in members(wildcards.group, wildcards.model)
     ]
 
@@ -260,29 +326,13 @@ def calibration_records(wildcards):
     return [f"<results>/records/{name}.csv" for name in names]
 
 
-def calibration_modes(wildcards):
-    """Params function: modes of the samples that a calibration is made of."""
-    return [SAMPLES[name]["mode"] for name in members(wildcards.group, wildcards.model)]
-
-
-def models(group):
-    """Material models that a group's samples can be calibrated with."""
-    return [model for model in ("ogden2", "ogden1") if members(group, model)]
-
-
-def sample_models(sample):
-    """Material models that a sample is simulated with."""
-    group = SAMPLES[known(sample)]["group"]
-    return [model for model in models(group) if sample in members(group, model)]
-
-
 def calibrations(groups):
     """Calibration results of groups: every geometry and model."""
     return [
         f"<results>/calibration/{group}/{geometry}/{model}.json"
         for group in groups
-        for geometry in GEOMETRIES
-        for model in models(group)
+        for geometry in geometries_of(group)
+        for model in PLAN.models(group)
     ]
 
 
@@ -304,18 +354,34 @@ def of_members(pattern):
     )
 
 
+def of_pieces(pattern):
+    """Input function: a file for every sample of the group, that of its piece."""
+    return lambda wildcards: expand(
+        pattern, sample=map(piece_of, samples_of(wildcards.group)), **dict(wildcards.items())
+    )
+
+
+def of_real(pattern):
+    """Input or params function: the sample's name in a pattern, none without a real geometry."""
+    return lambda wildcards: (
+        expand(pattern, sample=wildcards.sample) if "real" in geometries_of(wildcards.sample) else []
+    )
+
+
+def best_sensitivities(pieces):
+    """Sensitivities to numerical choices, on the best geometry that each piece has."""
+    return [f"<results>/sensitivity/{piece}/{PLAN.best(piece)}.json" for piece in pieces]
+
+
 def everything_of(sample):
     """What `sample_{id}` builds: the sample's files, its group's calibration and checks."""
     group = SAMPLES[sample]["group"]
-    return calibrations([group]) + [
-        name
-        for member in GROUPS[group]
-        for geometry in GEOMETRIES
-        for name in (
-            f"<results>/fields/{member}/{geometry}.vtu",
-            f"<results>/checks/{member}_{geometry}.json",
-            f"<results>/sensitivity/{member}/real.json",
-        )
+    runs = [run for run in PLAN.runs if run[0] in pieces_of(group)]
+    return [
+        *calibrations([group]),
+        *(f"<results>/fields/{piece}/{geometry}.vtu" for piece, geometry in runs),
+        *(f"<results>/checks/{piece}_{geometry}.json" for piece, geometry in runs),
+        *best_sensitivities(pieces_of(group)),
     ]
 
 
@@ -323,18 +389,9 @@ def exports_of(sample):
     """What `export_{id}` builds: the sample's test at the optimum for other programs."""
     return [
         f"<results>/export/{sample}/{geometry}{ending}"
-        for geometry in GEOMETRIES
+        for geometry in geometries_of(SAMPLES[sample]["group"])
         for ending in (".inp", "_calculix.inp", ".feb", ".pvd")
     ]
-
-
-def measured_files(root, catalogue):
-    """Files of each set of others' records, or plainly that they are not there."""
-    try:
-        check_folder(root, catalogue)
-    except SoftsampleError as error:
-        raise WorkflowError(str(error)) from None
-    return {name: set_files(root, catalogue, name) for name in catalogue["set"].unique()}
 
 
 PAPER = [str(ROOT / f"resources/paper/{name}.csv") for name in ("moduli", "summary")]
@@ -356,7 +413,7 @@ def tables():
         "summary.csv",
         "stress_strain.csv",
         "sensitivity.csv",
-        "band.csv",
+        *(["band.csv"] if PLAN.banded else []),
         "intervals.csv",
         "loop.csv",
         "numbers.rst",
@@ -367,18 +424,19 @@ def tables():
 
 def figures():
     """The figures of the study, numbered as in the paper."""
-    names = [f"figure{number}" for number in (2, 3, 4, 5, *([6] if COMPRESSED else []), 7)]
+    there = {2: PLAN.imaged, 3: True, 4: True, 5: True, 6: COMPRESSED, 7: True}
+    names = [f"figure{number}" for number, asked in there.items() if asked]
     names += ["contact"] if COMPRESSED else []
     return [f"<results>/figures/{name}.{kind}" for name in names for kind in FORMATS]
 
 
-# Pictures of each sample: image and mesh, record and model, strain.
-PICTURES = ("samples", "response", "strain")
+# Pictures by kind: image and mesh, record and model, strain; and of which samples there are some.
+PICTURES = {"samples": PLAN.imaged, "response": list(SAMPLES), "strain": PIECES}
 
 
 def pictures():
-    """The pictures of every sample."""
-    return [f"<results>/figures/{kind}/{name}.png" for kind in PICTURES for name in SAMPLES]
+    """The pictures of single samples."""
+    return [f"<results>/figures/{kind}/{name}.png" for kind in PICTURES for name in PICTURES[kind]]
 
 
 def captioned(names):
@@ -391,13 +449,13 @@ def captioned(names):
 
 def checks():
     """Checks of every run and every calibration."""
-    runs = expand("<results>/checks/{sample}_{geometry}.json", sample=SAMPLES, geometry=GEOMETRIES)
+    runs = [f"<results>/checks/{piece}_{geometry}.json" for piece, geometry in PLAN.runs]
     return runs + expand("<results>/checks/{group}_calibration.json", group=GROUPS)
 
 
 def groups_with(model):
     """Groups that a model can be calibrated on."""
-    return [group for group in GROUPS if model in models(group)]
+    return [group for group in GROUPS if model in PLAN.models(group)]
 
 
 def geometry_results():
@@ -410,35 +468,29 @@ def geometry_results():
     ]
 
 
-def fits(model, kind):
-    """Calibrations of one model by geometry, in the order of `groups_with(model)`."""
+def fitted_groups(model):
+    """Groups with a calibration of the model, by geometry."""
     return {
-        geometry: [
-            f"<results>/calibration/{group}/{geometry}/{model}.{kind}"
-            for group in groups_with(model)
-        ]
+        geometry: [group for group in groups_with(model) if geometry in geometries_of(group)]
         for geometry in GEOMETRIES
     }
 
 
-def example(mode):
-    """The sample that stands for a loading mode in figures 2 and 7, none if there is none."""
-    wanted = config["report"]["examples"].get(mode)
-    there = [name for name, row in SAMPLES.items() if row["mode"] == mode]
-    return wanted if wanted in there else next(iter(there), None)
+def fits(model, kind):
+    """Calibrations of one model by geometry, in the order of `fitted_groups(model)`."""
+    return {
+        geometry: [f"<results>/calibration/{group}/{geometry}/{model}.{kind}" for group in groups]
+        for geometry, groups in fitted_groups(model).items()
+    }
 
 
-EXAMPLES = {mode: example(mode) for mode in ("shear", "tension", "compression") if example(mode)}
+# The pieces that stand for a loading mode in figures 3 and 7, and those of figure 2.
+EXAMPLES = PLAN.examples(config["report"]["examples"])
 SHOWN_GROUPS = list(dict.fromkeys(SAMPLES[name]["group"] for name in EXAMPLES.values()))
-SHOWN = EXAMPLES.get("compression") or next(iter(EXAMPLES.values()))
-
-
-CURVES = [
-    (sample, geometry, model)
-    for sample in SAMPLES
-    for geometry in GEOMETRIES
-    for model in sample_models(sample)
-]
+FIRST = [EXAMPLES.get("compression"), *EXAMPLES.values()]
+SHOWN = next(name for name in [*FIRST, *PLAN.imaged] if name in (PLAN.imaged or PIECES))
+SHOWN_GEOMETRIES = GEOMETRIES if has_real(SHOWN) else ["ideal"]
+REAL_EXAMPLES = [name for name in EXAMPLES.values() if "real" in PLAN.geometries(name)]
 
 
 def closing_words(complete):

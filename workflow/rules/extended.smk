@@ -19,6 +19,7 @@ use rule calibrate as calibrate_direct with:
         reports=calibration_curves("json"),
         meshes=calibration_meshes,
         records=calibration_records,
+        cuboids=calibration_shapes,
         code=library("workflow/scripts/calibrate.py"),
     output:
         fit="<results>/extended/direct/{group}/{geometry}/{model}.json",
@@ -30,8 +31,8 @@ use rule calibrate as calibrate_direct with:
     resources:
         **OF_MESHES,
     params:
-        samples=lambda wildcards: members(wildcards.group, wildcards.model),
-        modes=calibration_modes,
+        rows=lambda wildcards: rows_of(members(wildcards.group, wildcards.model)),
+        hold_out=HOLD_OUT,
         settings={**config["calibration"], **config["direct"], "method": "direct"},
         uncertainty=config["uncertainty"],
         contact_zero_mm=config["loop"]["noise"]["contact_zero_mm"],

@@ -46,7 +46,9 @@ rule geometry_bias:
     log:
         "<logs>/geometry_bias/{group}.log",
     params:
-        samples=lambda wildcards: samples_of(wildcards.group),
+        modes=lambda wildcards: {
+            name: SAMPLES[name]["mode"] for name in samples_of(wildcards.group)
+        },
         settings=config["calibration"],
     message:
         "Bias with features of the shape changed: group {wildcards.group}"

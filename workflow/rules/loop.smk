@@ -2,7 +2,7 @@
 
 OF_CHANGED_MODELS = {
     "mode": row_value("mode"),
-    "ends": row_value("ends"),
+    "ends": row_ends,
     "mesh": config["mesh"],
     "preload_mm": config["protocol"]["preload_mm"],
     "region_stiffness": config["material"]["region_stiffness"],

@@ -45,7 +45,7 @@ use rule table_moduli as table_moduli_one_term with:
 
 rule table_geometry:
     input:
-        cuboids=expand("<results>/cuboid/{sample}.json", sample=SAMPLES),
+        cuboids=expand("<results>/cuboid/{sample}.json", sample=PIECES),
         code=library("workflow/scripts/table_geometry.py"),
     output:
         table=report(
@@ -57,7 +57,7 @@ rule table_geometry:
     log:
         "<logs>/geometry.log",
     params:
-        modes={name: row["mode"] for name, row in SAMPLES.items()},
+        modes={name: SAMPLES[name]["mode"] for name in PIECES},
     message:
         "Table of sizes and areas"
     script:
@@ -89,7 +89,7 @@ rule table_summary:
 
 rule table_sensitivity:
     input:
-        reports=expand("<results>/sensitivity/{sample}/real.json", sample=SAMPLES),
+        reports=best_sensitivities(PIECES),
         code=library("workflow/scripts/table_sensitivity.py"),
     output:
         table=report(
@@ -101,7 +101,7 @@ rule table_sensitivity:
     log:
         "<logs>/sensitivity.log",
     params:
-        samples=list(SAMPLES),
+        samples=PIECES,
     message:
         "Sensitivity of all samples to mesh, hourglass control and precision"
     script:
@@ -110,7 +110,7 @@ rule table_sensitivity:
 
 rule table_band:
     input:
-        reports=expand("<results>/band/{sample}.json", sample=SAMPLES),
+        reports=expand("<results>/band/{sample}.json", sample=PLAN.banded),
         code=library("workflow/scripts/table_band.py"),
     output:
         table=report(
@@ -122,7 +122,7 @@ rule table_band:
     log:
         "<logs>/band.log",
     params:
-        samples=list(SAMPLES),
+        samples=PLAN.banded,
     message:
         "Table of moduli within the uncertainty of the boundary"
     script:
@@ -132,9 +132,10 @@ rule table_band:
 rule table_intervals:
     input:
         fits=calibrations(GROUPS),
-        bands=expand("<results>/band/{sample}.json", sample=SAMPLES),
-        sensitivities=expand("<results>/sensitivity/{sample}/real.json", sample=SAMPLES),
-        curves=[f"<results>/curves/{'/'.join(key)}.json" for key in CURVES],
+        bands=expand("<results>/band/{sample}.json", sample=PLAN.banded),
+        sensitivities=best_sensitivities(PIECES),
+        curves=[f"<results>/curves/{'/'.join(key)}.json" for key in PLAN.curves],
+        meshes=[f"<results>/mesh/{piece}/{geometry}.json" for piece, geometry, _ in PLAN.curves],
         code=library("workflow/scripts/table_intervals.py"),
     output:
         table=report(
@@ -146,9 +147,10 @@ rule table_intervals:
     log:
         "<logs>/intervals.log",
     params:
-        modes={name: row["mode"] for name, row in SAMPLES.items()},
-        curves=CURVES,
-        element_size_mm=config["mesh"]["element_size_mm"],
+        modes={name: SAMPLES[name]["mode"] for name in PIECES},
+        piece_of=PLAN.piece_of,
+        banded=PLAN.banded,
+        curves=PLAN.curves,
         floor=config["floor"],
     message:
         "Intervals of all calibrated moduli"
@@ -159,7 +161,7 @@ rule table_intervals:
 rule table_stress:
     input:
         records=expand("<results>/records/{sample}.csv", sample=SAMPLES),
-        cuboids=expand("<results>/cuboid/{sample}.json", sample=SAMPLES),
+        cuboids=expand("<results>/cuboid/{sample}.json", sample=PLAN.piece_of.values()),
         code=library("workflow/scripts/table_stress.py"),
     output:
         table="<results>/tables/stress_strain.csv",
@@ -177,7 +179,7 @@ rule table_stress:
 rule numbers:
     input:
         fits=[name for model in moduli_tables() for name in chain(*fits(model, "json").values())],
-        meshes=expand("<results>/mesh/{sample}/{geometry}.json", sample=SHOWN, geometry=GEOMETRIES),
+        meshes=[f"<results>/mesh/{SHOWN}/{geometry}.json" for geometry in SHOWN_GEOMETRIES],
         summary="<results>/tables/summary.csv",
         stress="<results>/tables/stress_strain.csv",
         code=library("workflow/scripts/numbers.py"),
@@ -189,7 +191,11 @@ rule numbers:
         cohort=COHORT,
         shipped=PAPERS,
         shown=SHOWN,
+        geometries=SHOWN_GEOMETRIES,
         samples=len(SAMPLES),
+        imaged=sum(map(has_image, SAMPLES)),
+        surfaces=sum(map(has_real, SAMPLES)) - sum(map(has_image, SAMPLES)),
+        ideal=PLAN.ideal_shape,
     message:
         "Numbers for the captions"
     script:
@@ -225,7 +231,7 @@ rule figure2:
 
 rule figure3:
     input:
-        real=expand("<results>/mesh/{sample}/real.vtu", sample=EXAMPLES.values()),
+        real=expand("<results>/mesh/{sample}/real.vtu", sample=REAL_EXAMPLES),
         ideal=expand("<results>/mesh/{sample}/ideal.vtu", sample=EXAMPLES.values()),
         code=library("workflow/scripts/figure3.py"),
     output:
@@ -239,8 +245,8 @@ rule figure3:
     log:
         "<logs>/figure3.log",
     params:
-        samples=list(EXAMPLES.values()),
-        modes=list(EXAMPLES),
+        samples={"real": REAL_EXAMPLES, "ideal": list(EXAMPLES.values())},
+        modes={name: mode for mode, name in EXAMPLES.items()},
         cohort=COHORT,
     message:
         "Figure 3: boundary conditions"
@@ -311,6 +317,8 @@ rule figure5:
         "<logs>/figure5.log",
     params:
         title=f"Two-term Ogden model, {COHORT}",
+        groups=fitted_groups("ogden2"),
+        ideal=PLAN.ideal_shape,
     message:
         "Figure 5: fitted curves and moduli"
     script:
@@ -335,19 +343,19 @@ use rule figure5 as figure6 with:
         "<logs>/figure6.log",
     params:
         title=f"One-term Ogden model in compression alone, {COHORT}",
+        groups=fitted_groups("ogden1"),
+        ideal=PLAN.ideal_shape,
     message:
         "Figure 6: compression alone"
 
 
 rule figure7:
     input:
-        distances=expand(
-            "<results>/segmentation/{sample}_distance.nii.gz", sample=EXAMPLES.values()
-        ),
-        segmentations=expand("<results>/segmentation/{sample}.json", sample=EXAMPLES.values()),
+        distances=expand("<results>/segmentation/{sample}_distance.nii.gz", sample=REAL_EXAMPLES),
+        segmentations=expand("<results>/segmentation/{sample}.json", sample=REAL_EXAMPLES),
+        real=expand("<results>/fields/{sample}/real.vtu", sample=REAL_EXAMPLES),
         cuboids=expand("<results>/cuboid/{sample}.json", sample=EXAMPLES.values()),
-        runs=expand("<results>/fields/{sample}/real.json", sample=EXAMPLES.values()),
-        real=expand("<results>/fields/{sample}/real.vtu", sample=EXAMPLES.values()),
+        runs=[f"<results>/fields/{name}/{PLAN.best(name)}.json" for name in EXAMPLES.values()],
         ideal=expand("<results>/fields/{sample}/ideal.vtu", sample=EXAMPLES.values()),
         code=library("workflow/scripts/figure7.py"),
     output:
@@ -363,6 +371,8 @@ rule figure7:
     params:
         samples=list(EXAMPLES.values()),
         modes=list(EXAMPLES),
+        real=REAL_EXAMPLES,
+        imaged=PLAN.imaged,
         cohort=COHORT,
     message:
         "Figure 7: strain on the real and the idealised geometry"
@@ -370,14 +380,15 @@ rule figure7:
         "../scripts/figure7.py"
 
 
+PRESSED = [run for run in PLAN.runs if run[0] in COMPRESSED]
+
+
 rule contact_area:
     input:
-        contacts=expand(
-            "<results>/fields/{sample}/{geometry}_contact.csv",
-            sample=COMPRESSED,
-            geometry=GEOMETRIES,
-        ),
-        cuboids=[f"<results>/cuboid/{sample}.json" for sample in COMPRESSED for _ in GEOMETRIES],
+        contacts=[
+            f"<results>/fields/{sample}/{geometry}_contact.csv" for sample, geometry in PRESSED
+        ],
+        cuboids=[f"<results>/cuboid/{sample}.json" for sample, _ in PRESSED],
         code=library("workflow/scripts/contact_area.py"),
     output:
         table=report(
@@ -396,19 +407,21 @@ rule contact_area:
     log:
         "<logs>/contact_area.log",
     params:
-        samples=[sample for sample in COMPRESSED for _ in GEOMETRIES],
-        geometries=[geometry for _ in COMPRESSED for geometry in GEOMETRIES],
+        runs=PRESSED,
         cohort=COHORT,
+        ideal=PLAN.ideal_shape,
     message:
-        "Contact area in compression, real sample and cuboid"
+        "Contact area in compression"
     script:
         "../scripts/contact_area.py"
 
 
 rule figure_response:
     input:
-        real=lambda wildcards: calibration_of(wildcards.sample, "real", "csv"),
-        ideal=lambda wildcards: calibration_of(wildcards.sample, "ideal", "csv"),
+        curves=lambda wildcards: [
+            calibration_of(wildcards.sample, geometry, "csv")
+            for geometry in geometries_of(wildcards.sample)
+        ],
         code=library("workflow/scripts/figure_response.py"),
     output:
         png=report(
@@ -421,7 +434,9 @@ rule figure_response:
         "<logs>/figure_response/{sample}.log",
     params:
         mode=row_value("mode"),
+        geometries=lambda wildcards: geometries_of(wildcards.sample),
         cohort=COHORT,
+        ideal=PLAN.ideal_shape,
     message:
         "Record and model: {wildcards.sample}"
     script:
@@ -430,11 +445,13 @@ rule figure_response:
 
 use rule figure7 as figure_strain with:
     input:
-        distances=["<results>/segmentation/{sample}_distance.nii.gz"],
-        segmentations=["<results>/segmentation/{sample}.json"],
+        distances=of_real("<results>/segmentation/{sample}_distance.nii.gz"),
+        segmentations=of_real("<results>/segmentation/{sample}.json"),
+        real=of_real("<results>/fields/{sample}/real.vtu"),
         cuboids=["<results>/cuboid/{sample}.json"],
-        runs=["<results>/fields/{sample}/real.json"],
-        real=["<results>/fields/{sample}/real.vtu"],
+        runs=lambda wildcards: [
+            f"<results>/fields/{wildcards.sample}/{PLAN.best(known(wildcards.sample))}.json"
+        ],
         ideal=["<results>/fields/{sample}/ideal.vtu"],
         code=library("workflow/scripts/figure7.py"),
     output:
@@ -449,27 +466,28 @@ use rule figure7 as figure_strain with:
     params:
         samples=lambda wildcards: [wildcards.sample],
         modes=lambda wildcards: [SAMPLES[wildcards.sample]["mode"]],
+        real=of_real("{sample}"),
+        imaged=PLAN.imaged,
         cohort=COHORT,
     message:
         "Strain: {wildcards.sample}"
 
 
+WITH_SURFACE = list(filter(has_real, PIECES))
+
+
 # One file that a colleague can be sent; it holds all that it shows.
 rule page:
     input:
+        inputs=expand("<results>/inputs/{sample}.json", sample=SAMPLES),
+        segmentation=expand("<results>/segmentation/{sample}.json", sample=WITH_SURFACE),
+        cuboid=expand("<results>/cuboid/{sample}.json", sample=PIECES),
         **{
-            kind: expand(f"<results>/{kind}/{{sample}}.json", sample=SAMPLES)
-            for kind in ("inputs", "segmentation", "cuboid")
+            kind: expand(f"<results>/figures/{kind}/{{sample}}.png", sample=names)
+            for kind, names in PICTURES.items()
         },
         **{
-            kind: expand(f"<results>/figures/{kind}/{{sample}}.png", sample=SAMPLES)
-            for kind in PICTURES
-        },
-        **{
-            f"{kind}_{geometry}": expand(
-                f"<results>/{folder}/{{sample}}/{geometry}.{ending}", sample=SAMPLES
-            )
-            for geometry in GEOMETRIES
+            kind: [f"<results>/{folder}/{piece}/{name}.{ending}" for piece, name in PLAN.runs]
             for kind, folder, ending in (
                 ("mesh", "mesh", "json"),
                 ("run", "fields", "json"),
@@ -501,6 +519,11 @@ rule page:
     params:
         samples=SAMPLES,
         groups=GROUPS,
+        piece_of=PLAN.piece_of,
+        runs=PLAN.runs,
+        segmented=WITH_SURFACE,
+        pictured=PICTURES,
+        ideal=PLAN.ideal_shape,
         cohort=COHORT,
         left_out=LEFT_OUT,
         config=config,
@@ -514,7 +537,7 @@ rule page:
 rule results:
     input:
         found=expand("<results>/inputs/{sample}.json", sample=SAMPLES),
-        cuboids=expand("<results>/cuboid/{sample}.json", sample=SAMPLES),
+        cuboids=expand("<results>/cuboid/{sample}.json", sample=PLAN.piece_of.values()),
         fits=calibrations(GROUPS),
         intervals="<results>/tables/intervals.csv",
         verdicts=expand("<results>/loop/{group}/verdict.json", group=GROUPS),

@@ -9,7 +9,7 @@ def records_of_piece(wildcards):
 # What a run of one piece is made with.
 OF_RUNS = {
     "mode": row_value("mode"),
-    "ends": row_value("ends"),
+    "ends": row_ends,
     "material": config["material"],
     "solver": config["solver"],
     "contact": config["contact"],
@@ -61,9 +61,10 @@ rule confirm:
     input:
         mesh="<results>/mesh/{sample}/{geometry}.vtu",
         records=records_of_piece,
-        family="<results>/curves/{sample}/{geometry}/ogden2.json",
+        response="<results>/curves/{sample}/{geometry}/ogden2.json",
+        curves="<results>/curves/{sample}/{geometry}/ogden2.csv",
+        cuboid="<results>/cuboid/{sample}.json",
         fit=optimum("json"),
-        fit_curve=optimum("csv"),
         code=library("workflow/scripts/confirm.py"),
     output:
         fields="<results>/fields/{sample}/{geometry}.vtu",
@@ -90,7 +91,7 @@ rule sensitivity:
         mesh="<results>/mesh/{sample}/{geometry}.vtu",
         coarse="<results>/mesh/{sample}/{geometry}_coarse.vtu",
         records=records_of_piece,
-        family="<results>/curves/{sample}/{geometry}/ogden2.json",
+        response="<results>/curves/{sample}/{geometry}/ogden2.json",
         fit=optimum("json"),
         optimum="<results>/fields/{sample}/{geometry}.csv",
         code=library("workflow/scripts/sensitivity.py"),
@@ -117,7 +118,7 @@ rule band:
         sigma="<results>/segmentation/{sample}_sigma.nii.gz",
         segmentation="<results>/segmentation/{sample}.json",
         records=records_of_piece,
-        family="<results>/curves/{sample}/real/ogden2.json",
+        response="<results>/curves/{sample}/real/ogden2.json",
         fit=lambda wildcards: calibration_of(wildcards.sample, "real", "json"),
         code=library("workflow/scripts/band.py"),
     output:
@@ -142,7 +143,7 @@ rule series:
     input:
         mesh="<results>/mesh/{sample}/{geometry}.vtu",
         records=records_of_piece,
-        family="<results>/curves/{sample}/{geometry}/ogden2.json",
+        response="<results>/curves/{sample}/{geometry}/ogden2.json",
         fit=optimum("json"),
         code=library("workflow/scripts/series.py"),
     output:
@@ -182,6 +183,7 @@ rule export:
         "<logs>/export/{sample}_{geometry}.log",
     params:
         mode=row_value("mode"),
+        ends=row_ends,
         contact=config["contact"],
     message:
         "Export for Abaqus, CalculiX and FEBio: {wildcards.sample}, {wildcards.geometry} geometry"

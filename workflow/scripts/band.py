@@ -20,8 +20,8 @@ from softsample.workflow import logged_to, progress_bar, provenance
 
 with logged_to(snakemake):
     given, fit = snakemake.params, read_json(snakemake.input.fit)
-    measured = MeasuredCurve.of_record(read_record(snakemake.input.record), given.mode)
-    pace = read_json(snakemake.input.family)["loading_time_s"]
+    measured = MeasuredCurve.of_record(read_record(snakemake.input.records[0]), given.mode)
+    pace = read_json(snakemake.input.response)["loading_time_s"]
     mesh, *data = read_mesh_with_data(snakemake.input.mesh)
     surface, sigma = (
         LevelSet(*read_distance(snakemake.input[name], snakemake.input.segmentation))
@@ -38,6 +38,7 @@ with logged_to(snakemake):
             solver=given.solver,
             contact=given.contact,
             material=given.material,
+            ends=given.ends,
         )
         run = model.run(OgdenMaterial.of_fit(fit), boundary, measured.travel, loading_time=pace)
         force = np.interp(measured.displacement, run.displacement, run.force)

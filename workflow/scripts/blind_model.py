@@ -18,6 +18,6 @@ with logged_to(snakemake):
                 loading_time_s=given.bank["model_loading_time_s"],
                 curve_error_percent=given.bank["model_curve_error_percent"],
             ),
-            PerturbationSettings(**given.variants),
+            PerturbationSettings(**given.perturbations),
         ),
     )

@@ -1,11 +1,7 @@
-"""One run with the calibrated material: curve, deformed shape and strain (rule `confirm`)."""
+"""One test with the calibrated material: curve, deformed shape and strain (rule `confirm`)."""
 
-import numpy as np
-import pandas as pd
-
-from softsample.calibration.measured import MeasuredCurve
 from softsample.constitutive.ogden import OgdenMaterial
-from softsample.fem.fields import contact_report, max_principal_hencky_strain
+from softsample.fem.fields import max_principal_hencky_strain
 from softsample.fem.setup import set_up
 from softsample.io import (
     read_json,
@@ -17,61 +13,55 @@ from softsample.io import (
     write_table,
 )
 from softsample.protocol import travel_sign
-from softsample.response.unit import run_report
+from softsample.records import reach
+from softsample.response.curves import ResponseCurves
+from softsample.response.optimum import loading_time, sheared_optimum, simulated_optimum
+from softsample.shapes import IdealShape
 from softsample.workflow import logged_to, progress_bar, provenance
 
 with logged_to(snakemake):
-    given, sample = snakemake.params, snakemake.wildcards.sample
-    fit, curve = read_json(snakemake.input.fit), read_table(snakemake.input.fit_curve)
-    mesh, point_data, cell_data = read_mesh_with_data(snakemake.input.mesh)
-    model, boundary = set_up(
-        mesh,
-        point_data,
-        cell_data,
-        given.mode,
-        solver=given.solver,
-        contact=given.contact,
-        material=given.material,
+    given, files, written = snakemake.params, snakemake.input, snakemake.output
+    material, response = OgdenMaterial.of_fit(read_json(files.fit)), read_json(files.response)
+    data = read_mesh_with_data(files.mesh)
+    mesh, point_data, _ = data
+    travel = response["reached"] * reach([read_record(path) for path in files.records], given.mode)
+    if given.mode == "shear" and given.ends == "sliding":
+        shape = IdealShape.of_report(read_json(files.cuboid))
+        found = sheared_optimum(mesh, shape, material, travel, given.solver["curve_points"])
+    else:
+        sections = {name: given[name] for name in ("solver", "contact", "material", "ends")}
+        model, boundary = set_up(*data, given.mode, **sections)
+        bar = progress_bar()
+        found = simulated_optimum(
+            model,
+            boundary,
+            material,
+            travel,
+            loading_time(response, model),
+            lambda done: bar("run at the optimum", done),
+        )
+    sign, curves = travel_sign(given.mode), read_table(files.curves)
+    modelled = ResponseCurves.of_table(curves, given.mode).force(
+        found.displacement, material.shear_modulus, material.mu1_fraction
     )
-    measured = MeasuredCurve.of_record(read_record(snakemake.input.record), given.mode)
-    material = OgdenMaterial.of_fit(fit)
-    bar = progress_bar()
-    run = model.run(
-        material,
-        boundary,
-        measured.travel,
-        snapshots=np.linspace(0.05, 1.0, 20),
-        loading_time=read_json(snakemake.input.family)["loading_time_s"],
-        progress=lambda fraction: bar("run at the optimum", fraction),
-    )
-    sign = travel_sign(given.mode)
-    modelled = curve.loc[curve["sample"] == sample, "model_N"].to_numpy()
-    direct = sign * np.interp(measured.displacement, run.displacement, run.force)
-    write_table(
-        snakemake.output.curve,
-        {"displacement_mm": sign * 1e3 * run.displacement, "force_N": sign * run.force},
-    )
-    energies = {f"{k}_J": values for k, values in run.energies.items() if k != "displacement"}
-    write_table(
-        snakemake.output.energies,
-        {"displacement_mm": sign * 1e3 * run.energies["displacement"], **energies},
-    )
-    contacts = [
-        {"displacement_mm": sign * 1e3 * snapshot.travel, **contact_report(mesh, snapshot)}
-        for snapshot in run.snapshots
-    ]
-    write_table(snakemake.output.contact, pd.DataFrame(contacts))
+    place = {"displacement_mm": sign * 1e3 * found.displacement}
+    write_table(written.curve, {**place, "force_N": sign * found.force})
+    energies = {f"{k}_J": values for k, values in found.energies.items() if k != "displacement"}
+    along = sign * 1e3 * found.energies["displacement"]
+    write_table(written.energies, {"displacement_mm": along, **energies})
+    contact = found.contact.assign(displacement_mm=sign * 1e3 * found.contact["displacement"])
+    names = ["displacement_mm", *contact.columns.drop(["displacement", "displacement_mm"])]
+    write_table(written.contact, contact[names])
     write_mesh(
-        snakemake.output.fields,
+        written.fields,
         mesh,
-        {"displacement_mm": 1e3 * run.displacement_field, "held": run.held, **point_data},
-        {"max_principal_hencky_strain": max_principal_hencky_strain(mesh, run.displacement_field)},
+        {"displacement_mm": 1e3 * found.field, "held": found.held, **point_data},
+        {"max_principal_hencky_strain": max_principal_hencky_strain(mesh, found.field)},
     )
     report = {
-        "travel_mm": 1e3 * measured.travel,
-        "against_calibrated_curve_percent": 100
-        * float(abs(direct - modelled).max() / abs(modelled).max()),
-        **run_report(run),
+        "travel_mm": 1e3 * travel,
+        "against_calibrated_curve_percent": found.difference_percent(modelled),
+        **found.report,
         "provenance": provenance(snakemake),
     }
-    write_json(snakemake.output.report, report)
+    write_json(written.report, report)

@@ -8,11 +8,10 @@ from softsample.workflow import logged_to
 
 with logged_to(snakemake):
     given, files = snakemake.params, snakemake.input
-    keys = zip(given.samples, given.geometries, strict=True)
     pairs = zip(map(read_table, files.contacts), map(read_json, files.cuboids), strict=True)
-    shares = dict(zip(keys, (contact_share(*pair) for pair in pairs), strict=True))
+    shares = {tuple(run): contact_share(*pair) for run, pair in zip(given.runs, pairs, strict=True)}
     write_table(snakemake.output.table, contact_table(shares))
-    figure = contact_figure(shares, f"Contact with the platen, {given.cohort}")
+    figure = contact_figure(shares, f"Contact with the platen, {given.cohort}", given.ideal)
     for path in (snakemake.output.png, snakemake.output.pdf):
         with written_aside(path) as aside:
             save(figure, aside)

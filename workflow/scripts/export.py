@@ -4,7 +4,6 @@ import shutil
 
 import numpy as np
 
-from softsample.calibration.measured import MeasuredCurve
 from softsample.constitutive.ogden import OgdenMaterial
 from softsample.errors import InputError
 from softsample.export.abaqus import write_abaqus
@@ -19,6 +18,7 @@ from softsample.io import (
     write_table,
     written_aside,
 )
+from softsample.records import reach
 from softsample.workflow import logged_to
 
 with logged_to(snakemake):
@@ -30,6 +30,11 @@ with logged_to(snakemake):
             f"{snakemake.input.mesh}: regions of different stiffness are not exported; "
             "leave the column labels of the table empty to export the sample without them"
         )
+    if given.ends != "bonded" and given.mode != "confined_compression":
+        raise InputError(
+            f"{snakemake.wildcards.sample}: ends that are {given.ends} are not exported; export a "
+            "sample with bonded ends, and change the ends in the other program"
+        )
     for key in ("friction", "base_friction"):
         if given.mode == "compression" and given.contact[key] is not None:
             raise InputError(
@@ -38,11 +43,11 @@ with logged_to(snakemake):
                 "give the other program the coefficient and the material of "
                 f"{snakemake.input.fit}"
             )
-    measured = MeasuredCurve.of_record(read_record(snakemake.input.record), given.mode)
+    travel = reach([read_record(path) for path in snakemake.input.records], given.mode)
     material = OgdenMaterial.of_fit(fit)
     contact = ContactSettings(**given.contact)
     boundary = mode_boundary(mesh, given.mode, np.flatnonzero(point_data["glued"]), contact)
-    test = (mesh, material, boundary, measured.travel)
+    test = (mesh, material, boundary, travel)
     write_abaqus(written.abaqus, *test)
     write_abaqus(written.calculix, *test, program="calculix")
     write_febio(written.febio, *test)

@@ -10,15 +10,12 @@ from softsample.workflow import logged_to
 
 with logged_to(snakemake):
     shown, rows = snakemake.params, []
-    for geometry in ("real", "ideal"):
-        meshes = map(read_mesh_with_data, snakemake.input[geometry])
-        tests = zip(shown.samples, shown.modes, meshes, strict=True)
-        rows.append(
-            [
-                HeldSample(sample, mode, geometry, mesh, np.flatnonzero(points["glued"]))
-                for sample, mode, (mesh, points, _) in tests
-            ]
-        )
+    for geometry, samples in shown.samples.items():
+        meshes = zip(samples, map(read_mesh_with_data, snakemake.input[geometry]), strict=True)
+        rows += [
+            HeldSample(sample, shown.modes[sample], geometry, mesh, np.flatnonzero(points["glued"]))
+            for sample, (mesh, points, _) in meshes
+        ]
     title = f"Boundary conditions and loading, {shown.cohort}"
     figure = boundary_figure(rows, title, available_renderer())
     for path in snakemake.output:

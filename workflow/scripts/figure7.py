@@ -9,20 +9,28 @@ from softsample.workflow import logged_to
 
 with logged_to(snakemake):
     given, shown, rows = snakemake.input, snakemake.params, []
+    distances = zip(given.distances, given.segmentations, strict=True)
+    surfaces = dict(zip(shown.real, distances, strict=True))
+    meshes = {
+        "real": dict(zip(shown.real, given.real, strict=True)),
+        "ideal": dict(zip(shown.samples, given.ideal, strict=True)),
+    }
     for at, (sample, mode) in enumerate(zip(shown.samples, shown.modes, strict=True)):
+        shapes = {}
+        for geometry, files in meshes.items():
+            if sample in files:
+                mesh, points, cells = read_mesh_with_data(files[sample])
+                run = points["displacement_mm"], cells["max_principal_hencky_strain"]
+                shapes[geometry] = Deformed.of_run(mesh, *run)
         travel = read_json(given.runs[at])["travel_mm"]
-        real, ideal = (
-            Deformed.of_run(mesh, points["displacement_mm"], cells["max_principal_hencky_strain"])
-            for mesh, points, cells in map(read_mesh_with_data, (given.real[at], given.ideal[at]))
-        )
         rows.append(
             StrainRow(
                 sample,
                 mode,
                 travel / read_json(given.cuboids[at])["height_mm"],
-                level_surface(*read_distance(given.distances[at], given.segmentations[at])),
-                real,
-                ideal,
+                level_surface(*read_distance(*surfaces[sample])) if sample in surfaces else None,
+                shapes,
+                "MRI" if sample in shown.imaged else "surface",
             )
         )
     title = f"Deformed samples at the calibrated moduli, {shown.cohort}"

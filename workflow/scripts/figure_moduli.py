@@ -6,18 +6,20 @@ from softsample.io import read_json, read_table, written_aside
 from softsample.workflow import logged_to
 
 with logged_to(snakemake):
-    given = snakemake.input
+    given, shown = snakemake.input, snakemake.params
     moduli = read_table(given.table)
-    groups = [
-        GroupCurves(
-            row.group,
-            row.mode,
-            {"real": read_table(given.real[at]), "ideal": read_table(given.ideal[at])},
-            all(read_json(fits[at])["success"] for fits in (given.real_fit, given.ideal_fit)),
-        )
-        for at, row in enumerate(moduli.itertuples())
-    ]
-    figure = moduli_figure(groups, moduli, snakemake.params.title)
+    files = {
+        (group, geometry): pair
+        for geometry, groups in shown.groups.items()
+        for group, *pair in zip(groups, given[geometry], given[f"{geometry}_fit"], strict=True)
+    }
+    groups = []
+    for group, row in zip(shown.groups["ideal"], moduli.itertuples(), strict=True):
+        there = {name: files[group, name] for name in shown.groups if (group, name) in files}
+        curves = {name: read_table(curve) for name, (curve, _) in there.items()}
+        trusted = all(read_json(fit)["success"] for _, fit in there.values())
+        groups.append(GroupCurves(row.group, row.mode, curves, trusted))
+    figure = moduli_figure(groups, moduli, shown.title, shown.ideal)
     for path in snakemake.output:
         with written_aside(path) as aside:
             save(figure, aside)

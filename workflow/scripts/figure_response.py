@@ -1,14 +1,18 @@
 """Record and calibrated model of one sample (rule `figure_response`)."""
 
 from softsample.figures.response import response_figure
-from softsample.figures.style import save
+from softsample.figures.style import save, spoken
 from softsample.io import read_table, written_aside
 from softsample.workflow import logged_to
 
 with logged_to(snakemake):
     sample, shown = snakemake.wildcards.sample, snakemake.params
-    tables = {geometry: read_table(snakemake.input[geometry]) for geometry in ("real", "ideal")}
-    curves = {name: table[table["sample"] == sample] for name, table in tables.items()}
-    figure = response_figure(curves, shown.mode, f"Sample {sample}, {shown.mode}, {shown.cohort}")
+    tables = map(read_table, snakemake.input.curves)
+    curves = {
+        geometry: table[table["sample"] == sample]
+        for geometry, table in zip(shown.geometries, tables, strict=True)
+    }
+    title = f"Sample {sample}, {spoken(shown.mode)}, {shown.cohort}"
+    figure = response_figure(curves, shown.mode, title, shown.ideal)
     with written_aside(snakemake.output.png) as aside:
         save(figure, aside)

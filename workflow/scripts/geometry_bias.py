@@ -7,9 +7,9 @@ from softsample.workflow import logged_to
 
 with logged_to(snakemake):
     given, two_term, one_term = snakemake.params, {}, {}
-    for sample, path in zip(given.samples, snakemake.input.curves, strict=True):
+    for (sample, mode), path in zip(given.modes.items(), snakemake.input.curves, strict=True):
         two_term[sample], single = families(read_table(path))
-        one_term |= {sample: single} if single else {}
+        one_term |= {sample: single} if mode == "compression" else {}
     fit = read_json(snakemake.input.fit)
     table = group_bias(two_term, one_term, fit, CalibrationSettings(**given.settings))
     write_table(snakemake.output.table, table)

@@ -10,7 +10,7 @@ with logged_to(snakemake):
         summary=read_table(given.summary),
         stress=read_table(given.stress),
         fits=[read_json(name) for name in given.fits],
-        elements=[read_json(name)["elements"] for name in given.meshes],
+        meshes=[read_json(name) for name in given.meshes],
         **dict(snakemake.params.items()),
     )
     write_text(snakemake.output.numbers, substitutions(numbers))

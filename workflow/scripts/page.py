@@ -1,11 +1,12 @@
 """The report of the study in one file (rule `page`)."""
 
+from itertools import chain
 from pathlib import Path
 
 from softsample.figures.strain import Deformed
 from softsample.figures.style import map_colours
 from softsample.io import read_json, read_mesh_with_data, read_table, read_yaml, write_text
-from softsample.report.facts import sample_facts, verdict_sentence
+from softsample.report.facts import findings_of, record_fact, sample_facts, verdict_sentence
 from softsample.report.html import (
     as_json,
     caption,
@@ -18,43 +19,65 @@ from softsample.report.html import (
 from softsample.report.scene import scene
 from softsample.workflow import logged_to, provenance
 
-GEOMETRIES = ("real", "ideal")
 PICTURES = {"samples": "sample", "response": "response", "strain": "strain"}
 
 with logged_to(snakemake):
     given, shown = snakemake.input, snakemake.params
     parts, config = Path(given.template).parent, shown.config
     samples, scenes, reports, inputs = {}, {}, [], {}
-    for at, (name, row) in enumerate(shown.samples.items()):
-        surfaces = {}
-        for geometry in GEOMETRIES:
-            mesh, points, cells = read_mesh_with_data(given[f"fields_{geometry}"][at])
-            run = points["displacement_mm"], cells["max_principal_hencky_strain"]
-            shape = Deformed.of_run(mesh, *run)
-            surfaces[geometry] = (shape.before.points, shape.after.points, shape.after.faces)
-            surfaces[geometry] += (shape.after.values,)
-        scenes[name] = scene(surfaces)
-        found, *others = (read_json(given[k][at]) for k in ("inputs", "segmentation", "cuboid"))
-        mesh, run = (
-            {geometry: read_json(given[f"{kind}_{geometry}"][at]) for geometry in GEOMETRIES}
-            for kind in ("mesh", "run")
-        )
+    kinds = ("segmentation", "cuboid")
+    owners = (shown.segmented, dict.fromkeys(shown.piece_of.values()))
+    reports_of = {
+        kind: dict(zip(names, map(read_json, given[kind]), strict=True))
+        for kind, names in zip(kinds, owners, strict=True)
+    }
+    pictures_of = {
+        kind: dict(zip(names, map(Path, given[kind]), strict=True))
+        for kind, names in shown.pictured.items()
+    }
+    runs, surfaces = {}, {}
+    files = zip(shown.runs, given.mesh, given.run, given.fields, strict=True)
+    for (name, geometry), *found, fields in files:
+        runs.setdefault(name, {})[geometry] = [*map(read_json, found)]
+        mesh, points, cells = read_mesh_with_data(fields)
+        run = points["displacement_mm"], cells["max_principal_hencky_strain"]
+        shape = Deformed.of_run(mesh, *run)
+        surface = (shape.before.points, shape.after.points, shape.after.faces, shape.after.values)
+        surfaces.setdefault(name, {})[geometry] = surface
+    for (name, row), file in zip(shown.samples.items(), given.inputs, strict=True):
+        found = read_json(file)
         inputs |= found["provenance"]["inputs"]
-        reports += [found, *others, *mesh.values(), *run.values()]
+        reports.append(found)
         samples[name] = {
             "name": name,
-            "mode": row["mode"],
-            "limits": scenes[name]["limits"],
-            "facts": sample_facts(found, *others, mesh, run),
+            "mode": row["mode"].replace("_", " "),
+            "piece": shown.piece_of[name],
             "pictures": [
                 {
-                    "picture": picture(Path(given[kind][at]), f"{name}, {kind}"),
+                    "picture": picture(pictures_of[kind][name], f"{name}, {kind}"),
                     "caption": caption(parts / f"{text}.rst", config, sample=name),
                 }
                 for kind, text in PICTURES.items()
+                if name in pictures_of[kind]
             ],
         }
-    intervals, groups = read_table(given.intervals), []
+        if name in runs:
+            scenes[name] = scene(surfaces[name])
+            others = [reports_of[kind].get(name) for kind in kinds]
+            mesh, run = (
+                {geometry: pair[at] for geometry, pair in runs[name].items()} for at in (0, 1)
+            )
+            reports += [*filter(None, others), *mesh.values(), *run.values()]
+            samples[name] |= {
+                "limits": scenes[name]["limits"],
+                "geometries": list(mesh),
+                "facts": sample_facts(found, *others, mesh, run),
+            }
+        else:
+            samples[name]["facts"] = [("Record", record_fact(found["record"]))]
+    intervals, groups, fits = read_table(given.intervals), [], {}
+    for fit in map(read_json, given.fits):
+        fits.setdefault(fit["group"], []).append(fit)
     for at, (name, members) in enumerate(shown.groups.items()):
         verdict = read_json(given.verdict_json[at])
         reports.append(verdict)
@@ -62,6 +85,8 @@ with logged_to(snakemake):
             {
                 "name": name,
                 "samples": [samples[member] for member in members],
+                "real": "real" in runs[shown.piece_of[members[0]]],
+                "findings": findings_of(fits[name]),
                 "moduli": intervals[intervals["group"] == name].drop(columns="group"),
                 "verdict": verdict["verdict"],
                 "saying": verdict_sentence(verdict),
@@ -71,9 +96,9 @@ with logged_to(snakemake):
                 ),
             }
         )
+    reports += chain.from_iterable(fits.values())
     checks = {Path(name).stem: read_json(name)["checks"] for name in given.checks}
     own = provenance(snakemake)
-    reports += [read_json(name) for name in given.fits]
     page = render_report(
         Path(given.template),
         cohort=shown.cohort,
@@ -98,6 +123,8 @@ with logged_to(snakemake):
             for name in given.figures
         ],
         groups=groups,
+        imaged=bool(shown.pictured["samples"]),
+        ideal=shown.ideal,
         config=config,
         references=read_yaml(given.references),
         parameters=list(parameters(config, read_yaml(given.schema))),

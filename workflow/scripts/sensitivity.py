@@ -7,16 +7,19 @@ from softsample.constitutive.ogden import OgdenMaterial
 from softsample.fem.setup import set_up
 from softsample.io import read_json, read_mesh_with_data, read_record, read_table, write_json
 from softsample.protocol import travel_sign
+from softsample.records import reach
+from softsample.response.optimum import loading_time
 from softsample.response.unit import curve_difference
 from softsample.workflow import logged_to, progress_bar, provenance
 
 with logged_to(snakemake):
-    given, fit = snakemake.params, read_json(snakemake.input.fit)
-    meshes = {name: read_mesh_with_data(snakemake.input[name]) for name in ("mesh", "coarse")}
-    measured = MeasuredCurve.of_record(read_record(snakemake.input.record), given.mode)
-    material = OgdenMaterial.of_fit(fit)
-    pace = read_json(snakemake.input.family)["loading_time_s"]
-    optimum, sign = read_table(snakemake.input.optimum), travel_sign(given.mode)
+    given, files, fit = snakemake.params, snakemake.input, read_json(snakemake.input.fit)
+    meshes = {name: read_mesh_with_data(files[name]) for name in ("mesh", "coarse")}
+    records = [read_record(path) for path in files.records]
+    measured = MeasuredCurve.of_record(records[0], given.mode)
+    material, response = OgdenMaterial.of_fit(fit), read_json(files.response)
+    travel = response["reached"] * reach(records, given.mode)
+    optimum, sign = read_table(files.optimum), travel_sign(given.mode)
     reference = np.interp(
         measured.displacement, sign * 1e-3 * optimum["displacement_mm"], sign * optimum["force_N"]
     )
@@ -29,16 +32,17 @@ with logged_to(snakemake):
         f"{coarse}, double precision": ("coarse", {"precision": "float64"}),
     }
     bar, forces = progress_bar(), {}
+    sections = {name: given[name] for name in ("contact", "material", "ends")}
+    uniform = given.mode == "shear" and given.ends == "sliding"  # a closed form: nothing to choose
     for done, (name, (mesh, change)) in enumerate(variants.items()):
         bar(name, done / len(variants))
+        if uniform:
+            forces[name] = reference
+            continue
         model, boundary = set_up(
-            *meshes[mesh],
-            given.mode,
-            solver={**given.solver, **change},
-            contact=given.contact,
-            material=given.material,
+            *meshes[mesh], given.mode, solver={**given.solver, **change}, **sections
         )
-        run = model.run(material, boundary, measured.travel, loading_time=pace)
+        run = model.run(material, boundary, travel, loading_time=loading_time(response, model))
         forces[name] = np.interp(measured.displacement, run.displacement, run.force)
     # rounding changes so little that it is looked at where it costs little
     before = dict.fromkeys(forces, reference) | {f"{coarse}, double precision": forces[coarse]}

@@ -2,11 +2,12 @@
 
 import numpy as np
 
-from softsample.calibration.measured import MeasuredCurve
 from softsample.constitutive.ogden import OgdenMaterial
 from softsample.export.series import write_series
 from softsample.fem.setup import set_up
 from softsample.io import read_json, read_mesh_with_data, read_record
+from softsample.records import reach
+from softsample.response.optimum import loading_time
 from softsample.workflow import logged_to, progress_bar
 
 with logged_to(snakemake):
@@ -17,14 +18,15 @@ with logged_to(snakemake):
         solver=given.solver,
         contact=given.contact,
         material=given.material,
+        ends=given.ends,
     )
     bar = progress_bar()
     run = model.run(
         OgdenMaterial.of_fit(read_json(snakemake.input.fit)),
         boundary,
-        MeasuredCurve.of_record(read_record(snakemake.input.record), given.mode).travel,
+        reach([read_record(path) for path in snakemake.input.records], given.mode),
         snapshots=np.linspace(0.05, 1.0, 20),
-        loading_time=read_json(snakemake.input.family)["loading_time_s"],
+        loading_time=loading_time(read_json(snakemake.input.response), model),
         progress=lambda fraction: bar("run with snapshots", fraction),
     )
     write_series(snakemake.output.collection, model.mesh, run.snapshots)

@@ -5,7 +5,6 @@ from softsample.fem.setup import set_up
 from softsample.io import read_json, read_mesh_with_data, read_record, write_table
 from softsample.protocol import travel_sign
 from softsample.response.exponents import ExponentSettings, exponent_grid, simulate_exponents
-from softsample.response.unit import FamilySettings
 from softsample.workflow import logged_to, progress_bar
 
 with logged_to(snakemake):
@@ -21,7 +20,6 @@ with logged_to(snakemake):
         MeasuredCurve.of_record(read_record(snakemake.input.record), given.mode).travel,
         exponent_grid(
             ExponentSettings(**given.exponents),
-            FamilySettings(**given.family),
             given.material["alpha"],
         ),
         given.material["poisson_ratio"],

@@ -6,17 +6,20 @@ from softsample.workflow import logged_to
 
 with logged_to(snakemake):
     given, files = snakemake.params, snakemake.input
-    bands = dict(zip(given.modes, map(read_json, files.bands), strict=True))
+    bands = dict(zip(given.banded, map(read_json, files.bands), strict=True))
     changes = dict(zip(given.modes, map(read_json, files.sensitivities), strict=True))
     forces = {
-        (sample, geometry, model): force_terms(
-            given.modes[sample],
-            bands[sample],
-            changes[sample]["changes"],
-            read_json(report)["error_bound_percent"],
-            given.element_size_mm,
+        (piece, geometry, model): force_terms(
+            given.modes[piece],
+            bands.get(piece),
+            changes[piece]["changes"],
+            read_json(report),
+            read_json(mesh)["element_size_mm"],
             FloorSettings(**given.floor),
         )
-        for (sample, geometry, model), report in zip(given.curves, files.curves, strict=True)
+        for (piece, geometry, model), report, mesh in zip(
+            given.curves, files.curves, files.meshes, strict=True
+        )
     }
-    write_table(snakemake.output.table, interval_table([*map(read_json, files.fits)], forces))
+    table = interval_table([*map(read_json, files.fits)], forces, given.piece_of)
+    write_table(snakemake.output.table, table)

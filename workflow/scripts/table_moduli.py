@@ -1,7 +1,6 @@
 """Table 1 or 2: moduli on both geometries beside the paper's (rules `table_moduli...`)."""
 
 import logging
-from itertools import chain
 
 from softsample.io import read_json, read_table, write_table
 from softsample.report.tables import moduli_table
@@ -9,9 +8,8 @@ from softsample.workflow import logged_to
 
 with logged_to(snakemake):
     given, paper = snakemake.input, snakemake.input.paper
-    names = chain.from_iterable(zip(given.real, given.ideal, strict=True))
     table, notes = moduli_table(
-        (read_json(name) for name in names),
+        map(read_json, [*given.ideal, *given.real]),
         snakemake.params.model,
         read_table(paper) if paper else None,
     )

@@ -13,9 +13,10 @@ import pandas as pd
 
 from softsample.blindlab.bodies import POISSON
 from softsample.blindlab.curves import MM
-from softsample.blindlab.records import Record
+from softsample.blindlab.records import Record as Written
 from softsample.loop.diagnose import LoopSettings, diagnose, judgement
 from softsample.loop.specimen import Specimen
+from softsample.records import Record
 from softsample.response.changes import for_all_fractions
 from softsample.response.curves import ResponseCurves, before_zero
 from softsample.response.elastic import Elastic
@@ -74,7 +75,7 @@ class Resolution:
 
 
 def answer(
-    records: Sequence[Record],
+    records: Sequence[Written],
     models: Mapping[str, Elastic],
     settings: LoopSettings,
     bootstraps: int = 0,
@@ -85,8 +86,13 @@ def answer(
     """
     before = process_time()
     specimens = [
-        Specimen.of_record(f"test_{k}", record.mode, record.table, models[record.mode])
-        for k, record in enumerate(records)
+        Specimen.of_record(
+            f"test_{k}",
+            written.mode,
+            Record.of_table(written.table).marked(written.mode),
+            models[written.mode],
+        )
+        for k, written in enumerate(records)
     ]
     found = diagnose(specimens, settings)
     verdict = judgement(found, settings)

@@ -97,6 +97,12 @@ def homogeneous_normal(strain: ArrayLike, material: OgdenMaterial) -> Array:
     return np.asarray((stress[:, 0] + square * stress[:, 2]) / (1.0 + square))
 
 
+def thickness_stretch(strain: float, material: OgdenMaterial) -> float:
+    """Stretch along y, where simple shear by an amount `strain` leaves the faces free."""
+    log_stretch, _ = _principal_state("shear", strain, material)
+    return float(np.exp(log_stretch[0, 1]))
+
+
 def linear_modulus(mode: str, material: OgdenMaterial) -> float:
     """Slope [Pa] of `homogeneous_force` at no strain, from linear elasticity.
 

@@ -2,6 +2,8 @@
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from itertools import product
+from string import ascii_lowercase
 
 import numpy as np
 from matplotlib.axes import Axes
@@ -11,7 +13,14 @@ from matplotlib.patches import Patch, Polygon
 from numpy.typing import NDArray
 
 from softsample.figures.render import Look, Renderer, draw_surface
-from softsample.figures.style import MODE_NAMES, PALETTE, label_panel, page_figure, styled
+from softsample.figures.style import (
+    MODE_COLOURS,
+    PALETTE,
+    label_panel,
+    page_figure,
+    spoken,
+    styled,
+)
 from softsample.figures.surface import OBLIQUE, mesh_surface
 from softsample.meshing.mesh import HexMesh, face_vectors
 from softsample.protocol import DIRECTIONS
@@ -20,6 +29,9 @@ Array = NDArray[np.float64]
 
 BASE, GLUED = PALETTE[0], PALETTE[1]
 PLATEN_MARGIN_MM, ARROW_MM, LIFT_MM = 1.5, 6.0, 2.5
+PRESSED = ("compression", "confined_compression")
+"""Modes in which the platen presses and nothing is glued to it."""
+
 GEOMETRY_NAMES = {"real": "real", "ideal": "idealised"}
 
 
@@ -34,7 +46,7 @@ class HeldSample:
     mesh : HexMesh
         Points [m].
     glued : (n,) int64
-        Nodes that the moving platen is glued to; not used in compression.
+        Nodes that the moving platen is glued to; not used where it presses.
     """
 
     sample: str
@@ -45,29 +57,34 @@ class HeldSample:
 
 
 @styled
-def boundary_figure(rows: Sequence[Sequence[HeldSample]], title: str, renderer: Renderer) -> Figure:
+def boundary_figure(samples: Sequence[HeldSample], title: str, renderer: Renderer) -> Figure:
     """Meshes with the nodes that are fixed and those that the platen moves.
 
     Parameters
     ----------
-    rows
-        A row a geometry, a column a loading.
+    samples
+        One a geometry, which is a row, and loading, a column; a pair that is not there is left
+        blank.
     title
         Title of the figure.
     renderer
         `vtk` or `matplotlib`.
     """
+    there = {(held.geometry, held.mode): held for held in samples}
+    rows = [name for name in GEOMETRY_NAMES if name in {geometry for geometry, _ in there}]
+    modes = [name for name in MODE_COLOURS if name in {mode for _, mode in there}]
     figure = page_figure(height_mm=16.0 + 48.0 * len(rows))
-    axes = figure.subplots(len(rows), len(rows[0]), squeeze=False)
-    corners = np.concatenate([held.mesh.points for row in rows for held in row]) / 1e-3
+    axes = figure.subplots(len(rows), len(modes), squeeze=False)
+    corners = np.concatenate([held.mesh.points for held in samples]) / 1e-3
     page = OBLIQUE.project(corners)
     low, high = page.min(axis=0) - 2.0 * PLATEN_MARGIN_MM, page.max(axis=0) + 2.0 * PLATEN_MARGIN_MM
-    letters = iter("abcdefghi")
-    for line, row in zip(axes, rows, strict=True):
-        for ax, held in zip(line, row, strict=True):
-            ax.set(xlim=(low[0], high[0]), ylim=(low[1], high[1] + ARROW_MM - LIFT_MM))
-            ax.set_axis_off()
-            head = f"{MODE_NAMES[held.mode]}, {held.sample}, {GEOMETRY_NAMES[held.geometry]}"
+    letters = iter(ascii_lowercase)
+    for ax, place in zip(axes.flat, product(rows, modes), strict=True):
+        ax.set(xlim=(low[0], high[0]), ylim=(low[1], high[1] + ARROW_MM - LIFT_MM))
+        ax.set_axis_off()
+        if held := there.get(place):
+            mode = spoken(held.mode).capitalize()
+            head = f"{mode}, {held.sample}, {GEOMETRY_NAMES[held.geometry]}"
             label_panel(ax, next(letters), head)
             _draw(ax, held, renderer)
     figure.legend(handles=_keys(), loc="outside lower center", ncols=4)
@@ -80,7 +97,7 @@ def _draw(ax: Axes, held: HeldSample, renderer: Renderer) -> None:
     draw_surface(ax, mesh_surface(mesh), OBLIQUE, Look(), renderer)
     seen = _seen_nodes(mesh)
     _dots(ax, mesh.points[np.intersect1d(seen, mesh.bottom)], BASE)
-    if held.mode == "compression":
+    if held.mode in PRESSED:
         _draw_platen(ax, mesh)
     else:
         _dots(ax, mesh.points[np.intersect1d(seen, held.glued)], GLUED)

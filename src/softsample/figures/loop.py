@@ -4,27 +4,39 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
-from softsample.figures.style import colours, page_figure, styled
+from softsample.figures.style import colours, page_figure, spoken, styled
 from softsample.loop.diagnose import Diagnosis
 from softsample.loop.fit import Fit
 from softsample.loop.specimen import Specimen, blocks
 
+MOST = 6
+"""Tests that a figure shows at most: the worst, in the order of the study."""
+
 
 @styled
 def loop_figure(found: Diagnosis) -> Figure:
-    """One column a test: force against travel, residual against time and against travel."""
-    specimens = found.problem.specimens
+    """One column a test: force against travel, residual against time and against travel.
+
+    Of many tests those with the largest error before are shown.
+    """
+    specimens, labels = found.problem.specimens, found.problem.labels
+    errors = [found.before.fitted[label]["all"] for label in labels]
+    worst = np.argsort([-np.nan_to_num(error.rms / error.peak) for error in errors], kind="stable")
+    shown = sorted(map(int, worst[:MOST]))
     figure = page_figure(140.0)
-    axes = figure.subplots(3, len(specimens), squeeze=False)
+    axes = figure.subplots(3, len(shown), squeeze=False)
     fits = {"before": found.selection.base, "after": found.final}
-    for k, specimen in enumerate(specimens):
-        size = found.problem.whiteners[k].size
-        _forces(axes[0, k], specimen, fits, size)
+    for column, k in zip(axes.T, shown, strict=True):
+        specimen, size = specimens[k], found.problem.whiteners[k].size
+        _forces(column[0], specimen, fits, size)
         band = 1e3 * found.noises[k].block
-        for row, label in ((1, "time [s]"), (2, "travel [mm]")):
+        clock = "time [s]" if specimen.timed else "sample [–]"
+        for row, label in ((1, clock), (2, "travel [mm]")):
             across = specimen.time if row == 1 else 1e3 * specimen.travel
-            _residuals(axes[row, k], specimen, fits, size, across, band)
-            axes[row, k].set_xlabel(label)
+            _residuals(column[row], specimen, fits, size, across, band)
+            column[row].set_xlabel(label)
+    if len(shown) < len(specimens):
+        figure.suptitle(f"The {len(shown)} of {len(specimens)} tests with the largest error before")
     axes[0, 0].set_ylabel("force [N]")
     axes[0, 0].legend()
     for row in (1, 2):
@@ -38,7 +50,7 @@ def _forces(ax: Axes, specimen: Specimen, fits: dict[str, Fit], size: int) -> No
     for colour, (name, fit) in zip(colours(2), fits.items(), strict=True):
         model = fit.model.predict(specimen, fit.state)
         ax.plot(travel, blocks(model, size), color=colour, label=name)
-    ax.set(title=f"{specimen.name}, {specimen.mode}", xlabel="travel [mm]")
+    ax.set(title=f"{specimen.name}, {spoken(specimen.mode)}", xlabel="travel [mm]")
 
 
 def _residuals(

@@ -1,6 +1,6 @@
 """Figures 5 and 6: measured and modelled curves, and the calibrated moduli."""
 
-from collections.abc import Container, Sequence
+from collections.abc import Container, Iterable, Sequence
 from dataclasses import dataclass
 from itertools import count
 from string import ascii_lowercase
@@ -13,7 +13,15 @@ from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 from matplotlib.patches import Patch
 
-from softsample.figures.style import colours, darkened, label_panel, lightened, page_figure, styled
+from softsample.figures.style import (
+    colours,
+    darkened,
+    label_panel,
+    lightened,
+    page_figure,
+    spoken,
+    styled,
+)
 
 EVERY = 50
 """Each how manieth measured point is drawn, at most."""
@@ -23,13 +31,12 @@ FEWEST = 10
 
 LINES = {"real": "-", "ideal": (0, (3.5, 1.8))}
 WIDTHS = {"real": 1.5, "ideal": 0.9}
-NAMES = {"real": "real geometry", "ideal": "idealised cuboid"}
 BAR = 0.38
 
 
 @dataclass(frozen=True)
 class GroupCurves:
-    """Curves of one group, or of one sample, on both geometries.
+    """Curves of one group, or of one sample, on the geometries that it has.
 
     Parameters
     ----------
@@ -40,7 +47,7 @@ class GroupCurves:
     curves : dict of DataFrame
         By geometry: `sample`, `displacement_mm`, `measured_N`, `model_N`.
     trusted : bool
-        Whether the fits on both geometries converged away from their bounds.
+        Whether all fits converged away from their bounds.
     """
 
     label: str
@@ -49,8 +56,16 @@ class GroupCurves:
     trusted: bool = True
 
 
+def geometry_names(ideal: str, there: Iterable[str] = tuple(LINES)) -> dict[str, str]:
+    """Names of the geometries in a legend: of those that are `there`, by what is ideal."""
+    names = {"real": "real geometry", "ideal": f"idealised {ideal}"}
+    return {geometry: name for geometry, name in names.items() if geometry in there}
+
+
 @styled
-def moduli_figure(groups: Sequence[GroupCurves], moduli: pd.DataFrame, title: str) -> Figure:
+def moduli_figure(
+    groups: Sequence[GroupCurves], moduli: pd.DataFrame, title: str, ideal: str = "cuboid"
+) -> Figure:
     """Force-displacement curves (left) and moduli (right), one row a kind of loading.
 
     Parameters
@@ -62,6 +77,8 @@ def moduli_figure(groups: Sequence[GroupCurves], moduli: pd.DataFrame, title: st
         stacked, without them they show mu alone. The paper's moduli are marked if there are any.
     title
         Title of the figure.
+    ideal
+        What samples are idealised as.
     """
     loadings = list(dict.fromkeys(group.mode for group in groups))
     figure = page_figure(height_mm=14.0 + 74.0 * len(loadings))
@@ -70,25 +87,23 @@ def moduli_figure(groups: Sequence[GroupCurves], moduli: pd.DataFrame, title: st
     for (left, right), loading in zip(axes, loadings, strict=True):
         members = [group for group in groups if group.mode == loading]
         palette = dict(zip([g.label for g in members], colours(len(members)), strict=True))
-        label_panel(left, ascii_lowercase[next(letters)], f"{_spoken(loading)}: force")
+        label_panel(left, ascii_lowercase[next(letters)], f"{spoken(loading).capitalize()}: force")
         draw_curves(left, members, palette)
         label_panel(
             right,
             ascii_lowercase[next(letters)],
-            f"{_spoken(loading)}: modulus",
+            f"{spoken(loading).capitalize()}: modulus",
         )
         doubtful = {group.label for group in members if not group.trusted}
         draw_moduli(right, moduli[moduli["group"].isin(list(palette))], palette, doubtful)
-    handles = [*_keys_of_curves(), *_keys_of_moduli(moduli)]
+    names = geometry_names(ideal, {name for group in groups for name in group.curves})
+    handles = [*_keys_of_curves(names), *_keys_of_moduli(moduli, names)]
     if not all(group.trusted for group in groups):
-        handles.append(Line2D([], [], ls="", label="* fit not to be trusted, see the caption"))
+        label = "* on a bound, or not converged: see the caption"
+        handles.append(Line2D([], [], ls="", label=label))
     figure.legend(handles=handles, loc="outside lower center", ncols=3, handlelength=2.4)
     figure.suptitle(title)
     return figure
-
-
-def _spoken(loading: str) -> str:
-    return loading.replace("+", " and ").capitalize()
 
 
 def draw_curves(ax: Axes, groups: Sequence[GroupCurves], palette: dict[str, str]) -> None:
@@ -98,10 +113,10 @@ def draw_curves(ax: Axes, groups: Sequence[GroupCurves], palette: dict[str, str]
     """
     for group in groups:
         colour = palette[group.label]
-        for geometry, table in group.curves.items():
+        for at, (geometry, table) in enumerate(group.curves.items()):
             for _, curve in table.groupby("sample", sort=False):
                 curve = curve.sort_values("displacement_mm", key=abs, kind="stable")
-                if geometry == "real":
+                if at == 0:
                     _draw_measured(ax, curve, colour)
                 shade = darkened(colour) if geometry == "ideal" else colour
                 line: dict[str, Any] = {"color": shade, "lw": WIDTHS[geometry], "zorder": 3}
@@ -126,12 +141,13 @@ def draw_moduli(
 ) -> None:
     """Bars of mu1 (dark) and mu2 (light), real beside ideal, with the difference above.
 
-    The difference of a group in `doubtful` has an asterisk.
+    The difference of a group in `doubtful` has an asterisk; one that is not known is a dash.
     """
     two_terms = "mu1_real_pa" in moduli
+    sides = {"real": -0.5, "ideal": 0.5} if moduli["mu_real_pa"].notna().any() else {"ideal": 0.0}
     for at, row in enumerate(moduli.to_dict("records")):
         colour = palette[row["group"]]
-        for side, geometry in ((-0.5, "real"), (0.5, "ideal")):
+        for geometry, side in sides.items():
             bar: dict[str, Any] = {"width": BAR, "edgecolor": "white", "linewidth": 0.4}
             bar |= {"hatch": "////"} if geometry == "ideal" else {}
             x, mu = at + side * (BAR + 0.03), 1e-3 * row[f"mu_{geometry}_pa"]
@@ -143,7 +159,8 @@ def draw_moduli(
             if np.isfinite(paper):
                 ax.plot(x, paper, "D", ms=3.4, mfc="white", mec="black", mew=0.8, zorder=4)
         tallest = 1e-3 * np.nanmax([row[f"{p}mu_{g}_pa"] for p in ("", "paper_") for g in LINES])
-        text = f"{row['difference_percent']:+.1f} %".replace("-", "−")
+        known = np.isfinite(row["difference_percent"])
+        text = f"{row['difference_percent']:+.1f} %".replace("-", "−") if known else "–"
         text += " *" if row["group"] in doubtful else ""
         ax.annotate(
             text, (at, tallest), xytext=(0, 4), textcoords="offset points", ha="center", size=7
@@ -154,17 +171,17 @@ def draw_moduli(
     ax.margins(y=0.12)
 
 
-def _keys_of_curves() -> list[Line2D]:
+def _keys_of_curves(names: dict[str, str]) -> list[Line2D]:
     """Legend entries of the left column."""
     return [
         Line2D([], [], ls="", marker="o", ms=3.2, mfc="none", mec="0.3", mew=0.6,
                label=f"experiment (every {EVERY}th point, at least {FEWEST})"),
-        *(Line2D([], [], color="0.3", ls=LINES[g], label=f"model, {NAMES[g]}", lw=w)
-          for g, w in WIDTHS.items()),
+        *(Line2D([], [], color="0.3", ls=LINES[g], label=f"model, {name}", lw=WIDTHS[g])
+          for g, name in names.items()),
     ]  # fmt: skip
 
 
-def _keys_of_moduli(moduli: pd.DataFrame) -> list[Patch | Line2D]:
+def _keys_of_moduli(moduli: pd.DataFrame, names: dict[str, str]) -> list[Patch | Line2D]:
     """Legend entries of the right column."""
     grey = "#737373"
     edge: dict[str, Any] = {"edgecolor": "white", "linewidth": 0.4}
@@ -174,9 +191,10 @@ def _keys_of_moduli(moduli: pd.DataFrame) -> list[Patch | Line2D]:
             Patch(facecolor=grey, label=r"bar: $\mu_1$ (dark)", **edge),
             Patch(facecolor=lightened(grey), label=r"bar: $\mu_2$ (light)", **edge),
         ]
+    hatches = {"real": None, "ideal": "////"}
     keys += [
-        Patch(facecolor=grey, label=f"bar: {NAMES['real']}", **edge),
-        Patch(facecolor=grey, hatch="////", label=f"bar: {NAMES['ideal']}", **edge),
+        Patch(facecolor=grey, hatch=hatches[geometry], label=f"bar: {name}", **edge)
+        for geometry, name in names.items()
     ]
     if moduli["paper_mu_real_pa"].notna().any():
         marker: dict[str, Any] = {

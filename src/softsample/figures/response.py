@@ -5,36 +5,45 @@ from collections.abc import Mapping
 import pandas as pd
 from matplotlib.figure import Figure
 
-from softsample.figures.moduli import LINES, NAMES, WIDTHS
+from softsample.figures.moduli import LINES, WIDTHS, geometry_names
 from softsample.figures.style import MODE_COLOURS, darkened, label_panel, page_figure, styled
 
 
 @styled
-def response_figure(curves: Mapping[str, pd.DataFrame], mode: str, title: str) -> Figure:
+def response_figure(
+    curves: Mapping[str, pd.DataFrame], mode: str, title: str, ideal: str = "cuboid"
+) -> Figure:
     """Force against displacement, and what each model leaves over.
 
     Parameters
     ----------
     curves
-        By geometry: `displacement_mm`, `measured_N`, `model_N`.
+        By geometry, `ideal` or both: `displacement_mm`, `measured_N`, `model_N`; empty for a
+        sample that is held out.
     mode
         Loading, which gives the colour.
     title
         Title of the figure.
+    ideal
+        What the sample is idealised as.
     """
     figure = page_figure(height_mm=68.0)
     force, left_over = figure.subplots(1, 2)
     colour = MODE_COLOURS[mode]
-    for geometry, table in curves.items():
+    names = geometry_names(ideal, curves)
+    for at, (geometry, table) in enumerate(curves.items()):
         curve = table.sort_values("displacement_mm", key=abs, kind="stable")
         travel = curve["displacement_mm"]
-        if geometry == "real":
+        if at == 0:
             force.plot(travel, curve["measured_N"], color="0.72", lw=3.0, label="measured")
         shade = darkened(colour) if geometry == "ideal" else colour
         line = {"color": shade, "ls": LINES[geometry], "lw": WIDTHS[geometry]}
-        force.plot(travel, curve["model_N"], label=f"model, {NAMES[geometry]}", **line)
+        force.plot(travel, curve["model_N"], label=f"model, {names[geometry]}", **line)
         misfit = 1e3 * (curve["measured_N"] - curve["model_N"])
         left_over.plot(travel, misfit, **{**line, "lw": 0.7})
+    if all(table.empty for table in curves.values()):
+        held_out = "held out: nothing of this record was calibrated"
+        force.text(0.5, 0.6, held_out, ha="center", transform=force.transAxes)
     for ax in (force, left_over):
         ax.axhline(0.0, color="0.75", lw=0.5, zorder=0)
         ax.set_xlabel("Displacement of the platen [mm]")

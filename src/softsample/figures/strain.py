@@ -1,6 +1,6 @@
 """Figure 7: deformed samples with their largest principal strain."""
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from itertools import count
 from string import ascii_lowercase
@@ -16,11 +16,22 @@ from matplotlib.patches import Rectangle
 from numpy.typing import NDArray
 
 from softsample.figures.render import Look, Renderer, draw_surface
-from softsample.figures.style import MODE_NAMES, STRAIN_MAP, label_panel, page_figure, styled
+from softsample.figures.style import (
+    PAGE_WIDTH_MM,
+    STRAIN_MAP,
+    label_panel,
+    page_figure,
+    spoken,
+    styled,
+)
 from softsample.figures.surface import FRONT, Surface, mesh_surface, silhouette
 from softsample.meshing.mesh import HexMesh
 
 Array = NDArray[np.float64]
+
+PANELS = ("surface", "real", "ideal")
+ALONE_WIDTH_MM = 90.0
+"""Width of a figure of ideal shapes alone."""
 
 PLATEN_MM = 1.0
 PANEL_MM, TITLE_MM = 46.0, 9.0
@@ -58,19 +69,21 @@ class StrainRow:
     sample, mode : str
         Name and loading.
     strain : float
-        Nominal strain at the end: travel over the height of the cuboid, positive.
-    surface : Surface
-        Segmented surface before the test.
-    real, ideal : Deformed
-        Both geometries.
+        Nominal strain at the end: travel over the height of the ideal shape, positive.
+    surface : Surface or None
+        The sample's surface before the test, where it is known.
+    shapes : mapping of Deformed
+        By geometry, `ideal` or both.
+    source : str
+        Where the surface comes from.
     """
 
     sample: str
     mode: str
     strain: float
-    surface: Surface
-    real: Deformed
-    ideal: Deformed
+    surface: Surface | None
+    shapes: Mapping[str, Deformed]
+    source: str = "MRI"
 
 
 @styled
@@ -80,7 +93,8 @@ def strain_figure(rows: Sequence[StrainRow], title: str, renderer: Renderer = "v
     Parameters
     ----------
     rows
-        One a loading mode.
+        One a loading mode. Panels of a surface and a real geometry that are not known stay empty;
+        they are left out if no row has any.
     title
         Title of the figure.
     renderer
@@ -88,39 +102,52 @@ def strain_figure(rows: Sequence[StrainRow], title: str, renderer: Renderer = "v
     """
     frames = [_frame(row) for row in rows]
     heights = [TITLE_MM + PANEL_MM * float(np.divide(*(high - low)[::-1])) for low, high in frames]
-    figure = page_figure(height_mm=14.0 + sum(heights))
-    axes = figure.subplots(len(rows), 3, squeeze=False, height_ratios=heights)
+    known = any("real" in row.shapes for row in rows)
+    panels = PANELS if known else PANELS[-1:]
+    figure = page_figure(14.0 + sum(heights), PAGE_WIDTH_MM if known else ALONE_WIDTH_MM)
+    axes = figure.subplots(len(rows), len(panels), squeeze=False, height_ratios=heights)
     letters = count()
     for row, line, frame in zip(rows, axes, frames, strict=True):
-        heads = (
-            f"{MODE_NAMES[row.mode]}, {row.sample}: MRI",
-            f"Real, nominal strain {row.strain:.2f}",
-            f"Idealised, nominal strain {row.strain:.2f}",
-        )
-        for ax, head in zip(line, heads, strict=True):
+        heads = _heads(row)
+        for ax, panel in zip(line, panels, strict=True):
             ax.set(xlim=(frame[0][0], frame[1][0]), ylim=(frame[0][1], frame[1][1]))
-            label_panel(ax, ascii_lowercase[next(letters)], head)
-        _draw_row(line, row, renderer)
+            if panel in heads:
+                label_panel(ax, ascii_lowercase[next(letters)], heads[panel])
+            else:
+                ax.set_axis_off()
+        _draw_row(dict(zip(panels, line, strict=True)), row, renderer)
     for ax in axes[-1]:
         ax.set_xlabel("x [mm]")
     figure.suptitle(title)
     return figure
 
 
-def _draw_row(line: Sequence[Axes], row: StrainRow, renderer: Renderer) -> None:
-    """Three front views of one sample and the colour bar of the row."""
+def _heads(row: StrainRow) -> dict[str, str]:
+    """Titles of the panels that a row has."""
+    mode, strain = spoken(row.mode).capitalize(), f"nominal strain {row.strain:.2f}"
+    heads = {"surface": f"{mode}, {row.sample}: {row.source}", "real": f"Real, {strain}"}
+    if "real" not in row.shapes:
+        return {"ideal": f"{mode}, {row.sample}: {strain}"}
+    return heads | {"ideal": f"Idealised, {strain}"}
+
+
+def _draw_row(line: Mapping[str, Axes], row: StrainRow, renderer: Renderer) -> None:
+    """Front views of one sample and the colour bar of the row."""
     limits = _limits(row)
-    draw_surface(line[0], row.surface, FRONT, Look(), renderer)
-    _draw_platens(line[0], row.surface)
-    for ax, shape in zip(line[1:], (row.real, row.ideal), strict=True):
+    if row.surface is not None:
+        draw_surface(line["surface"], row.surface, FRONT, Look(), renderer)
+        _draw_platens(line["surface"], row.surface)
+    for geometry, shape in row.shapes.items():
+        ax = line[geometry]
         draw_surface(ax, shape.after, FRONT, Look(limits=limits), renderer)
         _draw_platens(ax, shape.after)
         outline = silhouette(shape.before, FRONT)
         ax.plot(outline[:, 0], outline[:, 1], color="black", lw=0.7, ls=(0, (4, 2)), zorder=3)
-    line[0].set_ylabel("z [mm]")
-    line[-1].figure.colorbar(
+    line["surface" if row.surface is not None else "ideal"].set_ylabel("z [mm]")
+    last = line["ideal"]
+    last.figure.colorbar(
         ScalarMappable(Normalize(*limits), colormaps[STRAIN_MAP]),
-        cax=line[-1].inset_axes((1.05, 0.0, 0.05, 1.0)),
+        cax=last.inset_axes((1.05, 0.0, 0.05, 1.0)),
         label="Max. principal\nHencky strain [–]",
         extend="both",
     )
@@ -128,7 +155,7 @@ def _draw_row(line: Sequence[Axes], row: StrainRow, renderer: Renderer) -> None:
 
 def _limits(row: StrainRow) -> tuple[float, float]:
     """Common ends of the colour bar of a row, from the faces turned to the reader."""
-    values = np.concatenate([_seen_values(shape.after) for shape in (row.real, row.ideal)])
+    values = np.concatenate([_seen_values(shape.after) for shape in row.shapes.values()])
     low, high = np.percentile(values, PERCENTILES)
     return max(0.0, float(low)), float(high)
 
@@ -145,7 +172,8 @@ def _seen_values(surface: Surface) -> Array:
 
 def _frame(row: StrainRow) -> tuple[Array, Array]:
     """Lower and upper corner of a page that holds all shapes and platens of a row [mm]."""
-    shapes = [row.surface, *(s for g in (row.real, row.ideal) for s in (g.before, g.after))]
+    shapes = [surface for shape in row.shapes.values() for surface in (shape.before, shape.after)]
+    shapes += [row.surface] if row.surface is not None else []
     page = np.concatenate([FRONT.project(surface.points) for surface in shapes])
     margin = np.array([1.0, PLATEN_MM + 0.5])
     return page.min(axis=0) - margin, page.max(axis=0) + margin

@@ -3,7 +3,7 @@
 import pandas as pd
 from matplotlib.figure import Figure
 
-from softsample.figures.style import MODE_COLOURS, MODE_NAMES, page_figure, styled
+from softsample.figures.style import MODE_COLOURS, page_figure, spoken, styled
 
 
 @styled
@@ -24,7 +24,7 @@ def stress_strain_figure(table: pd.DataFrame, cohort: str) -> Figure:
         curve = table[table["mode"] == mode]
         strain, stress = curve["strain"], 1e-3 * curve["mean_stress_pa"]
         band = 1e-3 * curve["sd_stress_pa"].fillna(0.0)
-        label = f"{MODE_NAMES[mode]} (n = {curve['count'].iloc[0]})"
+        label = f"{spoken(mode).capitalize()} (n = {curve['count'].iloc[0]})"
         ax.fill_between(
             strain, stress - band, stress + band, color=MODE_COLOURS[mode], alpha=0.22, lw=0
         )

@@ -25,9 +25,14 @@ MM_PER_INCH = 25.4
 PALETTE = ("#0072B2", "#D55E00", "#009E73", "#CC79A7", "#E69F00", "#56B4E9", "#000000")
 """Okabe and Ito's colours without yellow, which is too pale for a line."""
 
-MODE_COLOURS = {"shear": "#009E73", "tension": "#0072B2", "compression": "#D55E00"}
-
-MODE_NAMES = {"shear": "Shear", "tension": "Tension", "compression": "Compression"}
+MODE_COLOURS = {
+    "shear": "#009E73",
+    "tension": "#0072B2",
+    "compression": "#D55E00",
+    "pure_shear": "#CC79A7",
+    "confined_compression": "#E69F00",
+}
+"""Colour of each loading mode, in the order in which figures show them."""
 
 TISSUE = "#D9B8A0"
 STRAIN_MAP = "viridis"
@@ -95,6 +100,11 @@ def colours(count: int) -> list[str]:
 def map_colours(count: int = 32) -> list[str]:
     """The map of strains in `count` steps, for pictures that are drawn elsewhere."""
     return [to_hex(c) for c in mpl.colormaps[STRAIN_MAP](np.linspace(0.0, 1.0, count))]
+
+
+def spoken(loading: str) -> str:
+    """Loading mode, or several joined by `+`, in words."""
+    return loading.replace("_", " ").replace("+", " and ")
 
 
 def lightened(colour: str, share: float = 0.6) -> str:

@@ -44,9 +44,8 @@ def families(table: pd.DataFrame) -> tuple[dict[str, ResponseCurves], dict[str, 
     for name, curves in table.groupby("variant", sort=False):
         grid = curves.pivot_table("force_per_mu", index="mu1_fraction", columns="displacement")
         travel, fractions = grid.columns.to_numpy(float), grid.index.to_numpy(float)
-        for found, rows in ((two_term, fractions < 1.0), (one_term, fractions == 1.0)):
-            if rows.any():
-                found[str(name)] = ResponseCurves(fractions[rows], travel, grid.to_numpy()[rows])
+        for found, rows in ((two_term, fractions <= 1.0), (one_term, fractions == 1.0)):
+            found[str(name)] = ResponseCurves(fractions[rows], travel, grid.to_numpy()[rows])
     return two_term, one_term
 
 

@@ -85,7 +85,7 @@ class Specimen:
     ) -> Self:
         """One channel of a record, beside the response that predicts it."""
         sign, time = travel_sign(mode), record.clock
-        force = record.force if channel == FORCE else record.force_normal
+        force = record.force if channel == FORCE else np.asarray(record.force_normal)
         return cls(
             name,
             mode,

@@ -10,6 +10,8 @@ from typing import Any
 import numpy as np
 import pandas as pd
 
+from softsample.report.tables import doubt_of
+
 MINUS = "−"
 
 RECOVERY = (
@@ -17,6 +19,8 @@ RECOVERY = (
     "agreement with that column of the paper shows that known values are recovered, it does not "
     "confirm the paper. The idealised column and the bias are results of these made-up shapes"
 )
+UNKNOWN = "not known without an image or a surface of the samples"
+NONE_HERE = "no such sample in this study"
 OWN = "The samples are not those of the paper, whose values are therefore not shown beside them"
 
 
@@ -24,11 +28,15 @@ def caption_numbers(
     summary: pd.DataFrame,
     stress: pd.DataFrame,
     fits: Iterable[Mapping[str, Any]],
-    elements: Sequence[int],
+    meshes: Sequence[Mapping[str, Any]],
     cohort: str,
     shipped: bool,
     shown: str,
+    geometries: Sequence[str],
     samples: int,
+    imaged: int,
+    surfaces: int,
+    ideal: str,
 ) -> dict[str, str]:
     """Texts by name, each a phrase that fits into a sentence.
 
@@ -40,32 +48,56 @@ def caption_numbers(
         `softsample.report.stress.stress_strain_table`.
     fits
         Calibration results of all groups, geometries and models.
-    elements
-        Numbers of elements of the real and the idealised mesh of the sample `shown`.
+    meshes
+        Quality reports of the meshes of the sample `shown`, one for each of `geometries`.
     cohort, shipped
         What the samples are, and whether they are the shipped virtual ones.
     shown
         Sample of figure 2.
-    samples
-        Number of samples.
+    geometries
+        Geometries of this sample.
+    samples, imaged, surfaces
+        Number of samples, and of those with an image and with a surface.
+    ideal
+        What samples are idealised as: `cuboid`, `cylinder`, or both.
     """
     fits = list(fits)
+    elements = {name: str(mesh["elements"]) for name, mesh in zip(geometries, meshes, strict=True)}
+    missing = UNKNOWN if imaged + surfaces == 0 else NONE_HERE
     return {
         "cohort": cohort,
         "materials": RECOVERY if shipped else OWN,
         "samples": str(samples),
         "shown": shown,
-        "elements_real": str(elements[0]),
-        "elements_ideal": str(elements[1]),
-        "bias_two_term": _means(summary, "modulus_two_term"),
-        "bias_one_term": _means(summary, "modulus_one_term"),
-        "top_area": _means(summary, "top_area"),
-        "bottom_area": _means(summary, "bottom_area_absolute"),
+        "ideal": ideal,
+        "modelled": _modelled(samples, imaged, surfaces, ideal),
+        "elements_real": elements.get("real", "no"),
+        "elements_ideal": elements["ideal"],
+        "bias_two_term": _means(summary, "modulus_two_term", missing),
+        "bias_one_term": _means(summary, "modulus_one_term", missing),
+        "top_area": _means(summary, "top_area", missing),
+        "bottom_area": _means(summary, "bottom_area_absolute", missing),
         "stress_at_end": _stress_at_end(stress),
         "misfit_two_term": _misfit(fits, "ogden2"),
         "misfit_one_term": _misfit(fits, "ogden1"),
         "trust": _trust(fits),
     }
+
+
+def _modelled(samples: int, imaged: int, surfaces: int, ideal: str) -> str:
+    """How the samples' shapes were found and modelled: the middle of a sentence about each."""
+    known, stated = imaged + surfaces, samples - imaged - surfaces
+    if imaged == samples:
+        return f"segmented in its image, meshed as it is and as a {ideal}"
+    if known == 0:
+        return (
+            f"meshed as a {ideal} of the stated dimensions (none has an image or a surface, so "
+            "that the bias by the idealised geometry is not known)"
+        )
+    kinds = (f"{imaged} with an image", f"{surfaces} with a surface")
+    there = " and ".join(kind for kind in kinds if kind[0] != "0")
+    where = f"meshed as it is where its shape is known ({there}) and as a {ideal}"
+    return where + (f" ({stated} by the stated dimensions alone)" if stated else "")
 
 
 def substitutions(numbers: Mapping[str, str]) -> str:
@@ -79,14 +111,18 @@ def percent(value: float) -> str:
     return f"{value:.1f} %".replace("-", MINUS)
 
 
-def _means(summary: pd.DataFrame, quantity: str) -> str:
+def _means(summary: pd.DataFrame, quantity: str, missing: str) -> str:
     """Mean and deviation by mode, the paper's in brackets where there are any."""
     rows = summary[summary["quantity"] == quantity].to_dict("records")
-    return "; ".join(_mean(row) for row in rows) or "no such sample in this study"
+    return "; ".join(_mean(row) for row in rows) or missing
+
+
+def _spoken(mode: str) -> str:
+    return mode.replace("_", " ").replace("+", " with ")
 
 
 def _mean(row: Mapping[Any, Any]) -> str:
-    mode = "all samples" if row["mode"] == "all" else row["mode"].replace("+", " with ")
+    mode = "all samples" if row["mode"] == "all" else _spoken(row["mode"])
     spread = f", SD {percent(row['sd_percent'])}" if np.isfinite(row["sd_percent"]) else ""
     text = f"{percent(row['mean_percent'])} in {mode} (n = {row['count']}{spread}"
     if np.isfinite(row["paper_mean_percent"]):
@@ -96,7 +132,7 @@ def _mean(row: Mapping[Any, Any]) -> str:
 
 
 def _stress_at_end(stress: pd.DataFrame) -> str:
-    last = stress.groupby("mode", sort=False).last()
+    last = stress.groupby("mode", sort=False).last().rename(index=_spoken)
     return ", ".join(
         f"{1e-3 * row['mean_stress_pa']:.2f} kPa at strain {row['strain']:.2f} in {mode}"
         for mode, row in last.iterrows()
@@ -124,11 +160,13 @@ def _misfit(fits: Sequence[Mapping[str, Any]], model: str) -> str:
 
 
 def _trust(fits: Sequence[Mapping[str, Any]]) -> str:
-    doubtful = [
-        f"{fit['group']} ({fit['model']}, {fit['geometry']} geometry: {fit['verdict']})"
-        for fit in fits
-        if not fit["success"]
+    """Fits on a bound, which are findings, and fits that did not converge."""
+    doubts = [(fit, doubt_of(fit)) for fit in fits]
+    named = [
+        f"{fit['group']} ({fit['model']}, {fit['geometry']} geometry: {doubt})"
+        for fit, doubt in doubts
+        if doubt
     ]
-    if doubtful:
-        return f"Not to be trusted: {', '.join(doubtful)}"
+    if named:
+        return f"Of {len(fits)} calibrations, to be read with care: {', '.join(named)}"
     return f"All {len(fits)} calibrations converged, none on a bound"

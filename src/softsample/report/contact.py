@@ -10,22 +10,21 @@ STRAIN_STEP = 0.025
 
 
 def contact_share(contact: pd.DataFrame, cuboid: Mapping[str, float]) -> pd.DataFrame:
-    """Contact area of one run, referred to the cuboid.
+    """Contact area of one run, referred to the idealised shape.
 
     Parameters
     ----------
     contact
         `displacement_mm` and `contact_area_m2` along the run at the calibrated moduli.
     cuboid
-        `length_mm`, `width_mm`, `height_mm`.
+        `ideal_area_mm2`, `height_mm`.
 
     Returns
     -------
     DataFrame
-        `strain`: travel over the cuboid's height; `share_percent`: contact area over length times
-        width.
+        `strain`: travel over the ideal height; `share_percent`: contact area over the ideal area.
     """
-    area = 1e6 * contact["contact_area_m2"] / (cuboid["length_mm"] * cuboid["width_mm"])
+    area = 1e6 * contact["contact_area_m2"] / cuboid["ideal_area_mm2"]
     strain = contact["displacement_mm"].abs() / cuboid["height_mm"]
     return pd.DataFrame({"strain": strain, "share_percent": 100.0 * area})
 
@@ -42,7 +41,7 @@ def contact_table(shares: Mapping[tuple[str, str], pd.DataFrame]) -> pd.DataFram
     -------
     DataFrame
         `strain`, and for each geometry `{geometry}_percent` with `{geometry}_sd_percent` (n - 1;
-        empty for a single sample), percent of length times width.
+        empty for a single sample), percent of the ideal area.
     """
     first = max(curve["strain"].iloc[0] for curve in shares.values())
     last = min(curve["strain"].iloc[-1] for curve in shares.values())

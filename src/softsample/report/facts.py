@@ -4,48 +4,36 @@ from collections.abc import Mapping, Sequence
 from typing import Any
 
 from softsample.report.html import written
+from softsample.report.tables import doubt_of
 
 Report = Mapping[str, Any]
 
 
 def sample_facts(
-    found: Report, segmentation: Report, cuboid: Report, mesh: Report, run: Report
+    found: Report,
+    segmentation: Report | None,
+    cuboid: Report,
+    mesh: Mapping[str, Report],
+    run: Mapping[str, Report],
 ) -> list[tuple[str, str]]:
     """Name and value of each row of the table that opens a sample's page.
 
     Parameters
     ----------
     found, segmentation, cuboid
-        `inputs/`, `segmentation/` and `cuboid/{sample}.json`.
+        `inputs/`, `segmentation/` and `cuboid/{sample}.json`; no segmentation of a sample whose
+        dimensions are stated.
     mesh, run
         `mesh/` and `fields/{sample}/{geometry}.json` by geometry.
     """
-    record = found["record"]
-    phases = ", ".join(phase["kind"] for phase in record["phases"])
-    edges = _by([cuboid[f"{edge}_mm"] for edge in ("length", "width", "height")], "mm")
-    image = found["image"]
-    rows = [
-        ("Image", f"{_by(image['shape'], 'voxels')} of {_by(image['voxel_mm'], 'mm')}"),
-        (
-            "Record",
-            f"{record['samples']} points at {written(record['sampling_rate_hz'])} Hz; travel "
-            f"{written(record['travel_mm'])} mm, ramp {written(record['ramp_speed_mm_s'])} mm/s, "
-            f"peak {written(record['peak_force_N'])} N, noise "
-            f"{written(record['force_noise_N'])} N; {phases}",
-        ),
-        (
-            "Surface",
-            f"{written(segmentation['volume_mm3'])} mm³, known to "
-            f"{written(segmentation['boundary_sigma_mm'])} mm (one sigma); film of "
-            f"{written(segmentation['film_mm'])} mm taken off, tilt of "
-            f"{written(segmentation['tilt_deg'])}° taken out",
-        ),
-        (
-            "Cuboid",
-            f"{edges}; faces of the sample against it: bottom "
-            f"{written(cuboid['bottom_difference_percent'])} %, top "
-            f"{written(cuboid['top_difference_percent'])} %",
-        ),
+    rows = [("Record", record_fact(found["record"])), _ideal(cuboid)]
+    image = found.get("image")
+    if segmentation:
+        rows.insert(1, ("Surface", _surface(segmentation, image is not None)))
+    if image:
+        voxels = f"{_by(image['shape'], 'voxels')} of {_by(image['voxel_mm'], 'mm')}"
+        rows.insert(0, ("Image", voxels))
+    rows += [
         ("Meshes", "; ".join(_mesh(name, report) for name, report in mesh.items())),
         (
             "Run at the optimum",
@@ -57,8 +45,56 @@ def sample_facts(
             ),
         ),
     ]
-    remarks = [*record["warnings"], *segmentation["flags"]]
+    remarks = [*found["record"]["warnings"], *(segmentation or {}).get("flags", [])]
     return rows + ([("Remarks", "; ".join(remarks))] if remarks else [])
+
+
+def record_fact(record: Report) -> str:
+    """What was found in a test record; one without time has neither rate nor speed."""
+    rate, speed = record.get("sampling_rate_hz"), record.get("ramp_speed_mm_s")
+    phases = ", ".join(phase["kind"] for phase in record["phases"])
+    return (
+        f"{record['samples']} points{_given(' at {} Hz', rate)}; travel "
+        f"{written(record['travel_mm'])} mm,{_given(' ramp {} mm/s,', speed)} "
+        f"peak {written(record['peak_force_N'])} N, noise "
+        f"{written(record['force_noise_N'])} N; {phases}"
+    )
+
+
+def _given(text: str, value: float | None) -> str:
+    """`text` with the value, nothing without one."""
+    return "" if value is None else text.format(written(value))
+
+
+def _surface(segmentation: Report, imaged: bool) -> str:
+    """Volume of the sample, and what was done to the segmentation of an image."""
+    volume = f"{written(segmentation['volume_mm3'])} mm³"
+    if not imaged:
+        return f"{volume}, as given"
+    return (
+        f"{volume}, known to "
+        f"{written(segmentation['boundary_sigma_mm'])} mm (one sigma); film of "
+        f"{written(segmentation['film_mm'])} mm taken off, tilt of "
+        f"{written(segmentation['tilt_deg'])}° taken out"
+    )
+
+
+def _ideal(cuboid: Report) -> tuple[str, str]:
+    """Kind and size of the idealised shape, and how the sample's faces differ from it."""
+    if "diameter_mm" in cuboid:
+        kind, height = "Cylinder", written(cuboid["height_mm"])
+        size = f"diameter {written(cuboid['diameter_mm'])} mm, height {height} mm"
+    else:
+        kind, edges = "Cuboid", ("length_mm", "width_mm", "height_mm")
+        size = _by([cuboid[edge] for edge in edges], "mm")
+    if "top_difference_percent" not in cuboid:
+        unknown = "as stated; the sample's true shape, and with it the bias, is not known"
+        return kind, f"{size}, {unknown}"
+    return kind, (
+        f"{size}; faces of the sample against it: bottom "
+        f"{written(cuboid['bottom_difference_percent'])} %, top "
+        f"{written(cuboid['top_difference_percent'])} %"
+    )
 
 
 def _by(sizes: Sequence[float], unit: str) -> str:
@@ -82,3 +118,12 @@ def verdict_sentence(verdict: Report) -> str:
         f"{named}Error, noise taken out, of the test with the largest: {written(before)} % of peak "
         f"before, {written(after)} % after."
     )
+
+
+def findings_of(fits: Sequence[Report]) -> list[str]:
+    """What the calibrations of a group found beside their moduli, a sentence each."""
+    return [
+        f"{fit['geometry']} geometry, {fit['model']}: {doubt}"
+        for fit in fits
+        if (doubt := doubt_of(fit))
+    ]

@@ -22,6 +22,9 @@ FLOOR = ("mesh", "hourglass", "element")
 """Terms that the choice of mesh and element leaves open: it is wrong in the same sense in all
 samples, so that their forces keep the sign."""
 
+CLOSED_FORM = "closed form"
+"""`method` of a response that was not simulated."""
+
 COARSE = "elements of twice the size"
 HOURGLASS = ("half the hourglass stiffness", "twice the hourglass stiffness")
 
@@ -44,6 +47,17 @@ class FloorSettings:
     element_size_mm: Sequence[float]
     element_percent: Mapping[str, Sequence[float]]
 
+    def element(self, mode: str, size_mm: float) -> float:
+        """Difference of the two elements [% of force] at an element size [mm]."""
+        # ASSUME: the planes along which a pure shear test is bonded strain its elements as those
+        # of a tension test do; confined compression is a homogeneous strain, which both elements
+        # represent exactly. Numbers of their own in the config take precedence.
+        like = {"pure_shear": "tension"}.get(mode, mode)
+        percents = self.element_percent.get(mode, self.element_percent.get(like))
+        if percents is None:
+            return 0.0
+        return float(np.interp(np.log(size_mm), np.log(self.element_size_mm), percents))
+
 
 def rectangular(half_width: float) -> float:
     """Standard deviation of a value that lies anywhere within limits; keeps the limit's sign."""
@@ -52,47 +66,50 @@ def rectangular(half_width: float) -> float:
 
 def force_terms(
     mode: str,
-    band: Mapping[str, Any],
+    band: Mapping[str, Any] | None,
     changes: Mapping[str, Mapping[str, float]],
-    error_bound_percent: float,
+    curves: Mapping[str, Any],
     element_size_mm: float,
     settings: FloorSettings,
 ) -> dict[str, float]:
-    """Standard deviations of a sample's modelled force [%], by term; signed, those of the floor.
+    """Standard deviations of a piece's modelled force [%], by term; signed, those of the floor.
 
     Parameters
     ----------
     mode : str
         Loading mode.
-    band : mapping
-        `band/{sample}.json`: the surface one standard deviation further in and out.
+    band : mapping or None
+        `band/{sample}.json`: the surface one standard deviation further in and out; None where no
+        image says how well it is known: the term is NaN.
     changes : mapping
-        `sensitivity/{sample}/real.json`, `changes`: `modulus_percent` by numerical choice.
-    error_bound_percent : float
-        Of the curve, from two loading times.
+        `changes` of `sensitivity/{sample}/{geometry}.json`, on the best geometry there is:
+        `modulus_percent` by numerical choice.
+    curves : mapping
+        `curves/{sample}/{geometry}/{model}.json`: `error_bound_percent`, from two loading times.
+        A closed form has no error of loading time, mesh or element.
     element_size_mm : float
-        Of the study; the sensitivity has elements of twice this size.
+        Of the piece's mesh; the sensitivity has elements of twice this size.
     settings : FloorSettings
         Floor of mesh and element.
     """
+    geometry = np.nan if band is None else 0.5 * (band["high_percent"] - band["low_percent"])
+    if curves.get("method") == CLOSED_FORM:
+        return {"geometry": geometry, **dict.fromkeys(("time", *FLOOR), 0.0)}
     softer, stiffer = (changes[name]["modulus_percent"] for name in HOURGLASS)
     richardson = changes[COARSE]["modulus_percent"] / (2.0**settings.mesh_order - 1.0)
-    element = np.interp(
-        np.log(element_size_mm),
-        np.log(settings.element_size_mm),
-        settings.element_percent[mode],
-    )
     return {
-        "geometry": 0.5 * (band["high_percent"] - band["low_percent"]),
-        "time": rectangular(error_bound_percent),
+        "geometry": geometry,
+        "time": rectangular(curves["error_bound_percent"]),
         "mesh": rectangular(richardson),
         "hourglass": rectangular(max(-softer, stiffer, key=abs)),
-        "element": rectangular(float(element)),
+        "element": rectangular(settings.element(mode, element_size_mm)),
     }
 
 
 def interval_rows(
-    fit: Mapping[str, Any], forces: Mapping[str, Mapping[str, float]]
+    fit: Mapping[str, Any],
+    forces: Mapping[str, Mapping[str, float]],
+    piece_of: Mapping[str, str],
 ) -> list[dict[str, Any]]:
     """One row for each modulus of a fit.
 
@@ -101,29 +118,34 @@ def interval_rows(
     fit : mapping
         `calibration/{group}/{geometry}/{model}.json`.
     forces : mapping
-        `force_terms` by sample. What the floor's do to the modulus adds up over the samples, other
-        errors of different samples are independent.
+        `force_terms` by piece. What the floor's do to the modulus adds up over the pieces, other
+        errors of different pieces are independent.
+    piece_of : mapping
+        Piece by sample; its records share the errors of its model.
 
     Returns
     -------
     list of dict
         Value [Pa], standard deviation of every term [% of it], limits [Pa] of the interval with
-        (`low_pa`, `high_pa`) and without the floor.
+        (`low_pa`, `high_pa`) and without the floor. A term that is known of no piece is NaN, and
+        not in the interval.
     """
     given, rows = fit["uncertainty"], []
     z = float(ndtri(0.5 + 0.5 * given["confidence"]))
     for name in ("mu",) if fit["model"] == "ogden1" else ("mu", "mu1", "mu2"):
         key = f"{name}_pa"
-        per_percent = {s: change[key] for s, change in given["per_percent_of_force"].items()}
+        per_percent = dict.fromkeys(map(piece_of.__getitem__, given["per_percent_of_force"]), 0.0)
+        for sample, change in given["per_percent_of_force"].items():
+            per_percent[piece_of[sample]] += change[key]
         shifts = [change[key] for change in given["contact_zero"].values()]
         terms = {
             "statistics": given["bootstrap"][key]["sd"],
             "contact_zero": float(np.linalg.norm(shifts)),
         }
         for term in ("geometry", "time", *FLOOR):
-            parts = [change * forces[s][term] for s, change in per_percent.items()]
-            terms[term] = abs(sum(parts)) if term in FLOOR else float(np.linalg.norm(parts))
-        without = z * float(np.linalg.norm([terms[term] for term in MEASURED]))
+            parts = [change * forces[piece][term] for piece, change in per_percent.items()]
+            terms[term] = abs(sum(parts)) if term in FLOOR else _norm(parts)
+        without = z * _norm([terms[term] for term in MEASURED])
         half = float(np.hypot(without, z * np.linalg.norm([terms[term] for term in FLOOR])))
         value = fit[key]
         rows.append(
@@ -141,16 +163,21 @@ def interval_rows(
     return rows
 
 
+def _norm(parts: Sequence[float]) -> float:
+    """Root of the sum of squares of the parts that are known; NaN if none is."""
+    known = [part for part in parts if not np.isnan(part)]
+    return float(np.linalg.norm(known)) if known else float("nan")
+
+
 def interval_table(
     fits: Sequence[Mapping[str, Any]],
     forces: Mapping[tuple[str, str, str], Mapping[str, float]],
+    piece_of: Mapping[str, str],
 ) -> pd.DataFrame:
-    """Intervals of all moduli of all fits; `forces` by sample, geometry and model."""
-    rows = [
-        row
-        for fit in fits
-        for row in interval_rows(
-            fit, {s: forces[s, fit["geometry"], fit["model"]] for s in fit["samples"]}
-        )
-    ]
+    """Intervals of all moduli of all fits; `forces` by piece, geometry and model."""
+    rows = []
+    for fit in fits:
+        pieces = {piece_of[sample] for sample in fit["samples"]}
+        of_fit = {piece: forces[piece, fit["geometry"], fit["model"]] for piece in pieces}
+        rows += interval_rows(fit, of_fit, piece_of)
     return pd.DataFrame(rows)

@@ -5,13 +5,15 @@ from typing import Any
 
 import pandas as pd
 
-VERSION = 1
+VERSION = 2
 """Of the form of the document; it grows when a reader of the last one could be misled."""
 
 SIZES = (
-    "length_mm", "width_mm", "height_mm", "highest_point_mm", "volume_real_mm3",
+    "diameter_mm", "length_mm", "width_mm", "height_mm", "highest_point_mm", "volume_real_mm3",
     "bottom_area_mm2", "top_area_mm2", "glued_area_mm2",
 )  # fmt: skip
+"""Of these a sample has what is known of it: without an image or a surface the ideal ones."""
+
 RECORD = ("travel_mm", "ramp_speed_mm_s", "peak_force_N", "force_noise_N")
 
 Report = Mapping[str, Any]
@@ -55,18 +57,22 @@ def study_results(
         models = groups[fit["group"]]["calibration"].setdefault(fit["geometry"], {})
         models[fit["model"]] = _calibration(fit, intervals)
     for group in groups.values():
-        real, ideal = (group["calibration"][geometry] for geometry in ("real", "ideal"))
-        for model in real:
-            mu = [fitted[model]["moduli"]["mu"]["value_pa"] for fitted in (real, ideal)]
-            group["bias_percent"][model] = 100.0 * (mu[1] / mu[0] - 1.0)
+        real = group["calibration"].get("real", {})
+        for model, ideal in group["calibration"]["ideal"].items():
+            mu = [fit["moduli"]["mu"]["value_pa"] for fit in (real.get(model), ideal) if fit]
+            bias = 100.0 * (mu[1] / mu[0] - 1.0) if len(mu) == 2 else None
+            group["bias_percent"][model] = bias
     return {
         "version": VERSION,
         "samples": {
             name: {
                 "group": row["group"],
                 "mode": row["mode"],
-                "geometry": {key: cuboid[key] for key in SIZES},
-                "record": {key: report["record"][key] for key in RECORD},
+                "geometry": {
+                    "shape": cuboid.get("shape", "cuboid"),
+                    **{key: cuboid[key] for key in SIZES if key in cuboid},
+                },
+                "record": {key: report["record"].get(key) for key in RECORD},
             }
             for (name, row), report, cuboid in zip(samples.items(), found, cuboids, strict=True)
         },
@@ -91,6 +97,7 @@ def _calibration(fit: Report, intervals: pd.DataFrame) -> dict[str, Any]:
         "area_error_percent": fit["area_error_percent"],
         "trusted": fit["success"],
         "remark": fit["verdict"],
+        "finding": fit.get("finding"),
     }
 
 
@@ -117,27 +124,46 @@ def _errors(errors: Report) -> dict[str, float]:
 
 
 def in_brief(document: Mapping[str, Any]) -> str:
-    """The moduli and the verdict of every group as a table of text, a line each."""
-    rows = [("group", "shear modulus [Pa]", "cuboid [Pa]", "bias", "verdict")]
-    for name, group in document["groups"].items():
-        real, ideal = (
-            group["calibration"][geometry]["ogden2"]["moduli"]["mu"]
-            for geometry in ("real", "ideal")
-        )
-        interval = ""
-        if real["low_pa"] is not None:
-            interval = f" ({real['low_pa']:.0f} to {real['high_pa']:.0f})"
-        effects = ", ".join("|".join(e["class"]) for e in group["verdict"]["effects"])
-        verdict = group["verdict"]["verdict"]
-        rows.append(
-            (
-                name,
-                f"{real['value_pa']:.0f}{interval}",
-                f"{ideal['value_pa']:.0f}",
-                f"{group['bias_percent']['ogden2']:+.1f} %",
-                f"{verdict}: {effects}" if effects else verdict,
-            )
-        )
+    """The moduli and the verdict of every group as a table of text, a line each; then findings.
+
+    The modulus is that of the best geometry of the group: of the ideal shape, if its true shape is
+    not known.
+    """
+    head = ("group", "shear modulus [Pa]", "ideal shape [Pa]", "bias", "verdict")
+    rows = [head, *(_line(name, group) for name, group in document["groups"].items())]
     widths = [max(map(len, column)) for column in zip(*rows, strict=True)]
-    lines = ("  ".join(map(str.ljust, row, widths)).rstrip() for row in rows)
-    return "\n".join(lines)
+    lines = ["  ".join(map(str.ljust, row, widths)).rstrip() for row in rows]
+    return "\n".join([*lines, *_findings(document["groups"])])
+
+
+def _line(name: str, group: Mapping[str, Any]) -> tuple[str, str, str, str, str]:
+    """A group's row of the table of `in_brief`."""
+    moduli = {
+        geometry: models["ogden2"]["moduli"]["mu"]
+        for geometry, models in group["calibration"].items()
+    }
+    ideal, bias = moduli["ideal"], group["bias_percent"]["ogden2"]
+    best = moduli.get("real", ideal)
+    interval = ""
+    if best["low_pa"] is not None:
+        interval = f" ({best['low_pa']:.0f} to {best['high_pa']:.0f})"
+    effects = ", ".join("|".join(e["class"]) for e in group["verdict"]["effects"])
+    verdict = group["verdict"]["verdict"]
+    return (
+        name,
+        f"{best['value_pa']:.0f}{interval}",
+        f"{ideal['value_pa']:.0f}",
+        "not known" if bias is None else f"{bias:+.1f} %",
+        f"{verdict}: {effects}" if effects else verdict,
+    )
+
+
+def _findings(groups: Mapping[str, Any]) -> list[str]:
+    """A line for each fit that has a finding."""
+    return [
+        f"{name}, {geometry} geometry, {model}: {fit['finding']}"
+        for name, group in groups.items()
+        for geometry, models in group["calibration"].items()
+        for model, fit in models.items()
+        if fit["finding"]
+    ]

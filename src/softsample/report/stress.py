@@ -1,6 +1,6 @@
 """Nominal stress against nominal strain, averaged over the samples of a loading mode."""
 
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 
 import numpy as np
 import pandas as pd
@@ -10,24 +10,25 @@ Array = NDArray[np.float64]
 
 
 def nominal_curve(
-    displacement: Array, force: Array, length: float, width: float, height: float
+    displacement: Array, force: Array, cuboid: Mapping[str, float]
 ) -> tuple[Array, Array]:
-    """Nominal strain and stress of a test, referred to the idealised cuboid.
+    """Nominal strain and stress of a test, referred to the idealised shape.
 
     Parameters
     ----------
     displacement, force : (n,) float64
         Travel of the platen [m] and its force [N] along the travel.
-    length, width, height : float
-        Edges of the cuboid [m].
+    cuboid : mapping
+        `ideal_area_mm2`, `height_mm`.
 
     Returns
     -------
     strain, stress : (n,) float64
-        Travel over height, dimensionless, ascending; force over length times width [Pa].
+        Travel over height, dimensionless, ascending; force over area [Pa].
     """
     order = np.argsort(displacement, kind="stable")
-    return displacement[order] / height, force[order] / (length * width)
+    height, area = 1e-3 * cuboid["height_mm"], 1e-6 * cuboid["ideal_area_mm2"]
+    return displacement[order] / height, force[order] / area
 
 
 def mean_curve(curves: Sequence[tuple[Array, Array]], points: int = 101) -> pd.DataFrame:

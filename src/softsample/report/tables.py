@@ -23,6 +23,12 @@ PAPER_TABLE = {TWO_TERM: 1, ONE_TERM: 2}
 TERMS = {TWO_TERM: ("mu1", "mu2", "mu"), ONE_TERM: ("mu",)}
 """Moduli that a table prints for each material model."""
 
+MOST = 3
+"""Samples whose names a row of the one-term table joins."""
+
+NO_REAL = "no image or surface: moduli of the ideal shape, bias not known"
+"""Note of a group whose samples' true shape is not known."""
+
 LEVEL = 0.90
 """Level of the intervals of means."""
 
@@ -37,10 +43,10 @@ def moduli_table(
     fits
         Calibration results (`calibration/{group}/{geometry}/{model}.json`) in the order of the
         rows; of each are read `group`, `geometry`, `samples`, `modes`, `mu1_pa`, `mu2_pa`,
-        `mu_pa`, `success` and `verdict`.
+        `mu_pa`, `success`, `verdict` and, if it is there, `finding`.
     model
         `ogden2` or `ogden1`. The one-term table names its rows by the sample (C1), since it
-        is fitted to the compression sample of a group (TC1) alone.
+        is fitted to the compression sample of a group (TC1) alone; by the group if there are many.
     paper
         Values of the paper (`resources/paper/moduli.csv`); None leaves its columns empty.
 
@@ -50,9 +56,11 @@ def moduli_table(
         Moduli [Pa]; `difference_percent` = 100 (ideal - real) / real, negative when the cuboid
         gives the lower modulus. The paper's values have the same names after `paper_`;
         `mu_real_against_paper_percent` and `mu_ideal_against_paper_percent` are ours over them,
-        `difference_against_paper_points` is ours minus theirs. `note`: fits not to be trusted.
+        `difference_against_paper_points` is ours minus theirs. `note`: findings, fits not to be
+        trusted, and geometries that are not known; moduli on these are empty.
     notes : list of str
-        What a reader has to know of single rows: groups left out, fits that are not trusted.
+        What a reader has to know of single rows: groups left out, findings, fits that are not
+        trusted.
 
     Raises
     ------
@@ -62,21 +70,25 @@ def moduli_table(
     by_group = _paired(fits)
     rows, notes = [], []
     for group, pair in by_group.items():
-        missing = [name for name in GEOMETRIES if name not in pair]
-        if missing:
-            notes.append(f"{group} is left out: no calibration on the {missing[0]} geometry")
+        if "ideal" not in pair:
+            notes.append(f"{group} is left out: no calibration on the ideal geometry")
             continue
         doubts = [
-            f"{name} geometry: {pair[name]['verdict']}"
+            f"{name} geometry: {doubt}"
             for name in GEOMETRIES
-            if not pair[name]["success"]
+            if name in pair and (doubt := doubt_of(pair[name]))
         ]
         notes += [f"{group}, {doubt}" for doubt in doubts]
-        row = _moduli_row(pair["real"], pair["ideal"], model)
-        rows.append({**row, "note": "; ".join(doubts)})
+        unknown = [] if "real" in pair else [NO_REAL]
+        rows.append({**_moduli_row(pair, model), "note": "; ".join(unknown + doubts)})
     moduli = [f"{term}_{name}_pa" for name in GEOMETRIES for term in TERMS[model]]
     columns = ["group", "mode", *moduli, "difference_percent", "note"]
     return _beside_paper(pd.DataFrame(rows, columns=columns), model, paper), notes
+
+
+def doubt_of(fit: Mapping[str, Any]) -> str:
+    """What a reader has to know of a fit: its finding, or why it is not to be trusted."""
+    return fit.get("finding") or ("" if fit["success"] else fit["verdict"])
 
 
 def _paired(fits: Iterable[Mapping[str, Any]]) -> dict[str, dict[str, Mapping[str, Any]]]:
@@ -93,26 +105,27 @@ def _paired(fits: Iterable[Mapping[str, Any]]) -> dict[str, dict[str, Mapping[st
     return by_group
 
 
-def _moduli_row(
-    real: Mapping[str, Any], ideal: Mapping[str, Any], model: str
-) -> dict[str, str | float]:
-    label = "+".join(real["samples"]) if model == ONE_TERM else real["group"]
+def _moduli_row(pair: Mapping[str, Mapping[str, Any]], model: str) -> dict[str, str | float]:
+    ideal = pair["ideal"]
     moduli = {
-        f"{term}_{name}_pa": float(fit[f"{term}_pa"])
-        for name, fit in zip(GEOMETRIES, (real, ideal), strict=True)
+        f"{term}_{name}_pa": float(pair[name][f"{term}_pa"]) if name in pair else np.nan
+        for name in GEOMETRIES
         for term in TERMS[model]
     }
+    real, samples = moduli["mu_real_pa"], ideal["samples"]
     return {
-        "group": label,
-        "mode": loading(real["modes"]),
+        "group": "+".join(samples)
+        if model == ONE_TERM and len(samples) <= MOST
+        else ideal["group"],
+        "mode": loading(ideal["modes"]),
         **moduli,
-        "difference_percent": 100.0 * (ideal["mu_pa"] - real["mu_pa"]) / real["mu_pa"],
+        "difference_percent": 100.0 * (ideal["mu_pa"] - real) / real,
     }
 
 
 def loading(modes: Iterable[str]) -> str:
-    """Loading of a group in one word: its modes, tension first, joined by a plus."""
-    order = ("shear", "tension", "compression")
+    """Loading of a group in one word: its modes, tension before compression, joined by a plus."""
+    order = ("shear", "tension", "compression", "pure_shear", "confined_compression")
     return "+".join(sorted(set(modes), key=order.index))
 
 
@@ -140,7 +153,7 @@ def geometry_table(
     Parameters
     ----------
     cuboids
-        Measured cuboid by sample (`cuboid/{sample}.json`), in the order of the rows.
+        Idealised shape by sample (`cuboid/{sample}.json`), in the order of the rows.
     modes
         Loading mode by sample.
 
@@ -148,16 +161,21 @@ def geometry_table(
     -------
     DataFrame
         Lengths [mm], volume [mm3], areas [mm2]. Differences are 100 (real / ideal - 1) in
-        percent: negative when the real face is smaller than the face of the cuboid.
+        percent: negative when the real face is smaller than the ideal one. A cylinder has
+        `diameter_mm` in place of length and width; what is not known without an image or a
+        surface is empty.
     """
+    round_ = any("diameter_mm" in cuboid for cuboid in cuboids.values())
+    edges = (*(("diameter_mm",) if round_ else ()), "length_mm", "width_mm", "height_mm")
     rows = []
     for sample, cuboid in cuboids.items():
         row: dict[str, str | float] = {"sample": sample, "mode": modes[sample]}
-        row |= {f"{edge}_mm": cuboid[f"{edge}_mm"] for edge in ("length", "width", "height")}
-        row["volume_real_mm3"] = cuboid["volume_real_mm3"]
-        ideal = cuboid["length_mm"] * cuboid["width_mm"]
+        across = ("length_mm", "width_mm") if "diameter_mm" in cuboid else ()
+        row |= {edge: np.nan if edge in across else cuboid.get(edge, np.nan) for edge in edges}
+        row["volume_real_mm3"] = cuboid.get("volume_real_mm3", np.nan)
+        ideal = cuboid["ideal_area_mm2"]
         for face in ("bottom", "top"):
-            real = cuboid[f"{face}_area_mm2"]
+            real = cuboid.get(f"{face}_area_mm2", np.nan)
             row[f"{face}_area_real_mm2"] = real
             row[f"{face}_area_ideal_mm2"] = ideal
             row[f"{face}_difference_percent"] = 100.0 * (real / ideal - 1.0)
@@ -187,16 +205,17 @@ def summary_table(
         the mean, Student's t), `paper_mean_percent`, `paper_sd_percent`, and ours minus theirs,
         `against_paper_points`.
         Signs as in the tables. The paper prints the difference of the bottom area without its
-        sign, so that row has the mean of absolute differences.
+        sign, so that row has the mean of absolute differences. What is known of no sample has no
+        row.
     """
     bottom = geometry["bottom_difference_percent"]
-    rows = [_statistics("bottom_area_absolute", "all", bottom.abs())]
+    rows = _statistics("bottom_area_absolute", "all", bottom.abs())
     for face in ("bottom", "top"):
         rows += _by_mode(f"{face}_area", geometry, f"{face}_difference_percent")
     for model, name in ((TWO_TERM, "modulus_two_term"), (ONE_TERM, "modulus_one_term")):
         if model in moduli:
             rows += _by_mode(name, moduli[model], "difference_percent")
-    table = pd.DataFrame(rows)
+    table = pd.DataFrame(rows, columns=STATISTICS)
     names = {column: f"paper_{column}" for column in ("mean_percent", "sd_percent")}
     if paper is None:
         table = table.assign(**dict.fromkeys(names.values(), np.nan))
@@ -208,21 +227,24 @@ def summary_table(
 
 def _by_mode(quantity: str, table: pd.DataFrame, column: str) -> list[dict[str, Any]]:
     modes = dict.fromkeys(table["mode"])
-    return [_statistics(quantity, m, table.loc[table["mode"] == m, column]) for m in modes]
+    found = (_statistics(quantity, m, table.loc[table["mode"] == m, column]) for m in modes)
+    return [row for rows in found for row in rows]
 
 
-def _statistics(quantity: str, mode: str, values: pd.Series) -> dict[str, Any]:
+STATISTICS = (
+    "quantity", "mode", "count", "mean_percent", "sd_percent", "low_percent", "high_percent"
+)  # fmt: skip
+
+
+def _statistics(quantity: str, mode: str, values: pd.Series) -> list[dict[str, Any]]:
+    """A row of `STATISTICS` over the known values, none if there are none."""
+    values = values.dropna()
     mean, sd, count = values.mean(), values.std(ddof=1), len(values)
+    if count == 0:
+        return []
     half = student_t.ppf(0.5 * (1.0 + LEVEL), count - 1) * sd / np.sqrt(count)
-    return {
-        "quantity": quantity,
-        "mode": mode,
-        "count": count,
-        "mean_percent": mean,
-        "sd_percent": sd,
-        "low_percent": mean - half,
-        "high_percent": mean + half,
-    }
+    row = (quantity, mode, count, mean, sd, mean - half, mean + half)
+    return [dict(zip(STATISTICS, row, strict=True))]
 
 
 def direct_table(

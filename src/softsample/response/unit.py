@@ -172,8 +172,7 @@ def unit_runs(
 ) -> Iterator[tuple[Run, float]]:
     """Runs of several unit-modulus solids in one test, each with its CPU time [s]."""
     for done, solid in enumerate(solids):
-        fractions = ", ".join(f"{m / solid.shear_modulus:.3f}" for m in solid.mu)
-        label = f"run {done + 1} of {len(solids)} (fractions {fractions} of {solid.alpha})"
+        label = f"run {done + 1} of {len(solids)} (mu1/mu = {solid.mu1_fraction:.3f})"
         before = time.process_time()
         try:
             run = model.run(
@@ -263,17 +262,25 @@ def _response_to(
     modulus, part = model.settings.reference_modulus_pa, PILOT_SHARE if pilot else 1.0
     solids = [unit_modulus(r, alpha, poisson_ratio, modulus) for r in fractions]
     middle = solids[sorted(range(len(solids)), key=lambda k: fractions[k])[len(solids) // 2]]
-    started = time.process_time()
+    share, started = 3.0 / (3.0 + len(fractions)), time.process_time()
     searched, held = pilot or (model, boundary)
-    pace = find_pace(
-        lambda duration: next(
-            unit_runs(searched, held, reached * travel, [middle], duration, progress)
-        )[0],
-        shortest_loading_time(model),
-        part * model.settings.curve_error_percent,
-    )
+    try:
+        pace = find_pace(
+            lambda duration: searched.run(
+                middle,
+                held,
+                reached * travel,
+                loading_time=duration,
+                progress=progress and (lambda done: progress("loading time", share * done)),
+            ),
+            shortest_loading_time(model),
+            part * model.settings.curve_error_percent,
+        )
+    except SimulationError as error:
+        raise SimulationError(f"loading time: {error}") from error
     search_s = time.process_time() - started
-    runs = list(unit_runs(model, boundary, reached * travel, solids, pace.loading_time, progress))
+    told = progress and (lambda label, done: progress(label, share + (1.0 - share) * done))
+    runs = list(unit_runs(model, boundary, reached * travel, solids, pace.loading_time, told))
     return _curves(fractions, [run for run, _ in runs], modulus), {
         "method": "finite elements",
         "error_bound_percent": pace.error_percent / part,

@@ -25,15 +25,15 @@ def _loop(specimen: Specimen, fraction: float, travel: Array, share: float) -> A
     the same part of the way.
     """
     elastic = specimen.elastic
-    runs = [name for name in elastic.variants if name.endswith(LOOP)]
+    runs = [name for name in elastic.perturbations if name.endswith(LOOP)]
     if not runs or not share:
         return np.zeros_like(travel)
     change, end = (
         partial(elastic.change_per_mu, fraction=fraction),
-        elastic.family.displacement[-1:],
+        elastic.curves.displacement[-1:],
     )
-    free = change("platen_slip", travel=end).item()
-    shares = {run: change(run.removesuffix(LOOP), travel=end).item() / free for run in runs}
+    free = change("platen_slip", displacement=end).item()
+    shares = {run: change(run.removesuffix(LOOP), displacement=end).item() / free for run in runs}
     runs.sort(key=lambda run: shares[run])
     corners = [0.0, *np.clip([shares[run] for run in runs], 0.01, 0.99), 1.0]
     turn = np.maximum.accumulate(np.maximum(travel, 1e-3 * end))
@@ -42,8 +42,8 @@ def _loop(specimen: Specimen, fraction: float, travel: Array, share: float) -> A
     for run, weights in zip(runs, np.eye(len(corners))[1:-1], strict=True):
         size = np.interp(share, corners, weights)
         if size:
-            at_turn = change(run, travel=end)  # what smoothing leaves there
-            loop += size * (change(run, travel=end * way) - way * at_turn)
+            at_turn = change(run, displacement=end)  # what smoothing leaves there
+            loop += size * (change(run, displacement=end * way) - way * at_turn)
     force_at_turn, force_at_end = (elastic.force_per_mu(fraction, x) for x in (turn, end))
     return np.where(specimen.phase == "ramp", 0.0, loop * force_at_turn / force_at_end)
 

@@ -1,0 +1,144 @@
+"""One test with the calibrated material: curve, deformed shape, energies, contact."""
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+import pandas as pd
+from numpy.typing import NDArray
+
+from softsample.constitutive.homogeneous import thickness_stretch
+from softsample.constitutive.ogden import OgdenMaterial
+from softsample.fem.boundary import Boundary
+from softsample.fem.explicit import ExplicitModel
+from softsample.fem.fields import CONTACT, contact_report
+from softsample.meshing.mesh import HexMesh
+from softsample.response.unit import homogeneous_area, run_report, shortest_loading_time
+from softsample.shapes import IdealShape
+
+Array = NDArray[np.float64]
+
+SNAPSHOTS = tuple(np.linspace(0.05, 1.0, 20))
+"""Parts of the displacement at which contact is recorded."""
+
+PATIENT = 4.0
+"""Loading time of a run whose response is a closed form, over the shortest one."""
+
+
+@dataclass(frozen=True)
+class Optimum:
+    """A test along its displacement.
+
+    Parameters
+    ----------
+    displacement, force : (n,) float64
+        Displacement of the platen [m] and force along it [N].
+    field : (n_nodes, 3) float64
+        Nodal displacements at the end [m].
+    held : (n_nodes,) int8
+        What holds each node at the end.
+    energies : dict of (m,) float64
+        `displacement` [m] and energies [J] along the way.
+    contact : DataFrame
+        `displacement` [m] and the numbers of `contact_report`.
+    report : dict
+        By what the run is judged.
+    """
+
+    displacement: Array
+    force: Array
+    field: Array
+    held: NDArray[np.int8]
+    energies: dict[str, Array]
+    contact: pd.DataFrame
+    report: dict[str, Any]
+
+    def difference_percent(self, modelled: Array) -> float:
+        """Largest difference from a modelled force (n,) [% of its peak]."""
+        return float(100.0 * np.abs(self.force - modelled).max() / np.abs(modelled).max())
+
+
+def loading_time(report: dict[str, Any], model: ExplicitModel) -> float:
+    """Loading time of a response, from its report; a patient one if it is a closed form [s]."""
+    return float(report.get("loading_time_s") or PATIENT * shortest_loading_time(model))
+
+
+def simulated_optimum(
+    model: ExplicitModel,
+    boundary: Boundary,
+    material: OgdenMaterial,
+    travel: float,
+    duration: float,
+    progress: Callable[[float], None] | None = None,
+) -> Optimum:
+    """A test by the solver.
+
+    Parameters
+    ----------
+    model, boundary, material
+        What is tested, and how it is held.
+    travel, duration : float
+        Displacement of the platen [m], loading time [s].
+    progress : callable, optional
+        Told the finished part.
+    """
+    run = model.run(
+        material, boundary, travel, snapshots=SNAPSHOTS, loading_time=duration, progress=progress
+    )
+    contact = [
+        {"displacement": state.travel, **contact_report(model.mesh, state)}
+        for state in run.snapshots
+    ]
+    return Optimum(
+        run.displacement,
+        run.force,
+        run.displacement_field,
+        run.held,
+        run.energies,
+        pd.DataFrame(contact),
+        run_report(run),
+    )
+
+
+def sheared_optimum(
+    mesh: HexMesh, shape: IdealShape, material: OgdenMaterial, travel: float, points: int
+) -> Optimum:
+    """Homogeneous simple shear in closed form, which no run of the solver is.
+
+    Parameters
+    ----------
+    mesh, shape
+        The ideal shape.
+    material
+        Its law.
+    travel : float
+        Displacement of the platen [m].
+    points : int
+        Evenly spaced displacements, zero not counted.
+    """
+    displacement = np.linspace(0.0, travel, points + 1)
+    area = homogeneous_area(shape, "shear", displacement, material)
+    force = material.shear_modulus * area
+    gamma = travel / shape.height
+    field = np.zeros_like(mesh.points)
+    field[:, 0] = gamma * mesh.points[:, 2]
+    field[:, 1] = (thickness_stretch(gamma, material) - 1.0) * mesh.points[:, 1]
+    steps = 0.5 * (force[1:] + force[:-1]) * np.diff(displacement)
+    work = np.concatenate([[0.0], np.cumsum(steps)])
+    none = np.zeros_like(work)
+    return Optimum(
+        displacement,
+        force,
+        field,
+        np.zeros(len(mesh.points), np.int8),
+        {
+            "displacement": displacement, "strain": work, "hourglass": none, "kinetic": none,
+            "work": work,
+        },
+        pd.DataFrame(columns=["displacement", *CONTACT]),
+        {
+            "method": "closed form", "steps": 0, "energy_imbalance": 0.0, "hourglass_ratio": 0.0,
+            "kinetic_ratio": 0.0, "platen_against_base_percent": 0.0,
+        },
+    )  # fmt: skip

@@ -1,0 +1,118 @@
+"""What is computed for which rows: every mix of shapes, modes and repeats."""
+
+import pytest
+
+from softsample.errors import InputError
+from softsample.study.plan import Plan
+
+CUBOID = {"shape": "cuboid", "length_mm": "20", "width_mm": "18", "height_mm": "12"}
+CYLINDER = {"shape": "cylinder", "diameter_mm": "20", "height_mm": "12"}
+
+
+def row(group, mode, **cells):
+    return {"group": group, "mode": mode, "record": "r.csv", **cells}
+
+
+def mixed():
+    """A group with images, one with a surface, and one with dimensions and repeated tests."""
+    return Plan(
+        {
+            "T1": row("TC1", "tension", image="t1.nii"),
+            "C1": row("TC1", "compression", image="c1.nii"),
+            "S": row("S", "shear", surface="s.stl"),
+            "A1": row("A", "compression", **CYLINDER),
+            "A2": row("A", "compression", **CYLINDER, loading_axis="+z"),
+            "A3": row("A", "tension", **CYLINDER),
+            "A4": row("A", "compression", **CYLINDER, ends="sliding"),
+            "B1": row("B", "compression", **CYLINDER),
+        }
+    )
+
+
+def test_only_a_group_whose_shapes_are_all_known_has_the_real_geometry():
+    plan = mixed()
+    assert plan.geometries("TC1") == plan.geometries("S") == ["real", "ideal"]
+    assert plan.geometries("A") == plan.geometries("A2") == ["ideal"]
+    assert (plan.best("C1"), plan.best("A1")) == ("real", "ideal")
+    half = Plan({"a": row("G", "shear", image="a.nii"), "b": row("G", "tension", **CUBOID)})
+    assert half.geometries("a") == ["ideal"]
+    assert half.imaged == ["a"]
+    assert half.banded == []
+
+
+def test_equal_pieces_share_what_the_first_has():
+    plan = mixed()
+    assert plan.pieces == ["T1", "C1", "S", "A1", "A3", "A4", "B1"]  # +z is the default
+    assert plan.piece_of["A2"] == "A1"
+    assert plan.records_of("A1") == ["A1", "A2"]
+    assert plan.pieces_of("A") == ["A1", "A3", "A4"]  # other mode, other ends
+    assert plan.piece_of["B1"] == "B1"  # another group is another material
+
+
+@pytest.mark.parametrize(
+    "cell", ["image", "shape", "height_mm", "segmentation", "bond_mask", "labels", "shear_axis"]
+)
+def test_another_cell_of_the_geometry_is_another_piece(cell):
+    same = {"a": row("G", "shear", **CUBOID), "b": row("G", "shear", **CUBOID)}
+    assert Plan(same).pieces == ["a"]
+    same["b"][cell] = "+y"
+    assert Plan(same).pieces == ["a", "b"]
+
+
+def test_the_record_and_its_machine_make_no_piece():
+    cells = {"record": "x.csv", "format": "other", "cycle": "last", "specimen": "x"}
+    rows = {"a": row("G", "shear", **CUBOID), "b": {**row("G", "shear", **CUBOID), **cells}}
+    assert Plan(rows).pieces == ["a"]
+
+
+def test_one_term_is_calibrated_on_compression_alone():
+    plan = mixed()
+    assert plan.members("TC1", "ogden2") == ["T1", "C1"]
+    assert plan.members("TC1", "ogden1") == ["C1"]
+    assert plan.members("A", "ogden1") == ["A1", "A2", "A4"]
+    assert plan.models("S") == ["ogden2"]
+    assert plan.sample_models("A3") == ["ogden2"]
+    other = Plan({"a": row("G", "confined_compression", **CUBOID)})
+    assert other.models("G") == ["ogden2"]
+
+
+def test_a_model_of_held_out_samples_alone_is_not_calibrated():
+    rows = mixed().rows
+    assert Plan(rows, frozenset({"C1"})).models("TC1") == ["ogden2"]
+    assert Plan(rows, frozenset({"A1", "A2"})).models("A") == ["ogden2", "ogden1"]  # A4 is left
+    with pytest.raises(InputError, match="all samples of group 'TC1' are held out"):
+        Plan(rows, frozenset({"T1", "C1"}))
+
+
+def test_curves_are_those_of_pieces_on_their_geometries():
+    plan = mixed()
+    assert [run for run in plan.runs if run[0] in plan.groups["TC1"]] == [
+        ("T1", "real"), ("T1", "ideal"), ("C1", "real"), ("C1", "ideal")
+    ]  # fmt: skip
+    of_a = [curve for curve in plan.curves if curve[0].startswith("A")]
+    assert of_a == [
+        ("A1", "ideal", "ogden2"), ("A1", "ideal", "ogden1"), ("A3", "ideal", "ogden2"),
+        ("A4", "ideal", "ogden2"), ("A4", "ideal", "ogden1"),
+    ]  # fmt: skip
+    assert plan.banded == ["T1", "C1"]  # a surface has no standard deviation
+
+
+def test_examples_are_pieces():
+    plan = mixed()
+    assert plan.examples({}) == {"shear": "S", "tension": "T1", "compression": "C1"}
+    assert plan.examples({"compression": "A2"})["compression"] == "A1"
+    assert plan.examples({"shear": "C1"})["shear"] == "S"  # C1 is no test in shear
+
+
+def test_the_ideal_shape_in_words():
+    assert mixed().ideal_shape == "cuboid or cylinder"
+    assert Plan({"a": row("G", "shear", image="a.nii")}).ideal_shape == "cuboid"
+    assert Plan({"a": row("G", "tension", **CYLINDER)}).ideal_shape == "cylinder"
+
+
+def test_a_name_with_two_meanings_is_refused():
+    rows = {"B": row("A", "shear", **CUBOID), "c": row("B", "shear", image="c.nii")}
+    with pytest.raises(InputError, match="'B' is a sample of group 'A' and the name of a group"):
+        Plan(rows)
+    rows["B"]["group"] = "B"
+    assert Plan(rows).geometries("B") == ["ideal"]

@@ -130,6 +130,13 @@ def test_signs_depend_on_the_mode():
         check(record(sign=-1.0), "tension")
 
 
+@pytest.mark.parametrize("row", [10, 700, 1352])
+@pytest.mark.parametrize("value", [2e4, -2e4])
+def test_a_single_cell_beyond_its_bounds_is_found(row, value):
+    with pytest.raises(InputError, match=f"r.csv, line {row}, column 'force_N': -?20000.0 is"):
+        check(put("force_N", row, value)(record()))
+
+
 def test_what_is_doubtful_is_a_warning():
     assert "force zero and noise are not known" in check(record(rest=0.0))["warnings"][0]
     clipped = record(noise=0.0)

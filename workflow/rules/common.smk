@@ -56,7 +56,8 @@ def checked_study():
         table = Path(config["samples"])
         if not table.is_file() and (ROOT / table).is_file():
             table = Path(os.path.relpath(ROOT / table))
-        rows = check_samples(read_samples(table), schema("samples"), str(table))
+        given = read_samples(table), schema("samples"), str(table), config["formats"]
+        rows = check_samples(*given)
         check_hold_out(rows, HOLD_OUT)
         held_out = (row["sample"] for row in rows if wholly_held_out(row, HOLD_OUT))
         return table, Plan({row["sample"]: row for row in rows}, frozenset(held_out))

@@ -365,7 +365,9 @@ def of_pieces(pattern):
 def of_real(pattern):
     """Input or params function: the sample's name in a pattern, none without a real geometry."""
     return lambda wildcards: (
-        expand(pattern, sample=wildcards.sample) if "real" in geometries_of(wildcards.sample) else []
+        expand(pattern, sample=wildcards.sample)
+        if "real" in geometries_of(wildcards.sample)
+        else []
     )
 
 

@@ -56,7 +56,8 @@ def checked_study():
         table = Path(config["samples"])
         if not table.is_file() and (ROOT / table).is_file():
             table = Path(os.path.relpath(ROOT / table))
-        rows = check_samples(read_samples(table), schema("samples"), str(table))
+        given = read_samples(table), schema("samples"), str(table), config["formats"]
+        rows = check_samples(*given)
         check_hold_out(rows, HOLD_OUT)
         held_out = (row["sample"] for row in rows if wholly_held_out(row, HOLD_OUT))
         return table, Plan({row["sample"]: row for row in rows}, frozenset(held_out))
@@ -364,7 +365,9 @@ def of_pieces(pattern):
 def of_real(pattern):
     """Input or params function: the sample's name in a pattern, none without a real geometry."""
     return lambda wildcards: (
-        expand(pattern, sample=wildcards.sample) if "real" in geometries_of(wildcards.sample) else []
+        expand(pattern, sample=wildcards.sample)
+        if "real" in geometries_of(wildcards.sample)
+        else []
     )
 
 

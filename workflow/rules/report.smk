@@ -445,9 +445,9 @@ rule figure_response:
 
 use rule figure7 as figure_strain with:
     input:
-        distances=of_real("<results>/segmentation/{sample}_distance.nii.gz"),
-        segmentations=of_real("<results>/segmentation/{sample}.json"),
-        real=of_real("<results>/fields/{sample}/real.vtu"),
+        distances=listed(of_real("<results>/segmentation/{sample}_distance.nii.gz")),
+        segmentations=listed(of_real("<results>/segmentation/{sample}.json")),
+        real=listed(of_real("<results>/fields/{sample}/real.vtu")),
         cuboids=["<results>/cuboid/{sample}.json"],
         runs=lambda wildcards: [
             f"<results>/fields/{wildcards.sample}/{PLAN.best(known(wildcards.sample))}.json"
@@ -466,7 +466,7 @@ use rule figure7 as figure_strain with:
     params:
         samples=lambda wildcards: [wildcards.sample],
         modes=lambda wildcards: [SAMPLES[wildcards.sample]["mode"]],
-        real=of_real("{sample}"),
+        real=listed(of_real("{sample}")),
         imaged=PLAN.imaged,
         cohort=COHORT,
     message:

@@ -29,6 +29,7 @@ help:
 	echo "make quick      the same at 1 mm, for a look in minutes, into results-quick/"
 	echo "make new-study DIR=lab    a study folder of your own, with a worked sample"
 	echo "make add-sample DIR=lab IMAGE=scan.nii.gz RECORD=test.csv MODE=compression   a sample of yours"
+	echo "     without an image: SHAPE=cylinder DIAMETER=20 HEIGHT=10 (mm), or SURFACE=scan.stl, in its place"
 	echo "make check-study DIR=lab  everything that is wrong with it, in seconds"
 	echo "make study DIR=lab        its report (CONFIG=config/quick.yaml: at 1 mm, in minutes)"
 	echo "make docs       docs/reproduction.md and docs/recovery.md, tables and figures as they came out"
@@ -44,7 +45,7 @@ help:
 	echo "make undeclared records with undeclared effects, from image to scored verdict: results/undeclared/"
 	echo "make blind      the loop on records with undeclared effects, scored: results/blind/"
 	echo "make blind-full the same at four sizes and three designs, fewer of each: results/blind-full/"
-	echo "make measured   the loop on records of others, if they are there: results/measured/"
+	echo "make measured   studies of public measured sets, if their files are there: results/measured/ (SETS=\"...\": only these)"
 	echo "make measured-docs  the same, and docs/measured.md as it came out"
 	echo "make format     let ruff and snakefmt rewrite the sources"
 	echo "make clean      remove results (clean-env: the environment)"
@@ -65,7 +66,7 @@ $(stamp):
 # releases the locks of both files with their processes; every Snakemake process and every job on a
 # cluster holds the second one. If samples failed, the report holds the others.
 busy := echo "Another run is working in this folder; wait for it, or stop it." >&2; exit 1
-define study
+define alone
 	mkdir -p .snakemake
 	exec 9> .snakemake/run.lock
 	if command -v flock > /dev/null; then
@@ -75,6 +76,9 @@ define study
 	    $(bin)/snakemake --unlock --quiet all $(1) > /dev/null 2>&1 9>&- || true
 	  fi
 	fi
+endef
+define study
+	$(call alone,$(1))
 	status=0
 	$(bin)/snakemake --cores $(CORES) $(1) 9>&- || status=$$?
 	if [ $$status -ge 128 ]; then
@@ -101,10 +105,14 @@ new-study: $(stamp)
 	@$(call given,DIR)
 	$(bin)/python -m softsample new "$(DIR)"
 
+# what the row of the sample may hold besides, as options of the command
+cells := IMAGE SURFACE SHAPE LENGTH WIDTH HEIGHT DIAMETER SAMPLE GROUP SPECIMEN ENDS FORMAT CYCLE
+lower = $(shell echo $(1) | tr A-Z a-z)
+
 add-sample: $(stamp)
-	@$(call given,DIR IMAGE RECORD MODE)
-	$(bin)/python -m softsample add "$(DIR)" --mode "$(MODE)" --image "$(IMAGE)" --record "$(RECORD)" \
-	  --sample "$(SAMPLE)" --group "$(GROUP)"
+	@$(call given,DIR RECORD MODE)
+	$(bin)/python -m softsample add "$(DIR)" --mode "$(MODE)" --record "$(RECORD)" \
+	  $(foreach cell,$(cells),$(if $($(cell)),--$(call lower,$(cell)) "$($(cell))"))
 
 check-study: $(stamp)
 	@$(call given,DIR)
@@ -163,11 +171,22 @@ blind: $(stamp)
 blind-full: $(stamp)
 	$(bin)/snakemake --cores $(CORES) blind_full --configfile config/blind.yaml
 
+# every study is run by the ordinary workflow; one that fails does not stop the others
 measured: $(stamp)
-	$(bin)/snakemake --cores $(CORES) measured --configfile config/measured.yaml
+	@studies=$$($(bin)/python -m softsample.measured "$${SOFTSAMPLE_MEASURED_ROOT:-resources/measured}" results/measured/studies $(SETS))
+	$(call alone,)
+	failed=
+	while IFS= read -r study; do
+	  name=$${study##*/}
+	  echo "Study $$name"
+	  $(bin)/snakemake --cores $(CORES) --keep-going --configfile "$$study/study.yaml" \
+	    --config "samples=$$study/samples.tsv" "results=results/measured/$$name" -- verdicts reported < /dev/null 9>&- || failed="$$failed $$name"
+	done <<< "$$studies"
+	$(bin)/python -m softsample.measured.summary results/measured
+	if [ -n "$$failed" ]; then echo "Did not come through:$$failed" >&2; exit 1; fi
 
 measured-docs: measured
-	rm -rf docs/data/measured
+	rm -rf docs/data/measured docs/figures/measured
 	cp -R results/measured/docs/. docs/
 	find docs '(' -name .snakemake_timestamp -o -name '.*.sha256' ')' -delete
 

@@ -26,11 +26,6 @@ if "blind" in config:
     include: "workflow/rules/blind.smk"
 
 
-if "measured" in config:
-
-    include: "workflow/rules/measured.smk"
-
-
 report: "workflow/report/workflow.rst"
 
 

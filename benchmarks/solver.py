@@ -15,8 +15,8 @@ import peers
 from case import EDGES, MATERIAL, TRAVEL, boundary_of, cuboid, rates
 from machine import best_cpu_seconds, fma_peak_gflops, processor, stream_gb_s
 from softsample.fem.explicit import ExplicitModel, Run, SolverSettings
-from softsample.response.unit import find_pace
 from softsample.io import write_json
+from softsample.response.unit import find_pace
 from softsample.workflow import versions
 
 SIZES = {5980: 1e-3, 47840: 0.5e-3, 382720: 0.25e-3}

@@ -19,6 +19,8 @@ from softsample.io import (
     read_table,
     written_aside,
 )
+from softsample.protocol import MODES
+from softsample.validation import ANY_DIMENSION
 
 KINDS = f".json, .csv, .tsv, .vtu, .stl, {', '.join(IMAGE_ENDINGS)}"
 """Files that can be shown."""
@@ -59,11 +61,20 @@ def _add_study_commands(commands: Any) -> None:
     new.set_defaults(run=lambda g: _new(g.folder))
     add = commands.add_parser("add", help="copy the files of a sample into a study, add its row")
     add.set_defaults(run=lambda g: _add(g))
-    add.add_argument("--mode", required=True, choices=("tension", "compression", "shear"))
-    add.add_argument("--image", required=True, help="MRI volume, or a folder of DICOM files")
+    add.add_argument("--mode", required=True, choices=MODES)
     add.add_argument("--record", required=True, help="the test, as the machine wrote it")
-    add.add_argument("--sample", default="", help="its id (default: the name of the image)")
-    add.add_argument("--group", default="", help="id of its animal (default: the sample's)")
+    add.add_argument("--image", help="MRI volume, or a folder of DICOM files")
+    add.add_argument("--surface", help="closed surface (.stl, .ply, .vtp), in place of an image")
+    add.add_argument("--shape", help="cuboid or cylinder: with dimensions in place of an image")
+    for name in ANY_DIMENSION:
+        what = name.removesuffix("_mm")
+        add.add_argument(f"--{what}", dest=name, metavar="MM", help=f"{what} in mm")
+    add.add_argument("--sample", help="its id (default: the name of the image or record)")
+    add.add_argument("--group", help="id of its animal (default: the sample's)")
+    add.add_argument("--specimen", help="id of its piece, if several tests were made on it")
+    add.add_argument("--ends", help="bonded, sliding, a friction coefficient, or unknown")
+    add.add_argument("--format", help="name of a block of formats in study.yaml")
+    add.add_argument("--cycle", help="the loading to calibrate on: first, last or a number")
     check = commands.add_parser("check", help="tell everything that is wrong with a study")
     check.set_defaults(run=lambda g: _check(g.folder))
     for command in (new, add, check):
@@ -78,6 +89,7 @@ def _new(folder: str) -> None:
     print("Next, add your own sample, in place of the worked one, or check what is there:")
     files = "IMAGE=scan.nii.gz RECORD=test.csv MODE=compression"
     print(f"  make add-sample DIR={shlex.quote(folder)} {files}")
+    print("  (without an image: SHAPE=cylinder DIAMETER=20 HEIGHT=10 in its place, in mm)")
     print(f"  make check-study DIR={shlex.quote(folder)}")
 
 
@@ -85,7 +97,8 @@ def _add(given: argparse.Namespace) -> None:
     from softsample.study.folder import add_sample
 
     folder = given.folder
-    name = add_sample(folder, given.mode, given.image, given.record, given.sample, given.group)
+    cells = {name: cell for name, cell in vars(given).items() if name not in ("folder", "run")}
+    name = add_sample(folder, {column: cell for column, cell in cells.items() if cell})
     print(f"Sample {name} is in {folder}. Next:")
     print(f"  make check-study DIR={shlex.quote(folder)}")
 

@@ -9,6 +9,7 @@ import json
 import math
 import os
 from collections.abc import Mapping, Sequence
+from importlib import import_module
 from io import StringIO
 from pathlib import Path
 from typing import Any
@@ -34,6 +35,9 @@ VTK_HEXAHEDRON = 12
 
 SAFE_YAML = getattr(yaml, "CSafeLoader", yaml.SafeLoader)
 """Plain values only; ten times as fast where PyYAML was built with its C library."""
+
+LONGEST_HEADER = 512
+"""Bytes of a surface's file in which the name of its space is looked for."""
 
 MOST_VALUES = 100_000
 """A YAML file with more is refused: few lines of aliases can stand for billions."""
@@ -399,8 +403,20 @@ def read_mesh_with_data(
     return HexMesh(points, hexes), point_data, cell_data
 
 
+SURFACE_READERS = {
+    ".stl": ("vtkIOGeometry", "vtkSTLReader"),
+    ".ply": ("vtkIOPLY", "vtkPLYReader"),
+    ".vtp": ("vtkIOXML", "vtkXMLPolyDataReader"),
+}
+"""Module and reader of VTK for each ending of a surface."""
+
+
 def read_surface(path: PathLike) -> TriangleSurface:
-    """Read the closed surface of a sample from an STL file in mm, loading axis +z.
+    """Read the closed surface of a sample: STL, PLY or VTP in mm, loading axis +z.
+
+    Points at the same place are merged, polygons cut into triangles. An STL or PLY whose header
+    says `SPACE=LPS`, as files of 3D Slicer and `write_surface` do, is turned to RAS+, the world
+    of images.
 
     Raises
     ------
@@ -409,21 +425,41 @@ def read_surface(path: PathLike) -> TriangleSurface:
         sample; the message names file and cure.
     """
     from vtkmodules.util.numpy_support import vtk_to_numpy
-    from vtkmodules.vtkIOGeometry import vtkSTLReader
+    from vtkmodules.vtkFiltersCore import vtkCleanPolyData, vtkTriangleFilter
 
-    if not Path(path).is_file():
-        raise MeshError(f"{path}: no such surface; correct its path")
-    reader = vtkSTLReader()
-    reader.SetFileName(os.fspath(path))
-    reader.Update()
-    found = reader.GetOutput()
-    if reader.GetErrorCode() != 0 or found.GetNumberOfCells() == 0:
-        raise MeshError(f"{path}: not a readable STL file; export the surface again")
+    reader = _surface_reader(path)
+    triangles, merged = vtkTriangleFilter(), vtkCleanPolyData()
+    triangles.SetInputConnection(reader.GetOutputPort())
+    triangles.PassLinesOff()
+    triangles.PassVertsOff()
+    merged.SetInputConnection(triangles.GetOutputPort())
+    merged.SetTolerance(0.0)
+    merged.Update()
+    found = merged.GetOutput()
+    if reader.GetErrorCode() != 0 or found.GetNumberOfPolys() == 0:
+        kind = Path(path).suffix.lower()[1:].upper()
+        raise MeshError(f"{path}: not a readable {kind} file; export the surface again")
     points = vtk_to_numpy(found.GetPoints().GetData()).astype(np.float64) * MM
     corners = vtk_to_numpy(found.GetPolys().GetConnectivityArray()).astype(np.int64)
     surface = TriangleSurface(points, corners.reshape(-1, 3), str(path))
+    with Path(path).open("rb") as file:
+        of_slicer = b"SPACE=LPS" in file.read(LONGEST_HEADER)
+    surface = surface.moved(LPS_TO_RAS) if of_slicer else surface
     surface.check_closed()
     return surface
+
+
+def _surface_reader(path: PathLike) -> Any:
+    """VTK's reader for a surface, by the ending of its file."""
+    ending = Path(path).suffix.lower()
+    if ending not in SURFACE_READERS:
+        raise MeshError(f"{path}: not a surface by its ending; give {', '.join(SURFACE_READERS)}")
+    if not Path(path).is_file():
+        raise MeshError(f"{path}: no such surface; correct its path")
+    module, name = SURFACE_READERS[ending]
+    reader = getattr(import_module(f"vtkmodules.{module}"), name)()
+    reader.SetFileName(os.fspath(path))
+    return reader
 
 
 def write_surface(

@@ -7,22 +7,21 @@ study table. ``cuboid/{sample}.json`` holds it in either case.
 import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
-from typing import Any, Literal, Self, get_args
+from typing import Any, Self
 
 from softsample.errors import InputError
 
 MM = 1e-3
 """One millimetre [m]."""
 
-Kind = Literal["cuboid", "cylinder"]
-KINDS: tuple[str, ...] = get_args(Kind)
-"""Shapes that a sample can be idealised as."""
-
 STATED = {
     "cuboid": ("length_mm", "width_mm", "height_mm"),
     "cylinder": ("diameter_mm", "diameter_mm", "height_mm"),
 }
 """Columns of the study table that hold length, width and height of each kind."""
+
+KINDS = tuple(STATED)
+"""Shapes that a sample can be idealised as."""
 
 
 @dataclass(frozen=True)
@@ -42,7 +41,7 @@ class IdealShape:
         its width.
     """
 
-    kind: Kind
+    kind: str
     length: float
     width: float
     height: float

@@ -67,6 +67,13 @@ def ends_of(row: Mapping[str, str]) -> str | float:
     return float(cell) if _is_number(cell) else cell
 
 
+def stated_shape(row: Mapping[str, str]) -> dict[str, str]:
+    """Cells that state shape and dimensions of a row; none if its geometry is measured."""
+    if "image" in row or "surface" in row:
+        return {}
+    return {name: row[name] for name in ("shape", *ANY_DIMENSION) if name in row}
+
+
 def overlaid(base: Mapping[str, Any], own: Mapping[str, Any]) -> dict[str, Any]:
     """Settings with the keys of others in place of theirs, as Snakemake does it."""
     merged = copy.deepcopy(dict(base))

@@ -114,6 +114,12 @@ def test_what_cannot_be_exported_is_refused(tmp_path):
     unmoved = replace(boundary, held=held)
     with pytest.raises(InputError, match="no node is glued"):
         write_abaqus(tmp_path / "a.inp", mesh, MATERIAL, unmoved, 1e-3)
+    for held_otherwise in (
+        replace(boundary, friction=(0.0, 0.0)),
+        replace(boundary, confined=(0,)),
+    ):
+        with pytest.raises(InputError, match="slip and walls are not exported"):
+            write_abaqus(tmp_path / "a.inp", mesh, MATERIAL, held_otherwise, 1e-3)
     (tmp_path / "a.dat").write_text("\n")
     with pytest.raises(InputError, match="holds no forces"):
         read_calculix_forces(tmp_path / "a.dat")

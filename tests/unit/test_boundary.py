@@ -11,6 +11,7 @@ from softsample.fem.boundary import (
     platen_boundary,
 )
 from softsample.fem.kernels import BASE, FREE, PLATEN
+from softsample.fem.setup import set_up
 from softsample.meshing.cuboid import mesh_cuboid
 from softsample.meshing.mesh import HexMesh
 
@@ -96,7 +97,75 @@ def test_leaning_walls_count_from_a_normal_of_0_2(cuboid, lean, counted):
 def test_mode_decides_between_glue_and_contact(cuboid):
     glued = cuboid.glued(0.0)
     assert len(mode_boundary(cuboid, "compression", glued, EVERYTHING).candidates) > 0
-    for mode in ("tension", "shear"):
+    for mode in ("tension", "shear", "pure_shear"):
         boundary = mode_boundary(cuboid, mode, glued, EVERYTHING)
         assert len(boundary.candidates) == 0
         assert np.sum(boundary.held == PLATEN) == len(glued)
+
+
+@pytest.mark.parametrize(("mode", "confined"), [("tension", ()), ("pure_shear", (0,))])
+def test_sliding_ends_hold_along_the_axis_alone(cuboid, mode, confined):
+    glued = cuboid.glued(0.0)
+    boundary = mode_boundary(cuboid, mode, glued, EVERYTHING, "sliding")
+    ends = np.union1d(cuboid.bottom, glued)
+    np.testing.assert_array_equal(boundary.candidates, ends)
+    assert np.all(boundary.held[glued] == PLATEN)
+    assert np.all(boundary.held[cuboid.bottom] == BASE)
+    assert boundary.friction == (0.0, 0.0)
+    assert not boundary.release
+    platens = boundary.platens()
+    assert not any(len(nodes) for nodes in platens.glued)
+    np.testing.assert_array_equal(platens.mobile, [axis not in confined for axis in range(3)])
+
+
+@pytest.mark.parametrize(("ends", "friction"), [("sliding", 0.0), (0.3, 0.3), (np.float64(2), 2.0)])
+def test_friction_of_the_ends_is_that_of_both_platens_unless_the_config_says_so(
+    cuboid, ends, friction
+):
+    def of(contact):
+        return mode_boundary(cuboid, "compression", cuboid.glued(0.0), contact, ends)
+
+    assert of(EVERYTHING).friction == (friction, friction)
+    assert of(ContactSettings(friction=0.1)).friction == (friction, 0.1)
+    assert of(ContactSettings(base_friction=0.2)).friction == (0.2, friction)
+    assert np.isin(cuboid.bottom, of(EVERYTHING).candidates).all()
+
+
+@pytest.mark.parametrize("ends", ["bonded", "sliding", 0.5])
+def test_a_chamber_leaves_the_axis_alone(cuboid, ends):
+    boundary = mode_boundary(
+        cuboid, "confined_compression", cuboid.glued(0.0), ContactSettings(friction=0.4), ends
+    )
+    np.testing.assert_array_equal(boundary.platens().mobile, [0.0, 0.0, 1.0])
+    np.testing.assert_array_equal(boundary.direction, [0, 0, -1])
+    assert boundary.friction == (0.0, 0.0)
+
+
+@pytest.mark.parametrize(
+    ("mode", "ends", "message"),
+    [
+        ("shear", "sliding", "sliding leaves simple shear homogeneous.*closed form"),
+        ("tension", 0.3, r"friction \(0.3\) holds no sample in tension; choose bonded or sliding"),
+        ("shear", 0.3, "holds no sample in shear"),
+        ("pure_shear", 0.0, "holds no sample in pure_shear"),
+        ("compression", "unknown", "'unknown' is neither bonded, sliding nor a coefficient"),
+        ("compression", -0.1, "-0.1 is neither"),
+        ("compression", np.nan, "nan is neither"),
+        ("compression", np.inf, "inf is neither"),
+    ],
+)
+def test_ends_that_a_mode_cannot_have_are_refused(cuboid, mode, ends, message):
+    with pytest.raises(InputError, match=message):
+        mode_boundary(cuboid, mode, cuboid.glued(0.0), EVERYTHING, ends)
+
+
+def test_set_up_passes_the_ends_on(cuboid):
+    glued = np.isin(np.arange(len(cuboid.points)), cuboid.glued(0.0))
+
+    def friction(**ends):
+        return set_up(
+            cuboid, {"glued": glued}, {}, "compression", solver={}, contact={}, material={}, **ends
+        )[1].friction
+
+    assert friction() == (np.inf, np.inf)
+    assert friction(ends=0.2) == (0.2, 0.2)

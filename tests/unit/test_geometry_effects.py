@@ -22,8 +22,10 @@ from softsample.report.geometry_effects import (
 )
 from softsample.report.prescribed import agreement, prescribed_table
 from softsample.response.curves import ResponseCurves
+from softsample.shapes import IdealShape
 
 EDGES = (12e-3, 10e-3, 8e-3)
+IDEAL = IdealShape("cuboid", *EDGES)
 SLOPE = 0.05
 
 
@@ -42,7 +44,7 @@ def tilted():
         side = 1.1 - 0.2 * z / EDGES[2]
         return side * x, side * y, z * (1.0 + SLOPE * side * x / EDGES[2])
 
-    return Shape(moved(cuboid, change), cuboid, EDGES, 30.0)
+    return Shape(moved(cuboid, change), cuboid, IDEAL, 30.0)
 
 
 def test_sections_of_a_frustum():
@@ -58,7 +60,7 @@ def test_the_top_is_what_looks_up_in_the_upper_half(tilted):
     assert len(top_quads(tilted.real, 30.0)) == 12 * 10
     assert len(top_quads(tilted.real, 1.0)) == 0
     with pytest.raises(MeshError, match=r"0 nodes within 1 degrees .* raise measurement"):
-        _ = Shape(tilted.real, tilted.cuboid, EDGES, 1.0).top
+        _ = Shape(tilted.real, tilted.cuboid, IDEAL, 1.0).top
 
 
 def test_a_levelled_sample_has_its_whole_top_at_the_height_of_the_cuboid(tilted):
@@ -111,7 +113,7 @@ def test_a_sample_lower_than_its_cuboid_leaves_no_gap():
     """As with a flat top whose boundary is shifted inwards."""
     cuboid = mesh_cuboid(*EDGES, 1e-3)
     lower = moved(cuboid, lambda x, y, z: (x, y, 0.99 * z))
-    found = variants(Shape(lower, cuboid, EDGES, 30.0), "compression", 1e-3, EffectSettings())
+    found = variants(Shape(lower, cuboid, IDEAL, 30.0), "compression", 1e-3, EffectSettings())
     assert found["gap_times_1"].gap == 0.0
     boundary = found["gap_times_1"].boundary("compression", ContactSettings())
     assert boundary.planes[1, 3] == pytest.approx(EDGES[2])

@@ -3,6 +3,7 @@
 from pathlib import Path
 
 import numpy as np
+import openpyxl
 import pandas as pd
 import pytest
 
@@ -25,7 +26,7 @@ def settings(**changes):
 def imported(path, mode="compression", **changes):
     """Table and facts of a file, as the workflow takes them."""
     given = settings(**changes)
-    raw = read(path, given.columns, given.units)
+    raw = read(path, given.columns, given.units, given.sheet)
     return aligned_record(raw.table, raw.reading, mode, given, SCHEMA, path.name)
 
 
@@ -229,3 +230,169 @@ def test_a_column_that_was_named_stays_beside_one_of_our_titles(tmp_path):
     plain = pd.DataFrame(columns)
     plain.to_csv(path, index=False)
     np.testing.assert_allclose(imported(path)[0]["force_N"], 0.5 * force, atol=2e-6)
+
+
+def workbook(path, sheets):
+    """A workbook (.xlsx) of sheets by name, each of rows of cells."""
+    book = openpyxl.Workbook()
+    book.remove(book.active)
+    for name, rows in sheets.items():
+        sheet = book.create_sheet(name)
+        for row in rows:
+            sheet.append(row)
+    book.save(path)
+    return path
+
+
+def rows(titles=("Time (s)", "Extension (mm)", "Load (N)"), test=TEST):
+    return [titles, *zip(*(column.tolist() for column in test), strict=True)]
+
+
+def test_the_first_sheet_with_titles_is_read(tmp_path):
+    notes = [["Operator", "made up"], [None], ["Dimension", 20.5, "mm"]]
+    below = [["Time", "Extension", "Load"], ["s", "mm", "mN"], *rows()[1:]]
+    path = workbook(tmp_path / "r.xlsx", {"Notes": notes, "Data": [[None], *below], "B": rows()})
+    table, facts = imported(path, units={"time": "s"})
+    np.testing.assert_allclose(table["force_N"], 1e-3 * TEST[2], rtol=1e-12)
+    np.testing.assert_allclose(table["time_s"], TEST[0], rtol=1e-12)
+    assert table.index[0] == 4  # the row of the sheet
+    chosen, _ = imported(path, sheet="B")
+    np.testing.assert_allclose(chosen["force_N"], TEST[2], rtol=1e-12)
+    assert facts["reading"]["columns"]["force_N"]["unit"] == "mN"
+    with pytest.raises(InputError, match="r.xlsx: no sheet 'C'; there are Notes, Data, B"):
+        read(path, sheet="C")
+    with pytest.raises(InputError, match=r"\(sheet Notes\), line 1: no column is known to hold"):
+        read(path, sheet="Notes")
+
+
+def test_wrong_cells_of_a_sheet_keep_their_row(tmp_path):
+    cells = [list(row) for row in rows()]
+    cells[30][2] = "n/a"
+    path = workbook(tmp_path / "r.xlsx", {"A": cells})
+    with pytest.raises(InputError, match=r"r.xlsx, line 31, column 'force_N': 'n/a' is not"):
+        imported(path)
+
+
+def test_a_workbook_is_told_by_its_content(tmp_path):
+    """Machines name text .xls, and workbooks are renamed."""
+    text = machines.write(tmp_path / "r.xls", machines.univert(*TEST))
+    np.testing.assert_allclose(imported(text)[0]["force_N"], TEST[2], atol=2e-6)
+    book = workbook(tmp_path / "r.xlsx", {"A": rows()}).rename(tmp_path / "b.csv")
+    np.testing.assert_allclose(imported(book)[0]["force_N"], TEST[2], atol=2e-6)
+
+
+def test_an_old_workbook_is_read(tmp_path, monkeypatch):
+    """Nothing writes .xls any more, so the library is asked for what it would give."""
+
+    class Sheet:
+        name, nrows, cells = "Data", len(TEST[0]) + 1, rows()
+
+        def row_values(self, number):
+            return list(self.cells[number])
+
+    class Book:
+        def sheets(self):
+            return [Sheet()]
+
+    monkeypatch.setattr("xlrd.open_workbook", lambda *_, **__: Book())
+    path = machines.write(tmp_path / "r.xls", b"\xd0\xcf\x11\xe0\xa1\xb1\x1a\xe1" + bytes(99))
+    np.testing.assert_allclose(imported(path)[0]["force_N"], TEST[2], rtol=1e-12)
+
+
+@pytest.mark.parametrize("first", [b"PK\3\4", b"\xd0\xcf\x11\xe0\xa1\xb1\x1a\xe1"])
+def test_a_damaged_workbook_is_refused(tmp_path, first):
+    path = machines.write(tmp_path / "r.xlsx", first + bytes(600))
+    with pytest.raises(InputError, match="r.xlsx: damaged or not of its kind"):
+        read(path)
+
+
+def test_a_workbook_that_unpacks_to_too_much_is_refused(tmp_path, monkeypatch):
+    path = workbook(tmp_path / "r.xlsx", {"A": rows()})
+    monkeypatch.setattr("softsample.formats.workbook.LARGEST_BYTES", 1000)
+    with pytest.raises(InputError, match="r.xlsx: unpacks to more than 0 MiB; export as CSV"):
+        read(path)
+
+
+class Size:
+    """Of a sample with dimensions."""
+
+    area, height = 2e-4, 20e-3
+
+
+MATERIAL = {
+    "percent": ("Strain (%)", "Stress (kPa)", 100.0, 1e-3),
+    "plain": ("Strain", "Stress [Pa]", 1.0, 1.0),
+    "engineering": ("Engineering strain %", "Nominal stress (MPa)", 100.0, 1e-6),
+    "sheared": ("Shear strain [-]", "Shear stress (psi)", 1.0, 1 / 6894.757293168361),
+    "ours": ("strain", "stress_Pa", 1.0, 1.0),
+}
+
+
+@pytest.mark.parametrize("name", MATERIAL)
+def test_stress_and_strain_are_read(tmp_path, name):
+    strain, stress, times, per = MATERIAL[name]
+    time, travel, force = TEST
+    cells = times * travel / 20.0, per * force / 2e-4
+    frame = pd.DataFrame({"Time (s)": time, strain: cells[0], stress: cells[1]})
+    frame.to_csv(tmp_path / "r.csv", index=False)
+    raw, given = read(tmp_path / "r.csv"), settings()
+    test = (raw.table, raw.reading, "compression", given, SCHEMA, "r.csv")
+    table, _ = aligned_record(*test, Size())
+    np.testing.assert_allclose(table["displacement_mm"], travel, atol=1e-9)
+    np.testing.assert_allclose(table["force_N"], force, atol=1e-9)
+    with pytest.raises(InputError, match="need dimensions"):
+        aligned_record(*test)
+
+
+def test_stretch_is_read_and_force_goes_before_stress(tmp_path):
+    time, travel, force = TEST
+    titles = ("Time (s)", "lambda", "Stress (kPa)", "Load (N)")
+    frame = pd.DataFrame(dict(zip(titles, (time, 1 + travel / 20, 9 * force, force), strict=True)))
+    frame.to_csv(tmp_path / "r.csv", index=False)
+    raw = read(tmp_path / "r.csv")
+    assert list(raw.table) == ["time_s", "stretch", "force_N"]
+    assert raw.reading["ignored"] == ["Stress (kPa)"]
+    named = read(tmp_path / "r.csv", {"stress": "Stress (kPa)"})
+    assert list(named.table) == ["time_s", "stretch", "stress_Pa"]
+    np.testing.assert_allclose(named.table["stress_Pa"], 9e3 * force)
+
+
+def test_a_file_without_time_is_read_and_told(tmp_path):
+    lines = [f"{d:.4f};{f:.5f}" for d, f in zip(*TEST[1:], strict=True)]
+    lines[40:40] = lines[39:40]  # the same twice is a sample like others
+    path = machines.write(tmp_path / "r.csv", "\n".join(["Disp (mm);Load (N)", *lines]))
+    raw = read(path)
+    assert list(raw.table) == ["displacement_mm", "force_N"]
+    assert len(raw.table) == len(lines)
+    assert any("no time" in line for line in described(raw.reading))
+    with pytest.raises(InputError, match="no column is known to hold time"):
+        read(path, {"time": "t"})
+
+
+def test_titles_with_time_go_before_metadata_that_looks_like_titles(tmp_path):
+    text = "Load (N),Extension (mm)\nlimit,limit\n" + plain("Time (s),Extension (mm),Load (N)")
+    assert read(machines.write(tmp_path / "r.csv", text)).table.index[0] == 4
+
+
+def test_channels_that_are_named_are_read_too(tmp_path):
+    time, travel, force = TEST
+    titles = ("Time (s)", "Disp (mm)", "Force (N)", "Fz (mN)", "Mz [N m]")
+    frame = pd.DataFrame(
+        dict(zip(titles, (time, travel, force, 200 * force, 0.01 * force), strict=True))
+    )
+    frame.to_csv(tmp_path / "r.csv", index=False)
+    assert read(tmp_path / "r.csv").reading["ignored"] == ["Fz (mN)", "Mz [N m]"]
+    names = {"force_normal": "Fz (mN)", "torque": "Mz [N m]"}
+    table, _ = imported(tmp_path / "r.csv", columns=names)
+    np.testing.assert_allclose(table["force_normal_N"], 0.2 * force, atol=1e-9)
+    np.testing.assert_allclose(table["torque_Nmm"], 10.0 * force, atol=1e-9)
+    with pytest.raises(InputError, match="no column is known to hold force_normal"):
+        read(tmp_path / "r.csv", {"force_normal": "Fx"})
+
+
+def test_our_own_results_can_be_read_again(tmp_path):
+    first, _ = imported(ROOT / "resources/cohort/records/C1.csv")
+    first.to_csv(tmp_path / "r.csv", index=False)
+    again, facts = imported(tmp_path / "r.csv")
+    pd.testing.assert_frame_equal(again.reset_index(drop=True), first.reset_index(drop=True))
+    assert facts["reading"]["ignored"] == ["phase", "cycle", "calibrated"]

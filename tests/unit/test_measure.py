@@ -5,11 +5,15 @@ import pytest
 
 from softsample.errors import InputError, SegmentationError
 from softsample.imaging.measure import (
+    ROUND,
     MeasurementSettings,
+    circularity,
     mean_width,
     measure,
+    proposed_shape,
     section_area,
 )
+from softsample.phantom.draw import random_cuboid, random_cylinder
 
 SPACING = 0.25e-3
 ORIGIN = np.array([-12.0e-3, -10.0e-3, -2.5e-3])
@@ -103,6 +107,82 @@ def test_cylinder():
     assert got["length_mm"] == pytest.approx(mean, abs=0.01)
     assert got["width_mm"] == pytest.approx(mean, abs=0.01)
     assert got["volume_real_mm3"] == pytest.approx(10.0 * np.pi * radius**2, rel=2e-3)
+
+
+def test_a_cylinder_is_idealised_as_one():
+    x, y, z = grid()
+    field = halfspaces(np.hypot(x, y) - 7.3, z - 10.04)
+    got = measure(field, ORIGIN, SPACING, shape="cylinder")
+    assert got["shape"] == got["proposed_shape"] == "cylinder"
+    assert got["diameter_mm"] == pytest.approx(14.6, rel=5e-4)
+    assert got["length_mm"] == got["width_mm"] == got["diameter_mm"]
+    assert got["height_mm"] == pytest.approx(10.04, abs=1e-3)
+    assert got["ideal_area_mm2"] == pytest.approx(np.pi * 7.3**2, rel=1e-3)
+    assert got["bottom_difference_percent"] == pytest.approx(0.0, abs=0.05)
+    assert got["volume_ideal_mm3"] == pytest.approx(10.04 * np.pi * 7.3**2, rel=1e-3)
+    assert "length_sections_mm" not in got
+
+
+def test_diameter_is_that_of_the_mean_area_and_height_the_mean_of_the_core():
+    """A taper, and a top that falls off by r2 / 200 mm: half of the core's rim in the mean."""
+    x, y, z = grid()
+    radius = np.hypot(x, y)
+    field = halfspaces((radius - 8.0 + 0.05 * z) / np.hypot(1.0, 0.05), z - 10.0 + radius**2 / 200)
+    got = measure(field, ORIGIN, SPACING, shape="cylinder")
+    height = got["height_mm"]
+    assert height == pytest.approx(10.0 - (0.35 * got["diameter_mm"]) ** 2 / 400.0, abs=2e-3)
+    radii = np.array([8.0 - 0.05 * at for at in (0.75, 0.5 * height, height - 0.75)])
+    assert got["diameter_sections_mm"] == pytest.approx(2.0 * radii, rel=2e-3)
+    assert got["diameter_mm"] == pytest.approx(2.0 * np.sqrt(np.mean(radii**2)), rel=2e-3)
+    assert got["bottom_area_mm2"] == pytest.approx(64.0 * np.pi, rel=2e-3)
+
+
+def rounded(length, width, radius):
+    """Cuboid of 12 mm with vertical edges of a radius, or a disc if it is half of both sides."""
+    x, y, z = grid()
+    beyond = [abs(x) - length / 2.0 + radius, abs(y) - width / 2.0 + radius]
+    wall = np.hypot(*np.maximum(beyond, 0.0)) + np.minimum(np.max(beyond, axis=0), 0.0) - radius
+    return halfspaces(wall, z - 12.0)
+
+
+@pytest.mark.parametrize(("length", "width"), [(15.0, 15.0), (18.0, 12.0), (9.0, 9.0)])
+@pytest.mark.parametrize("share", [0.05, 0.2, 1.0 / 3.0])
+def test_rounded_edges_make_no_cuboid_round(length, width, share):
+    """A corner of radius r leaves (1 - pi/4) r2 of its rectangle empty."""
+    found = circularity(rounded(length, width, share * width), ORIGIN, SPACING)
+    empty = 4.0 * share**2 * width**2 / (length * width)  # over that of an ellipse
+    assert found == pytest.approx(empty * width / length, abs=0.02)
+    assert proposed_shape(found) == "cuboid"
+
+
+def test_a_cuboid_that_is_turned_is_not_round():
+    x, y, z = grid()
+    for angle in np.radians([8.0, 30.0, 45.0]):  # at 8 degrees an upright rectangle is as empty
+        u, v = np.cos(angle) * x + np.sin(angle) * y, np.cos(angle) * y - np.sin(angle) * x
+        found = circularity(halfspaces(abs(u) - 6.0, abs(v) - 6.0, z - 12.0), ORIGIN, SPACING)
+        assert found < 0.1
+
+
+@pytest.mark.parametrize("ratio", [1.0, 1.05, 1.1])
+def test_discs_and_ellipses_are_round(ratio):
+    x, y, z = grid()
+    field = halfspaces(7.0 * (np.hypot(x / ratio, y) / 7.0 - 1.0), z - 12.0)
+    found = circularity(field, ORIGIN, SPACING)
+    assert found == pytest.approx(1.0 / ratio, abs=5e-3)
+    assert proposed_shape(found) == "cylinder"
+
+
+@pytest.mark.parametrize(("draw", "round_"), [(random_cuboid, False), (random_cylinder, True)])
+def test_uneven_samples_are_told_apart(draw, round_):
+    found = []
+    for seed in range(12):
+        shape = draw(seed)
+        axes = [np.arange(-h, h, 0.5) for h in shape.box[:2]] + [np.arange(-1.0, shape.box[2], 0.5)]
+        value = 1e-3 * shape.value(*np.meshgrid(*axes, indexing="ij"))
+        origin = 1e-3 * np.array([axis[0] for axis in axes])
+        found.append(circularity(value, origin, 0.5e-3))
+    assert all((value > ROUND) == round_ for value in found)
+    assert abs(np.array(found) - ROUND).min() > 0.08
 
 
 def test_area_of_a_section_with_a_hole():

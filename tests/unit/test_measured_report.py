@@ -1,86 +1,117 @@
-"""Tables and page of verdicts on others' records: columns as promised, the unknown first."""
+"""Summary of the verdicts on measured sets: columns, and errors of the declared folds only."""
 
+import json
+
+import numpy as np
 import pandas as pd
+import pytest
 
-from softsample.report.measured import (
-    channel_table,
-    effect_table,
-    evidence_table,
-    set_page,
-    summary_table,
-    unstated_table,
-    zero_table,
-)
-
-EFFECT = {
-    "name": "late_contact",
-    "class": ["late_contact", "displacement_zero"],
-    "parameters": {"gap_mm": {"value": 0.2, "unit": "mm", "low": 0.1, "high": 0.3}},
-    "evidence": 40.0,
-    "separating_experiment": "scan the top",
-}
+from softsample.io import read_table
+from softsample.measured.summary import about_table, main, source_table
+from softsample.report.measured import SUMMARY, overview_table, summary_table
 
 
-def group(name, verdict, before, after, effects=(), withheld=()):
+def errors(**percent):
+    return {name: {"rms_N": 0.1, "rms_percent": value} for name, value in percent.items()}
+
+
+def verdict(name="explained", effects=()):
     return {
-        "record_group": name, "model": "bonded", "verdict": verdict, "effects": list(effects),
-        "withheld": list(withheld), "held_out_before_percent": before,
-        "held_out_after_percent": after, "records": 3,
-        "held_out_by": {"shear": {"before_percent": before, "after_percent": after}},
-    }  # fmt: skip
+        "verdict": name,
+        "effects": [{"name": c[0], "class": c} for c in effects],
+        "elastic_law": {"name": "ogden1", "parameters": {}},
+        "rule": "leave out: mode",
+        "held_out_before": {
+            "leave_out_shear": errors(a=3.0, b=4.0),
+            "leave_out_tension": errors(c=0.0, d=5.0),
+            "last_part": errors(a=1000.0),
+        },
+        "held_out_after": {"held_out": errors(a=2.0)},
+        "error_before": {
+            "a": {"all": {"rms_percent": 6.0}, "ramp": {"rms_percent": 99.0}},
+            "b": {"all": {"rms_percent": 8.0}},
+        },
+        "error_after": {},
+    }
 
 
-VERDICT = {
-    "set": "gels",
-    "groups": [
-        group("one", "none", 1.0, 1.0),
-        group("two", "explained", 9.0, 4.0, [EFFECT]),
-        group("three", "unknown", 30.0, 30.0, withheld=["force_drift"]),
-    ],
-    "unstated": ["friction"],
-    "independent_evidence": {"bench_mm_per_N": 0.06},
-}
+def test_summary_has_the_agreed_columns_and_a_row_a_group():
+    found = [
+        ("gels", "one", verdict(effects=[["late_contact", "slack"], ["gain"]])),
+        ("gels", "two", None),
+    ]
+    table = summary_table(found)
+    assert tuple(table.columns) == SUMMARY
+    first, second = table.to_dict("records")
+    assert (first["set"], first["group"], first["law"]) == ("gels", "one", "ogden1")
+    assert first["effects"] == "late_contact|slack; gain"
+    assert first["rule"] == "leave out: mode"
+    # the fold that is not declared does not count: (9 + 16 + 0 + 25) / 4
+    assert first["held_out_before_percent"] == pytest.approx(np.sqrt(12.5))
+    assert first["held_out_after_percent"] == pytest.approx(2.0)
+    assert first["fitted_before_percent"] == pytest.approx(np.sqrt(50.0))
+    assert np.isnan(first["fitted_after_percent"])
+    assert second["verdict"] == "failed"
+    assert np.isnan(second["held_out_before_percent"])
 
 
-def test_summary_has_the_promised_columns_and_a_row_a_group():
-    table = summary_table([VERDICT])
-    assert list(table.columns) == [
-        "set", "record_group", "verdict", "class", "held_out_before_percent",
-        "held_out_after_percent", "records",
-    ]  # fmt: skip
-    assert table["record_group"].tolist() == ["one/bonded", "two/bonded", "three/bonded"]
-    assert table["class"].tolist() == ["", "late_contact|displacement_zero", ""]
-    assert table.loc[2, "held_out_after_percent"] == 30.0
+def test_a_study_without_held_out_parts_or_law_has_empty_cells():
+    bare = {**verdict("none"), "held_out_before": None, "held_out_after": None, "elastic_law": None}
+    (row,) = summary_table([("s", "g", bare)]).to_dict("records")
+    assert row["law"] == ""
+    assert np.isnan(row["held_out_before_percent"])
 
 
-def test_effects_come_with_size_interval_and_experiment():
-    (row,) = effect_table([VERDICT]).to_dict("records")
-    assert (row["value"], row["low"], row["high"], row["unit"]) == (0.2, 0.1, 0.3, "mm")
-    assert row["experiment"] == "scan the top"
-    assert evidence_table([VERDICT])["value"].tolist() == [0.06]
-    assert unstated_table([VERDICT])["unstated"].tolist() == ["friction"]
+def test_overview_counts_verdicts_and_takes_medians():
+    table = pd.DataFrame(
+        {
+            "set": ["s", "s", "s", "t"],
+            "rule": ["", "r", "r", "q"],
+            "verdict": ["failed", "none", "none", "unknown"],
+            "held_out_before_percent": [np.nan, 2.0, 4.0, 9.0],
+            "held_out_after_percent": [np.nan, 1.0, 2.0, 9.0],
+        }
+    )
+    first, second = overview_table(table).to_dict("records")
+    assert (first["rule"], first["groups"], first["verdicts"]) == ("r", 3, "2 none, 1 failed")
+    assert (first["held_out_before_percent"], first["held_out_after_percent"]) == (3.0, 1.5)
+    assert second["set"] == "t"
 
 
-def test_each_mode_has_its_own_error():
-    table = channel_table([VERDICT])
-    assert table["channel"].tolist() == ["shear"] * 3
-    assert table["before_percent"].tolist() == [1.0, 9.0, 30.0]
-    assert table["after_percent"].tolist() == [1.0, 4.0, 30.0]
+def test_every_study_has_its_paragraph_and_every_set_its_source():
+    about = about_table()
+    named = ", ".join(about["studies"]).split(", ")
+    assert "ventricular-myocardium" in named
+    assert "brain-budday-sliding" in named
+    assert about["about"].is_unique
+    catalogue = pd.DataFrame(
+        {"set": ["a", "a", "b"], "file": ["1", "2", "3"], "source": "s", "licence": "l"}
+    )
+    assert source_table(catalogue)["files"].tolist() == [2, 1]
 
 
-def test_the_page_says_the_unknown_first_and_what_was_withheld():
-    text = set_page(VERDICT)
-    assert text.index("three/bonded: unknown") < text.index("two/bonded") < text.index("one/bonded")
-    assert "not supported by the fitted part: force_drift" in text
-    assert "late_contact or displacement_zero" in text
-    assert "held-out error 9.0 % before, 4.0 % after" in text
-    assert "(errors.png)" in text
+def test_summary_and_page_are_written_and_a_failed_group_is_in_them(tmp_path):
+    name = "muscle-compression-rate"
+    study = tmp_path / "studies" / name
+    study.mkdir(parents=True)
+    (study / "samples.tsv").write_text("sample\tgroup\na\talong\nb\talong\nc\tacross\n")
+    found = tmp_path / name / "loop/along/verdict.json"
+    found.parent.mkdir(parents=True)
+    found.write_text(json.dumps(verdict("none")))
+    assert main([str(tmp_path)]) == 0
+    table = read_table(tmp_path / "summary.csv")
+    assert table["group"].tolist() == ["along", "across"]
+    assert table["verdict"].tolist() == ["none", "failed"]
+    page = (tmp_path / "docs/measured.md").read_text()
+    assert "-rate` | leave out: mode | 2 | 1 none, 1 failed | 3.5 | 2.0 |" in page
+    assert (tmp_path / "docs/figures/measured/held_out.png").stat().st_size > 1000
+    assert "Porcine skeletal muscle" in (tmp_path / "report.html").read_text()
 
 
-def test_zeros_are_sorted_by_how_far_off_they_are():
-    zeros = pd.DataFrame({"record": ["a", "b"], "effect": "x", "class": "x", "size": 1.0,
-                          "unit": "N", "sigmas": [3.0, -9.0]})  # fmt: skip
-    table = zero_table({"gels": zeros, "clots": zeros.iloc[:0]})
-    assert table["record"].tolist() == ["b", "a"]
-    assert table["set"].tolist() == ["gels", "gels"]
-    assert len(zero_table({})) == 0
+def test_a_summary_of_failures_alone_is_written(tmp_path):
+    study = tmp_path / "studies/brain-budday"
+    study.mkdir(parents=True)
+    (study / "samples.tsv").write_text("sample\tgroup\na\tCX\n")
+    assert main([str(tmp_path)]) == 0
+    assert read_table(tmp_path / "summary.csv")["verdict"].tolist() == ["failed"]
+    assert "| 1 | 1 failed | – | – |" in (tmp_path / "docs/measured.md").read_text()

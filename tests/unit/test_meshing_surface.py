@@ -8,16 +8,21 @@ import pytest
 import pyvista
 
 from softsample.errors import MeshError
+from softsample.imaging.measure import measure
+from softsample.imaging.segment import SegmentationSettings
+from softsample.imaging.surface import segmentation_from_surface
 from softsample.io import read_surface, write_surface
 from softsample.meshing.cuboid import mesh_cuboid
 from softsample.meshing.hexahedral import mesh_solid
 from softsample.meshing.quality import element_volumes, scaled_jacobian, surface_samples
+from softsample.meshing.sample import mesh_ideal, mesh_real
 from softsample.meshing.surface import (
     TriangleSurface,
     boundary_surface,
     distance_grid,
     level_surface,
 )
+from softsample.shapes import IdealShape, element_size
 
 MM = 1e-3
 PLACE = (3.0, -2.0, 11.0)  # of the base's middle in the file, mm
@@ -85,6 +90,97 @@ def test_mesh_of_an_stl_has_its_volume_and_surface(name, tmp_path):
     np.testing.assert_allclose(base.mean(axis=0), 0.0, atol=0.05 * MM)
 
 
+def saved_block(folder, ending):
+    """A block of 16 x 12 x 9 mm turned by 20 degrees about z, its base off the origin."""
+    box = pyvista.Box(bounds=(-8, 8, -6, 6, 0, 9), level=7).triangulate().clean()
+    path = folder / f"sample{ending}"
+    box.rotate_z(20.0, inplace=False).translate(PLACE, inplace=False).save(path)
+    return path
+
+
+def saved_disc(folder, ending):
+    solid = cylinder(sides=64).compute_normals(auto_orient_normals=True, split_vertices=False)
+    path = folder / f"sample{ending}"
+    solid.translate(PLACE, inplace=False).save(path)
+    return path
+
+
+POLYGON = 32.0 * np.sin(2.0 * np.pi / 64.0)  # area of 64 sides with corners at radius 1
+SOLIDS = {
+    ".stl": (saved_disc, "cylinder", (POLYGON * 7.0**2, 9.0)),
+    ".ply": (saved_block, "cuboid", (16.0 * 12.0, 9.0)),
+    ".vtp": (saved_disc, "cylinder", (POLYGON * 7.0**2, 9.0)),
+}
+
+
+@needs_jit
+@pytest.mark.parametrize("ending", SOLIDS)
+def test_from_a_file_to_meshes_of_both_geometries(ending, tmp_path):
+    save, kind, (area, height) = SOLIDS[ending]
+    found = segmentation_from_surface(read_surface(save(tmp_path, ending)))
+    grid = (found.distance, found.origin, found.spacing)
+    report = measure(*grid, shape=kind)
+    assert report["proposed_shape"] == kind
+    ideal = IdealShape.of_report(report)
+    assert ideal.area / MM**2 == pytest.approx(area, rel=2e-3)
+    assert ideal.height / MM == pytest.approx(height, rel=1e-4)
+    assert found.volume / MM**3 == pytest.approx(area * height, rel=2e-3)
+    size = element_size(ideal, 0.5 * MM, (8, 40))
+    for made in (mesh_real(*grid, size, MM), mesh_ideal(ideal, size)):
+        assert made.report["volume_mm3"] == pytest.approx(area * height, rel=5e-3)
+        assert abs(made.report["volume_difference_percent"]) < 0.5
+
+
+def test_a_surface_comes_into_the_sample_frame_as_an_image_does(tmp_path):
+    """+x is normal to the walls nearest to the shear axis; the frame's place is told."""
+    coarse = SegmentationSettings(grid_spacing_mm=0.5)
+    surface = read_surface(saved_block(tmp_path, ".ply"))
+    found = segmentation_from_surface(surface, coarse)
+    x = [np.cos(np.radians(20.0)), np.sin(np.radians(20.0)), 0.0]
+    np.testing.assert_allclose(found.sample_to_world[:3, 0], x, atol=1e-6)
+    np.testing.assert_allclose(found.sample_to_world[:3, 3] / MM, PLACE, atol=1e-5)
+    got = measure(found.distance, found.origin, found.spacing)
+    assert (got["length_mm"], got["width_mm"]) == pytest.approx((16.0, 12.0), abs=2e-3)
+    along_y = segmentation_from_surface(surface, coarse, shear_axis=(0.0, 1.0, 0.0))
+    got = measure(along_y.distance, along_y.origin, along_y.spacing)
+    assert (got["length_mm"], got["width_mm"]) == pytest.approx((12.0, 16.0), abs=2e-3)
+    # the mask lies on the distance's own grid
+    assert found.mask.sum() * (found.spacing / MM) ** 3 == pytest.approx(16.0 * 12.0 * 9.0, rel=0.1)
+    low = (found.distance_affine_mm @ [*np.argwhere(found.mask).min(axis=0), 1.0])[2]
+    assert low == pytest.approx(PLACE[2])
+    assert found.summary()["boundary_sigma_mm"] == pytest.approx(0.1 * found.spacing / MM)
+    assert found.summary()["snr"] is None
+
+
+def test_a_lying_surface_stands_up_along_its_loading_axis(tmp_path):
+    path = tmp_path / "lying.stl"
+    pyvista.Box(bounds=(0, 9, -6, 6, -8, 8), level=3).triangulate().clean().save(path)
+    axes = {"loading_axis": (1.0, 0.0, 0.0), "shear_axis": (0.0, 0.0, 1.0)}
+    found = segmentation_from_surface(
+        read_surface(path), SegmentationSettings(grid_spacing_mm=0.5), **axes
+    )
+    got = measure(found.distance, found.origin, found.spacing)
+    sizes = [got[f"{name}_mm"] for name in ("length", "width", "height")]
+    assert sizes == pytest.approx([16.0, 12.0, 9.0], abs=2e-3)
+
+
+@pytest.mark.parametrize(("edge", "expected"), [(4.0, 1.0 / 6.0), (12.0, 0.25), (28.0, 0.35)])
+def test_the_grid_suits_the_size_of_the_sample(edge, expected, tmp_path):
+    box = pyvista.Box(bounds=(0, edge, 0, edge, 0, edge)).triangulate().clean()
+    found = segmentation_from_surface(read_surface(saved(box, tmp_path)))
+    assert found.spacing / MM == pytest.approx(expected)
+    assert found.volume / MM**3 == pytest.approx(edge**3, rel=5e-3)
+
+
+def test_a_surface_of_slicer_comes_into_the_world_of_images(tmp_path):
+    surface, path = level_surface(*level_set()), tmp_path / "a.stl"
+    place = np.eye(4)
+    place[:3, 3] = [40.0, -70.0, 33.0]
+    write_surface(path, surface, place)
+    expected = surface.moved(place).points
+    np.testing.assert_allclose(read_surface(path).points.max(axis=0), expected.max(axis=0), 1e-6)
+
+
 def test_distance_is_exact_beside_the_walls_and_below_the_base(tmp_path):
     """A pyramid's walls and edges go on below z = 0 as planes, and so does their distance."""
     corners = np.array([[-6, -5, 0], [6, -5, 0], [6, 5, 0], [-6, 5, 0]], dtype=float)
@@ -133,7 +229,27 @@ def test_triangles_that_look_to_opposite_sides_are_refused(tmp_path):
         TriangleSurface(whole.points, triangles).check_closed()
 
 
+def test_two_solids_that_touch_are_refused(tmp_path):
+    """Their common wall is an inner one: each of its edges has more than two triangles."""
+    box = pyvista.Box(bounds=(0, 8, 0, 8, 0, 8), level=1).triangulate().clean()
+    both = box + box.translate((8, 0, 0), inplace=False)
+    with pytest.raises(MeshError, match="not a closed surface.*remove inner walls"):
+        read_surface(saved(both, tmp_path))
+
+
+def test_polygons_and_doubled_points_are_no_obstacle(tmp_path):
+    """As a CAD program may save them: squares, each with points of its own."""
+    box = pyvista.Box(bounds=(0, 8, 0, 9, 0, 7), level=2)
+    path = tmp_path / "squares.vtp"
+    box.separate_cells().extract_surface(algorithm="dataset_surface").save(path)
+    assert pyvista.read(path).n_points == 4 * box.n_cells
+    assert read_surface(path).volume / MM**3 == pytest.approx(8.0 * 9.0 * 7.0, rel=1e-6)
+
+
 def test_what_is_no_stl_is_refused(tmp_path):
+    (tmp_path / "solid.step").write_text("ISO-10303-21;\n")
+    with pytest.raises(MeshError, match=r"not a surface by its ending; give \.stl, \.ply, \.vtp"):
+        read_surface(tmp_path / "solid.step")
     with pytest.raises(MeshError, match="no such surface"):
         read_surface(tmp_path / "none.stl")
     (tmp_path / "text.stl").write_text("solid nothing\nendsolid\n")

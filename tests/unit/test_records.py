@@ -1,4 +1,5 @@
 from pathlib import Path
+from typing import NamedTuple
 
 import numpy as np
 import pandas as pd
@@ -6,7 +7,8 @@ import pytest
 
 from softsample.errors import InputError
 from softsample.io import read_record_table, read_yaml
-from softsample.records import RecordSettings, aligned_record, check_record
+from softsample.protocol import loading_ramp
+from softsample.records import Record, RecordSettings, aligned_record, check_record
 
 ROOT = Path(__file__).resolve().parents[2]
 SCHEMA = read_yaml(ROOT / "workflow/schemas/record.schema.yaml")
@@ -179,3 +181,186 @@ def test_a_title_that_decides_on_the_sign_is_named():
     table = record(sign=-1.0)
     with pytest.raises(InputError, match="column 'force_N': .*rename the column, whose title"):
         aligned_record(table, {"compressive": ["force"]}, "compression", settings, SCHEMA, "r.csv")
+
+
+class Size(NamedTuple):
+    """100 mm2 and 10 mm."""
+
+    area: float = 1e-4
+    height: float = 10e-3
+
+
+AS_IN_FILE = {"displacement": "file", "force": "file"}
+
+
+def aligned(table, mode="compression", size=None, which="largest", compressive=(), **settings):
+    given = {"positive": dict.fromkeys(AS_IN_FILE, "tension"), "zero": AS_IN_FILE, **settings}
+    reading = {"compressive": [*compressive]}
+    read = RecordSettings({}, {}, **given)
+    return aligned_record(table, reading, mode, read, SCHEMA, "r.csv", size, which)
+
+
+@pytest.mark.parametrize("cohort", ["cohort", "undeclared"])
+def test_shipped_records_are_marked_as_the_ramp_that_was_calibrated_before(cohort):
+    samples = pd.read_csv(ROOT / f"resources/{cohort}/samples.tsv", sep="\t", comment="#")
+    for mode, file in zip(samples["mode"], samples["record"], strict=True):
+        raw = read_record_table(ROOT / f"resources/{cohort}" / file)
+        table, facts = aligned(raw, mode)
+        ramp = loading_ramp(raw["time_s"].to_numpy(), 1e-3 * raw["displacement_mm"].to_numpy())
+        assert np.flatnonzero(table["calibrated"]).tolist() == [*range(ramp.start, ramp.stop)]
+        assert facts["calibrated_loading"] == table["cycle"].iloc[ramp.start]
+
+
+def test_a_record_comes_back_from_its_file(tmp_path):
+    raw = record().assign(force_normal_N=0.25, torque_Nmm=3.0)
+    table, _ = aligned(raw)
+    table.to_csv(tmp_path / "r.csv", index=False)
+    back = Record.of_table(read_record_table(tmp_path / "r.csv"))
+    assert set(back.phase) == {"baseline", "ramp"}
+    assert back.calibrated.dtype == bool
+    assert back.calibrated.sum() == np.sum(back.phase == "ramp")
+    assert back.cycle.tolist() == [*back.calibrated.astype(int)]
+    assert (back.force_normal[0], back.torque[0]) == (0.25, pytest.approx(3e-3))
+    assert back.displacement.min() == pytest.approx(-3.9e-3, abs=1e-4)
+    pd.testing.assert_frame_equal(back.table, table.reset_index(drop=True), check_dtype=False)
+    plain = Record.of_table(raw)
+    assert list(plain.table) == [*raw.columns]
+    assert len(plain.phase) == 0
+
+
+def test_without_time_samples_stand_in_their_order():
+    timed, facts = aligned(record())
+    table, told = aligned(record().drop(columns="time_s"))
+    for mark in ("phase", "cycle", "calibrated"):
+        assert table[mark].tolist() == timed[mark].tolist()
+    for key in ("sampling_rate_hz", "duration_s", "ramp_speed_mm_s"):
+        assert told[key] is None
+        assert facts[key] is not None
+    assert told["timed"] is False
+    assert told["phases"][0] == {"kind": "baseline", "start": 0, "end": told["phases"][0]["end"]}
+    untimed = Record.of_table(table)
+    assert (untimed.timed, untimed.time) == (False, None)
+    assert untimed.clock.tolist() == [*range(len(table))]
+    assert "time_s" not in untimed.table
+
+
+def test_a_published_curve_of_few_points_is_enough_without_time():
+    """As mean curves of brain in shear: a sweep of 33 points, and a loading of 11."""
+    strain = np.linspace(-0.2, 0.2, 33)
+    sweep = pd.DataFrame({"displacement_mm": 5.0 * strain, "force_N": strain**3})
+    table, facts = aligned(sweep, "shear")
+    assert [phase["kind"] for phase in facts["phases"]] == ["unloading", "ramp"]
+    assert table["calibrated"].tolist() == [0] * 16 + [1] * 17
+    assert facts["ramp_start_mm"] == 0.0
+    half = sweep.iloc[16:].iloc[::2].reset_index(drop=True)
+    assert aligned(half, "shear")[1]["samples"] == 9
+    with pytest.raises(InputError, match="column 'time_s': .*at least 20 rows"):
+        aligned(half.assign(time_s=np.arange(9.0)), "shear")
+
+
+def cycles(*peaks, rest=1.0, step=0.02):
+    """Loadings of 2 s to each peak [mm] and back; the force is cubic."""
+    corners = np.cumsum([0.0, rest, *[2.0] * (2 * len(peaks))])
+    ends = [0.0, 0.0, *(end for peak in peaks for end in (peak, 0.0))]
+    time = np.arange(0.0, corners[-1], step)
+    travel = np.interp(time, corners, ends)
+    return pd.DataFrame({"time_s": time, "displacement_mm": travel, "force_N": travel**3})
+
+
+@pytest.mark.parametrize(
+    ("which", "number", "begins"),
+    [("largest", 2, 5.0), ("first", 1, 1.0), ("last", 3, 9.0), ("3", 3, 9.0)],
+)
+def test_the_loading_that_is_named_is_calibrated(which, number, begins):
+    table, facts = aligned(cycles(1.0, 2.0, 2.0), "tension", which=which)
+    assert (facts["loadings"], facts["calibrated_loading"]) == (3, number)
+    chosen = table[table["calibrated"] == 1]
+    assert chosen["time_s"].iloc[0] == pytest.approx(begins, abs=0.06)
+    assert set(chosen["cycle"]) == {number}
+    assert facts["travel_mm"] == pytest.approx(1.0 if number == 1 else 2.0, abs=0.05)
+    with pytest.raises(InputError, match="r.csv, column 'displacement_mm': no loading 4: .* has 3"):
+        aligned(cycles(1.0, 2.0, 2.0), "tension", which="4")
+
+
+def test_a_staircase_is_calibrated_on_its_ramps():
+    """Holds between the steps are no gap of the ramp, and not calibrated."""
+    corners = np.array([0, 1, 3, 60, 62, 120, 122, 150.0])
+    time = np.arange(0.0, 150.0, 0.05)
+    travel = np.interp(time, corners, [0, 0, 1, 1, 2, 2, 3, 3])
+    table = pd.DataFrame({"time_s": time, "displacement_mm": travel, "force_N": travel})
+    found, facts = aligned(table, "tension")
+    moving = found[found["calibrated"] == 1]
+    assert len(moving) == pytest.approx(3 * 41, abs=6)
+    assert moving["displacement_mm"].min() == pytest.approx(0.0, abs=0.1)
+    assert facts["travel_mm"] == pytest.approx(3.0, abs=0.1)
+    assert facts["ramp_speed_mm_s"] == pytest.approx(0.5, rel=0.05)
+
+
+def of_material(table):
+    """The record as nominal stress and strain of a sample of 100 mm2 and 10 mm."""
+    return pd.DataFrame(
+        {
+            "time_s": table["time_s"],
+            "strain": table["displacement_mm"] / 10.0,
+            "stress_Pa": table["force_N"] / 1e-4,
+        }
+    )
+
+
+def test_stress_and_strain_become_force_and_displacement():
+    want, _ = aligned(record())
+    table, facts = aligned(of_material(record()), size=Size())
+    pd.testing.assert_frame_equal(table[list(want)], want)
+    assert facts["strain"] == [pytest.approx(-0.39, abs=2e-3), pytest.approx(0.0, abs=2e-3)]
+    assert facts["stress_pa"] == [pytest.approx(-1e4, rel=0.01), pytest.approx(0.0, abs=100)]
+    positive = of_material(record(sign=1.0))
+    table, told = aligned(positive, size=Size(), compressive=("strain", "stress"))
+    np.testing.assert_allclose(table["displacement_mm"], want["displacement_mm"], atol=1e-12)
+    assert told["positive"] == {"displacement_mm": "compression", "force_N": "compression"}
+    with pytest.raises(InputError, match="r.csv: strain and stress_Pa need dimensions.*or shape"):
+        aligned(of_material(record()))
+
+
+def test_stretch_is_below_one_in_compression_whatever_the_settings_say():
+    table = of_material(record())
+    table["stretch"] = 1.0 + table.pop("strain")
+    settings = {"positive": {"displacement": "compression", "force": "tension"}}
+    got, _ = aligned(table, size=Size(), **settings)
+    np.testing.assert_allclose(got["displacement_mm"], record()["displacement_mm"], atol=1e-9)
+    table["stretch"] = 2.0 - table["stretch"]
+    with pytest.raises(InputError, match="exchange tension and compression in the column mode"):
+        aligned(table, size=Size(), **settings)
+
+
+def test_the_normal_force_has_a_sign_and_a_zero():
+    raw = record(sign=1.0).assign(force_normal_N=0.5, torque_Nmm=2.0)
+    raw.loc[raw["displacement_mm"] > 0.0, "force_normal_N"] = 1.5
+    zero = {**AS_IN_FILE, "force_normal": "rest"}
+    positive = {**dict.fromkeys(AS_IN_FILE, "tension"), "force_normal": "compression"}
+    table, facts = aligned(raw, "shear", positive=positive, zero=zero)
+    assert table["force_normal_N"].iloc[-1] == pytest.approx(-1.0, abs=0.05)
+    assert table["force_normal_N"].iloc[0] == pytest.approx(0.0, abs=0.05)
+    assert (table["torque_Nmm"] == 2.0).all()
+    assert facts["positive"]["force_normal_N"] == "compression"
+
+
+UNUSUAL = {
+    "fits": (1.0, 1.0, Size(), None),
+    "strain": (3.0, 1.0, Size(), "strain of 116.9 % at a height of 10 mm; are displacement and"),
+    "stiff": (1.0, 200.0, Size(), "nominal stress of 2e.06 Pa on 100 mm2; was the force written"),
+    "soft": (1.0, 5e-4, Size(), "nominal stress of 4.99 Pa on 100 mm2; was the force written in mN"),
+    "no size": (1.0, 200.0, None, "force of 199.7 N; was it written in mN or g"),
+    "far": (30.0, 1.0, None, "displacement of 116.9 mm; was it written in another unit"),
+}
+
+
+@pytest.mark.parametrize("name", UNUSUAL)
+def test_what_may_be_in_another_unit_is_a_warning(name):
+    way, force, size, message = UNUSUAL[name]
+    table = record(noise=0.0)
+    table["displacement_mm"] *= way
+    table["force_N"] *= force
+    warnings = aligned(table, size=size)[1]["warnings"]
+    assert len(warnings) == (message is not None)
+    if message:
+        assert pd.Series(warnings).str.contains(message).all(), warnings

@@ -10,10 +10,12 @@ from scipy.ndimage import binary_dilation, map_coordinates
 from softsample.errors import InputError, SegmentationError
 from softsample.imaging import distance as sdf
 from softsample.imaging import film, frame, intensity
+from softsample.imaging.measure import measure
+from softsample.imaging.propose import proposed_shape_of_image
 from softsample.imaging.segment import segment, segmentation_from_mask
 from softsample.phantom.draw import turned
 from softsample.phantom.scan import Scan
-from softsample.phantom.shapes import ImperfectCuboid, Waves, signed_distance
+from softsample.phantom.shapes import ImperfectCuboid, ImperfectCylinder, Waves, signed_distance
 from softsample.phantom.sizes import measured, surface_points
 
 WALL = Waves((0.2,), ((0.5, 0.3),), (0.4,), (0.01, 0.0))
@@ -241,6 +243,42 @@ def test_a_given_mask_takes_the_place_of_the_segmentation():
     assert 1e9 * result.volume == pytest.approx(truth().volume, rel=0.01)
     assert result.summary()["snr"] is None
     assert np.degrees(result.tilt) == pytest.approx(3.0, abs=0.3)
+
+
+TAPER = 0.02
+DISC = ImperfectCylinder(
+    14.0, 9.0, ((0.1, 0.3), (0.1, 1.0)), Waves(), Waves((0.2,), ((0.45, 0.37),), (0.0,)),
+    TAPER, (0.02, 0.0), 0.8,
+)  # fmt: skip
+
+
+@pytest.mark.parametrize("voxel", [(0.3, 0.3, 0.5), (0.6, 0.6, 0.6)])
+def test_diameter_of_a_round_sample_in_an_image(voxel):
+    """A radius of R + sum of a cos(n phi) has the area pi (R2 + sum of a2 / 2)."""
+    result = segment(*replace(PLAIN, voxel=voxel).image(DISC))
+    got = measure(result.distance, result.origin, result.spacing, shape="cylinder")
+    heights = np.array([0.75, 0.5 * got["height_mm"], got["height_mm"] - 0.75])
+    areas = np.pi * ((7.0 - TAPER * heights) ** 2 + 0.5 * 2 * 0.1**2)
+    diameter = 2.0 * np.sqrt(np.mean(areas) / np.pi)
+    assert got["diameter_mm"] == pytest.approx(diameter, rel=0.01)
+    assert got["height_mm"] == pytest.approx(9.0, abs=0.15)
+    assert got["proposed_shape"] == "cylinder"
+
+
+@pytest.mark.parametrize("shape", [SHAPE, DISC], ids=["cuboid", "cylinder"])
+def test_what_an_image_looks_like_is_seen_without_looking_for_a_film(shape):
+    image = SCANS["shear"].image(shape)
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(film, "fit", None)
+        proposed, roundness = proposed_shape_of_image(*image)
+    assert proposed.kind == ("cylinder" if shape is DISC else "cuboid")
+    assert (roundness > 0.8) == (shape is DISC)
+    sizes = np.array([proposed.length, proposed.width, proposed.height]) * 1e3
+    expected = [13.8, 13.8, 9.0] if shape is DISC else [*(getattr(truth(), n) for n in SIDES)]
+    np.testing.assert_allclose(sizes, expected, atol=0.25)
+
+
+SIDES = ("length", "width", "height")
 
 
 def bad_images():

@@ -10,6 +10,9 @@ import pytest
 
 import machines
 from softsample.__main__ import main
+from softsample.io import read_samples, write_surface
+from softsample.meshing.cuboid import mesh_cuboid
+from softsample.meshing.surface import TriangleSurface
 from softsample.study.check import check_study
 
 ROOT = Path(__file__).resolve().parents[2]
@@ -135,7 +138,7 @@ def test_everything_that_is_wrong_is_told_at_once(study, capsys):
     machines.write(study / "T8.csv", "\n".join(bad))
     image(study / "C7.nii.gz", affine=np.diag([400.0, 400.0, 400.0, 1.0]))
     table = study / "samples.tsv"
-    table.write_text(table.read_text() + "T8\tg\tpull\tno.nii\tC7.xls\n")
+    table.write_text(table.read_text() + "T8\tg\tpull\tno.nii\tC7.doc\n")
     (study / "study.yaml").write_text("records: {zero: {force: start}}\nmesh: {size: 1}\n")
     assert main(["check", str(study)]) == 1
     told = capsys.readouterr().err
@@ -145,7 +148,7 @@ def test_everything_that_is_wrong_is_told_at_once(study, capsys):
         "records.zero.force: 'start' is not one of file, rest",
         "mesh.size: unknown name",
         f"samples.tsv, row {line} (T8), column 'mode': 'pull' is not one of",
-        f"row {line} (T8), column 'record': 'C7.xls' has another form",
+        f"row {line} (T8), column 'record': 'C7.doc' has another form",
         f"row {line} (T8), column 'sample': 'T8' stands in row {line - 1} already",
         f"row {line} (T8): {study}/no.nii: no such image; correct its path",
         f"row {line - 2} (C7): {study}/C7.nii.gz: voxels of 400 x 400 x 400 mm, expected 0.05",
@@ -169,6 +172,103 @@ def test_masks_and_labels_are_checked_too(study):
     assert "labels.nii: labels 3 have no stiffness" in faults
     (study / "study.yaml").write_text("material: {region_stiffness: {3: 2.0}}\n")
     assert "stiffness" not in "\n".join(check_study(study).faults)
+
+
+def add_stated(study, name, *cells, mode="compression", record=None):
+    """Exit status of `add` of a sample without an image."""
+    test = machines.write(study.parent / f"{name}.csv", record or default_record())
+    return main(["add", str(study), "--mode", mode, "--record", str(test), *cells])
+
+
+ROUND = ("--shape", "cylinder", "--diameter", "20", "--height", "10")
+
+
+def test_samples_of_any_shape_are_added_to_one_table(study, capsys):
+    """Columns that the table lacks are added, and rows before keep their cells."""
+    assert add(study) == 0
+    options = ("--ends", "0.3", "--specimen", "P1", "--format", "bose", "--cycle", "last")
+    assert add_stated(study, "D1", *ROUND, *options, "--group", "C7") == 0
+    edges = ("--shape", "cuboid", "--length", "20", "--width", "21", "--height", "10")
+    assert add_stated(study, "D2", *edges, "--sample", "D2b") == 0
+    (study / "study.yaml").write_text("formats: {bose: {positive: {force: tension}}}\n")
+    rows = {row["sample"]: row for _, row in read_samples(study / "samples.tsv").iterrows()}
+    assert rows["C7"]["image"] == "C7.nii.gz"
+    assert rows["D1"][["diameter_mm", "ends", "cycle"]].tolist() == ["20", "0.3", "last"]
+    assert rows["D2b"][["length_mm", "diameter_mm", "image"]].tolist() == ["20", "", ""]
+    capsys.readouterr()
+    assert main(["check", str(study)]) == 0
+    told = capsys.readouterr().out
+    assert "cylinder of diameter 20 mm, height 10 mm: section 314.2 mm2" in told
+    assert "nominal strain -20 to 0" in told
+    assert "nominal stress -2.8" in told
+    assert "samples: 3" in told
+
+
+def test_a_wrong_row_is_not_added(study, capsys):
+    before = (study / "samples.tsv").read_text()
+    assert add_stated(study, "D1", *ROUND[:4]) == 1
+    told = capsys.readouterr().err
+    assert "sample D1 is not added to" in told
+    assert "column 'height_mm': is missing; a cylinder needs diameter_mm, height_mm" in told
+    assert add_stated(study, "D1") == 1
+    assert "give an image, a surface, or a shape" in capsys.readouterr().err
+    assert (study / "samples.tsv").read_text() == before
+    assert not (study / "D1.csv").exists()
+
+
+def test_a_surface_is_added_and_checked(study, capsys):
+    block = mesh_cuboid(20e-3, 20e-3, 10e-3, 5e-3)
+    quads = block.boundary_quads
+    triangles = np.concatenate([quads[:, [0, 1, 2]], quads[:, [0, 2, 3]]])
+    write_surface(study.parent / "D3.stl", TriangleSurface(block.points, triangles))
+    assert add_stated(study, "D3", "--surface", str(study.parent / "D3.stl")) == 0
+    capsys.readouterr()
+    assert main(["check", str(study)]) == 0
+    assert "triangles, 20 x 20 x 10 mm, 4000 mm3" in capsys.readouterr().out
+    machines.write(study / "D3.stl", "solid nothing\nendsolid\n")
+    assert "not a readable STL file" in "\n".join(check_study(study).faults)
+
+
+def picture(study, name, inside):
+    """An image of a bright body of 10 mm height on a dark platen."""
+    x, y, z = (0.4 * np.arange(n) - middle for n, middle in ((70, 14), (70, 14), (40, 2)))
+    place = np.meshgrid(x, y, z, indexing="ij")
+    values = np.where(inside(*place[:2]) & (place[2] > 0.0) & (place[2] < 10.0), 300, 20)
+    nibabel.save(nibabel.Nifti1Image(values.astype(np.int16), AFFINE), study / name)
+
+
+def test_a_round_sample_is_proposed_as_a_cylinder(study):
+    add(study)
+    for name, inside, looks_round in (
+        ("disc", lambda x, y: np.hypot(x, y) < 9.0, True),
+        ("square", lambda x, y: np.maximum(abs(x), abs(y)) < 9.0, False),
+    ):
+        picture(study, "C7.nii.gz", inside)
+        told = "\n".join(check_study(study).found)
+        assert ("write cylinder into column shape" in told) is looks_round, name
+    picture(study, "C7.nii.gz", lambda x, y: np.hypot(x, y) < 9.0)
+    table = study / "samples.tsv"
+    text = table.read_text().replace("image\trecord\n", "image\trecord\tshape\n")
+    table.write_text(text.replace("C7.csv\n", "C7.csv\tcylinder\n"))
+    assert "looks round" not in "\n".join(check_study(study).found)
+
+
+def test_formats_and_selections_are_checked(study):
+    add_stated(study, "D1", *ROUND, "--format", "bose")
+    line = len((study / "samples.tsv").read_text().splitlines())
+    settings = study / "study.yaml"
+    settings.write_text("hold_out: [{mode: shear}]\n")
+    (fault,) = check_study(study).faults
+    assert f"row {line} (D1), column 'format': 'bose' is no block of `formats`" in fault
+    blocks = "formats: {bose: {positive: {force: compression, displacement: compression}}}\n"
+    settings.write_text(blocks + "hold_out: [{mode: shear}]\n")
+    faults = "\n".join(check_study(study).faults)
+    assert "hold_out.0: no sample fits it; there are mode: compression" in faults
+    assert "D1.csv, line" in faults  # read with the signs of its format
+    time_s, travel, force = machines.compression()
+    machines.write(study / "D1.csv", machines.univert(time_s, -travel, -force))
+    settings.write_text(blocks)
+    assert check_study(study).faults == []
 
 
 @pytest.mark.parametrize("column", ["bond_mask", "labels"])

@@ -62,8 +62,7 @@ def test_sliding_ends_are_the_closed_form(shape, mode, nu, alpha):
     assert run.energy["hourglass_ratio"] < 1e-6
 
 
-def test_stretch_of_three_of_cork():
-    """The volume triples: J^(-1/3) has to be found far from one."""
+def test_cork_at_three_times_its_length_is_the_closed_form():
     material = OgdenMaterial((900.0,), (2.0,), 0.0)
     assert_homogeneous(
         simulated("block", "tension", "sliding", material, 2.0), "block", "tension", material

@@ -186,6 +186,22 @@ def test_large_strains_and_exponents_have_an_answer(alpha, nu):
         assert np.all(force * np.asarray(strain) > 0.0)
 
 
+@pytest.mark.parametrize(
+    ("alpha", "nu", "strain"),
+    [
+        ((2.0,), 0.0, 0.37), ((2.0,), 0.1, 0.41), ((2.0,), 0.3, 0.60), ((2.0,), 0.45, 0.89),
+        ((-8.0, 16.0), 0.0, 0.35), ((-8.0, 16.0), 0.1, 0.37), ((-8.0, 16.0), 0.3, 0.43),
+        ((-8.0, 16.0), 0.45, 0.53), ((-8.0, 16.0), 0.49, 0.61),
+    ],
+)  # fmt: skip
+def test_compression_has_its_maximum_where_the_page_says(alpha, nu, strain):
+    """`docs/solver.md`: the quadratic volumetric energy softens."""
+    solid = OgdenMaterial((1.0,) * len(alpha), alpha, nu)
+    strains = np.linspace(0.0, 0.95, 951)
+    rising = np.diff(homogeneous_force("compression", strains, solid)) > 0.0
+    assert strains[np.argmin(rising)] == pytest.approx(strain, abs=0.0055)
+
+
 def test_foam_bulges_less_than_rubber_when_the_sides_are_held():
     """Confined compression meets the bulk modulus: cork crushes, rubber does not."""
     foam, rubber = (

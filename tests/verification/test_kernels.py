@@ -151,6 +151,25 @@ def test_adjugate_is_the_inverse_at_determinant_one():
 
 
 @pytest.mark.nojit
+@pytest.mark.parametrize(("J", "tolerance"), [(0.1, 1e-7), (0.3, 1e-14), (3.0, 1e-14), (6.0, 1e-9)])
+def test_cube_root_is_exact_for_foams_too(J, tolerance):
+    """A foam without lateral contraction loses and gains volume as it is pressed and pulled."""
+    found = kernels._inverse_square_cube_root(J - 1.0)
+    assert found == pytest.approx(J ** (-2.0 / 3.0), rel=tolerance)
+
+
+@pytest.mark.parametrize("precision", [SINGLE, DOUBLE])
+@pytest.mark.parametrize("volume", [0.4, 2.5])
+def test_forces_at_a_large_change_of_volume_are_those_of_the_twin(crooked, volume, precision):
+    material = OgdenMaterial((900.0, 200.0), (-7.3, 11.9), 0.0)
+    u = (np.cbrt(volume) - 1.0) * crooked.points + 0.1 * crooked.points[:, [1, 2, 0]]
+    force, _ = ExplicitModel(crooked, precision).internal_force(u, material)
+    wanted, _ = naive.Twin(crooked, DOUBLE.hourglass_coefficient).internal_force(u, material)
+    tolerance = 1e-10 if precision is DOUBLE else 3e-5
+    np.testing.assert_allclose(force, wanted, atol=tolerance * np.abs(wanted).max())
+
+
+@pytest.mark.nojit
 def test_jacobi_rotations_find_eigenvalues_and_vectors():
     matrices = unimodular()
     matrices[:3] = np.eye(3), np.diag([4.0, 4.0, 0.0625]), [[1, 0.5, 0], [0.5, 1, 0], [0, 0, 1]]

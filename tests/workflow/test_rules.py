@@ -443,18 +443,3 @@ def test_undeclared_records_go_from_image_to_verdict(tmp_path):
     planned = jobs(text)
     assert planned["segment"] == planned["check_inputs"] == 30
     assert planned["diagnose"] == planned["diagnose_ideal"] == 10
-
-
-def test_absent_measured_data_are_one_clear_message(tmp_path, monkeypatch):
-    monkeypatch.setenv("SOFTSAMPLE_MEASURED_ROOT", str(tmp_path / "nowhere"))
-    status, text = dry_run(
-        "measured",
-        "--configfile",
-        str(ROOT / "config/measured.yaml"),
-        "--config",
-        f"results={tmp_path / 'results'}",
-    )
-    assert status != 0
-    assert f"the measured data are not in {tmp_path / 'nowhere'}" in text
-    assert "cmc-cryogel/ from github.com/tbgitoo/textureAnalyzerGels" in text
-    assert "Traceback" not in text

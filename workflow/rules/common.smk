@@ -23,7 +23,6 @@ from softsample.files import show_presence
 from softsample.formats import files_of
 from softsample.holdout import check_hold_out, folds, wholly_held_out
 from softsample.io import read_json, read_samples, read_table, read_yaml
-from softsample.measured.catalogue import check_folder, set_files
 from softsample.progress import show_jobs_in_lines
 from softsample.report.results import in_brief
 from softsample.report.tables import LEVEL
@@ -401,15 +400,6 @@ def exports_of(sample):
         for geometry in geometries_of(SAMPLES[sample]["group"])
         for ending in (".inp", "_calculix.inp", ".feb", ".pvd")
     ]
-
-
-def measured_files(root, catalogue):
-    """Files of each set of others' records, or plainly that they are not there."""
-    try:
-        check_folder(root, catalogue)
-    except SoftsampleError as error:
-        raise WorkflowError(str(error)) from None
-    return {name: set_files(root, catalogue, name) for name in catalogue["set"].unique()}
 
 
 PAPER = [str(ROOT / f"resources/paper/{name}.csv") for name in ("moduli", "summary")]

@@ -1,10 +1,30 @@
-# From the image to the sample's shape, its frame and the idealised cuboid.
+# From the image, the surface or the stated dimensions to the sample's shape, real and idealised.
+
+SHAPE_COLUMNS = ("shape", "length_mm", "width_mm", "height_mm", "diameter_mm")
+
+
+def segmented(ending):
+    """Input function: a result of the segmentation; none of a sample whose dimensions are stated."""
+
+    def find(wildcards):
+        row = SAMPLES[known(wildcards.sample)]
+        there = "image" in row or "surface" in row
+        return f"<results>/segmentation/{wildcards.sample}{ending}" if there else []
+
+    return find
+
+
+def shape_cells(wildcards):
+    """Params function: cells of the sample's row about its idealised shape."""
+    row = SAMPLES[known(wildcards.sample)]
+    return {column: row[column] for column in SHAPE_COLUMNS if column in row}
 
 
 rule segment:
     input:
         image=study_image("image"),
         segmentation=study_image("segmentation"),
+        surface=study_file("surface"),
         checked="<results>/inputs/{sample}.json",
         code=library("workflow/scripts/segment.py"),
     output:
@@ -24,15 +44,15 @@ rule segment:
         settings=config["segmentation"],
         axes=test_axes,
     message:
-        "Segment the image: {wildcards.sample}"
+        "Segment the image, or take over the surface: {wildcards.sample}"
     script:
         "../scripts/segment.py"
 
 
 rule measure:
     input:
-        distance="<results>/segmentation/{sample}_distance.nii.gz",
-        report="<results>/segmentation/{sample}.json",
+        distance=segmented("_distance.nii.gz"),
+        report=segmented(".json"),
         code=library("workflow/scripts/measure.py"),
     output:
         cuboid="<results>/cuboid/{sample}.json",
@@ -41,7 +61,8 @@ rule measure:
     params:
         settings=config["measurement"],
         preload_mm=config["protocol"]["preload_mm"],
+        shape=shape_cells,
     message:
-        "Measure cuboid and areas: {wildcards.sample}"
+        "Measure idealised shape and areas: {wildcards.sample}"
     script:
         "../scripts/measure.py"

@@ -1,9 +1,17 @@
 # Check what comes in before anything is computed from it.
 
+from softsample.validation import record_settings, resolved, stated_shape
+
+
+def of_row(function):
+    """Params function: what a function of the library makes of the sample's row."""
+    return lambda wildcards: function(SAMPLES[known(wildcards.sample)])
+
 
 rule check_inputs:
     input:
         image=study_image("image"),
+        surface=lambda wildcards: sample_file(wildcards.sample, "surface"),
         record=study_file("record"),
         # ancient: another file in the manifest does not concern a sample
         manifest=ancient(str(ROOT / "resources/MANIFEST.tsv")) if SHIPPED else [],
@@ -17,8 +25,10 @@ rule check_inputs:
         "<logs>/check_inputs/{sample}.log",
     params:
         mode=row_value("mode"),
-        records=config["records"],
+        records=of_row(lambda row: record_settings(config, row)),
+        cycle=of_row(lambda row: resolved(row)["cycle"]),
+        shape=of_row(stated_shape),
     message:
-        "Check image and record: {wildcards.sample}"
+        "Check what comes in: {wildcards.sample}"
     script:
         "../scripts/check_inputs.py"

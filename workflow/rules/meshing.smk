@@ -1,10 +1,25 @@
-# Hexahedral mesh of the real geometry or of the cuboid, with a quality report.
+# Hexahedral mesh of the real or of the idealised geometry, with a quality report.
+
+
+def for_real(ending):
+    """Input function: a result of the segmentation for the real geometry, none for the ideal one."""
+
+    def find(wildcards):
+        found = segmented(ending)(wildcards) if wildcards.geometry != "ideal" else []
+        if wildcards.geometry != "ideal" and not found:
+            raise WorkflowError(
+                f"the dimensions of sample {wildcards.sample!r} are stated in {TABLE}: it has no "
+                "real geometry; ask for the ideal one, or give an image or a surface"
+            )
+        return found
+
+    return find
 
 
 rule mesh:
     input:
-        distance="<results>/segmentation/{sample}_distance.nii.gz",
-        segmentation="<results>/segmentation/{sample}.json",
+        distance=for_real("_distance.nii.gz"),
+        segmentation=for_real(".json"),
         cuboid="<results>/cuboid/{sample}.json",
         bond_mask=real_image("bond_mask"),
         labels=real_image("labels"),
@@ -21,6 +36,7 @@ rule mesh:
         **OF_MESHES,
     params:
         mesh=config["mesh"],
+        coarsening=1,
         preload_mm=config["protocol"]["preload_mm"],
     message:
         "Mesh: {wildcards.sample}, {wildcards.geometry} geometry"
@@ -38,7 +54,8 @@ use rule mesh as mesh_coarse with:
     benchmark:
         "<benchmarks>/mesh/{sample}_{geometry}_coarse.tsv"
     params:
-        mesh={**config["mesh"], "element_size_mm": 2 * config["mesh"]["element_size_mm"]},
+        mesh=config["mesh"],
+        coarsening=2,
         preload_mm=config["protocol"]["preload_mm"],
     message:
         "Mesh, elements of twice the size: {wildcards.sample}, {wildcards.geometry} geometry"

@@ -9,22 +9,26 @@ from softsample.io import read_distance, read_json, read_record, write_table
 from softsample.meshing.hexahedral import MeshSettings
 from softsample.meshing.sample import mesh_ideal, mesh_real
 from softsample.response.unit import ResponseSettings, modulus_fractions
-from softsample.shapes import IdealShape
+from softsample.shapes import IdealShape, element_size
 from softsample.workflow import logged_to, progress_bar
 
 MM = 1e-3
 
 with logged_to(snakemake):
     given, files = snakemake.params, snakemake.input
-    keys, effects = dict(given.mesh), dict(given.effects)
-    size = effects.pop("element_size_mm") * MM
-    del keys["element_size_mm"], keys["elements_across"]
-    shift, preload = keys.pop("boundary_shift_mm") * MM, given.preload_mm * MM
+    mesh, effects = given.mesh, dict(given.effects)
     ideal = IdealShape.of_report(read_json(files.cuboid))
-    edges = (ideal.length, ideal.width, ideal.height)
-    grid = read_distance(files.distance, files.segmentation)
-    real = mesh_real(*grid, size, preload, MeshSettings(**keys), boundary_shift=shift)
-    shape = Shape(real.mesh, mesh_ideal(ideal, size).mesh, edges, given.top_normal_deg)
+    coarser = effects.pop("element_size_mm") / mesh["element_size_mm"]
+    size = coarser * element_size(ideal, mesh["element_size_mm"] * MM, mesh["elements_across"])
+    preload = given.preload_mm * MM
+    real = mesh_real(
+        *read_distance(files.distance, files.segmentation),
+        size,
+        preload,
+        MeshSettings.of_config(mesh),
+        boundary_shift=mesh["boundary_shift_mm"] * MM,
+    )
+    shape = Shape(real.mesh, mesh_ideal(ideal, size).mesh, ideal, given.top_normal_deg)
     table = simulate(
         variants(shape, given.mode, preload, EffectSettings(**effects)),
         given.mode,

@@ -1,13 +1,16 @@
-"""Measure the idealised cuboid and the areas of one sample (rule `measure`)."""
+"""Measure the idealised shape and the areas of one sample, or take what is stated (`measure`)."""
 
 from softsample.imaging.measure import MeasurementSettings, measure
 from softsample.io import read_distance, write_json
+from softsample.shapes import IdealShape
 from softsample.workflow import logged_to, provenance
 
 with logged_to(snakemake):
-    grid = read_distance(snakemake.input.distance, snakemake.input.report)
-    settings = MeasurementSettings(
-        **snakemake.params.settings, preload_mm=snakemake.params.preload_mm
-    )
-    cuboid = measure(*grid, settings)
-    write_json(snakemake.output.cuboid, {**cuboid, "provenance": provenance(snakemake)})
+    given, files = snakemake.params, snakemake.input
+    if files.distance:
+        settings = MeasurementSettings(**given.settings, preload_mm=given.preload_mm)
+        grid = read_distance(files.distance, files.report)
+        found = measure(*grid, settings, given.shape.get("shape", "cuboid"))
+    else:
+        found = IdealShape.of_row(given.shape).report()
+    write_json(snakemake.output.cuboid, {**found, "provenance": provenance(snakemake)})

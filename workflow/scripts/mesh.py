@@ -1,4 +1,4 @@
-"""Mesh the real or the idealised geometry of one sample (rule `mesh`)."""
+"""Mesh the real or the idealised geometry of one sample (rules `mesh`, `mesh_coarse`)."""
 
 from softsample.io import (
     read_distance,
@@ -11,25 +11,29 @@ from softsample.io import (
 from softsample.meshing.hexahedral import MeshSettings
 from softsample.meshing.sample import mesh_ideal, mesh_real
 from softsample.meshing.surface import boundary_surface
+from softsample.shapes import IdealShape, element_size
 from softsample.workflow import logged_to, provenance
 
 MM = 1e-3
 
 with logged_to(snakemake):
-    keys = dict(snakemake.params.mesh)
-    size = keys.pop("element_size_mm") * MM
-    shift = keys.pop("boundary_shift_mm") * MM
-    if snakemake.wildcards.geometry == "real":
-        grid = read_distance(snakemake.input.distance, snakemake.input.segmentation)
-        marks = read_marks(
-            snakemake.input.bond_mask, snakemake.input.labels, snakemake.input.segmentation
+    given, files = snakemake.params, snakemake.input
+    ideal = IdealShape.of_report(read_json(files.cuboid))
+    wanted = given.mesh["element_size_mm"] * MM
+    size = given.coarsening * element_size(ideal, wanted, given.mesh["elements_across"])
+    if files.distance:
+        grid = read_distance(files.distance, files.segmentation)
+        marks = read_marks(files.bond_mask, files.labels, files.segmentation)
+        made = mesh_real(
+            *grid,
+            size,
+            given.preload_mm * MM,
+            MeshSettings.of_config(given.mesh),
+            boundary_shift=given.mesh["boundary_shift_mm"] * MM,
+            **marks,
         )
-        preload = snakemake.params.preload_mm * MM
-        made = mesh_real(*grid, size, preload, MeshSettings(**keys), boundary_shift=shift, **marks)
     else:
-        cuboid = read_json(snakemake.input.cuboid)
-        edges = (cuboid[f"{name}_mm"] * MM for name in ("length", "width", "height"))
-        made = mesh_ideal(*edges, size)
+        made = mesh_ideal(ideal, size)
     write_mesh(snakemake.output.mesh, made.mesh, made.point_data, made.cell_data)
     write_surface(snakemake.output.surface, boundary_surface(made.mesh))
     write_json(snakemake.output.report, {**made.report, "provenance": provenance(snakemake)})

@@ -1,9 +1,11 @@
-"""Segment the image of one sample, or take over its segmentation (rule `segment`)."""
+"""Segment the image of one sample, or take over its segmentation or surface (rule `segment`)."""
 
 from softsample.images import on_grid_of, world_axis
 from softsample.imaging.segment import SegmentationSettings, segment, segmentation_from_mask
+from softsample.imaging.surface import segmentation_from_surface
 from softsample.io import (
     read_image,
+    read_surface,
     write_image,
     write_json,
     write_segmentation,
@@ -15,20 +17,21 @@ from softsample.workflow import logged_to, provenance
 M_TO_MM = 1e3
 
 with logged_to(snakemake):
-    given, written = snakemake.params, snakemake.output
+    given, files, written = snakemake.params, snakemake.input, snakemake.output
     sample = snakemake.wildcards.sample
-    data, affine = read_image(snakemake.input.image[0])
-    elsewhere = next(iter(snakemake.input.segmentation), None)
-    if elsewhere:
-        mask = read_image(elsewhere, segments=(sample, "sample"))
-        data = on_grid_of((data, affine), *mask, elsewhere)
-    found = (segmentation_from_mask if elsewhere else segment)(
-        data,
-        affine,
-        SegmentationSettings(**given.settings),
-        loading_axis=world_axis(given.axes["loading_axis"]),
-        shear_axis=world_axis(given.axes["shear_axis"]),
-    )
+    settings = SegmentationSettings(**given.settings)
+    axes = {name: world_axis(axis) for name, axis in given.axes.items()}
+    if files.surface:
+        found = segmentation_from_surface(read_surface(files.surface), settings, **axes)
+        affine = found.distance_affine_mm
+    else:
+        data, affine = read_image(files.image[0])
+        elsewhere = next(iter(files.segmentation), None)
+        if elsewhere:
+            mask = read_image(elsewhere, segments=(sample, "sample"))
+            data = on_grid_of((data, affine), *mask, elsewhere)
+        made = segmentation_from_mask if elsewhere else segment
+        found = made(data, affine, settings, **axes)
     report = found.summary()
     surface = level_surface(found.distance, found.origin, found.spacing)
     write_image(written.mask, found.mask.astype("uint8"), affine)

@@ -62,7 +62,7 @@ class StaticTest:
     Raises
     ------
     InputError
-        If the travel is not positive or nothing is there to be moved.
+        If the travel is not positive, nothing is there to be moved, or ends slip.
     """
 
     mesh: HexMesh
@@ -73,6 +73,8 @@ class StaticTest:
     def __post_init__(self) -> None:
         if not (np.isfinite(self.travel) and self.travel > 0.0):
             raise InputError(f"the platen must travel, got {self.travel:g} m; check the record")
+        if np.isfinite(self.boundary.friction).any() or self.boundary.confined:
+            raise InputError("slip and walls are not exported; export a test of bonded ends")
         if "GLUED" not in self.sets and not any(plate.moves for plate in self.plates):
             raise InputError("no node is glued and no platen can be touched; check the boundary")
 

@@ -9,7 +9,6 @@ from softsample.loop.diagnose import Diagnosis
 from softsample.loop.fit import Fit
 from softsample.loop.specimen import Specimen, blocks
 
-
 MOST = 6
 """Tests that a figure shows at most: the worst, in the order of the study."""
 

@@ -15,6 +15,7 @@ from scipy.interpolate import RBFInterpolator
 
 from softsample.errors import MeshError
 from softsample.meshing.mesh import HexMesh, face_vectors
+from softsample.shapes import IdealShape
 
 Array = NDArray[np.float64]
 Ids = NDArray[np.int64]
@@ -61,16 +62,16 @@ class Shape:
     Parameters
     ----------
     real, cuboid : HexMesh
-        Their meshes.
-    edges : (3,) tuple of float
-        Length, width and height of the cuboid [m].
+        Their meshes; that of a round sample's cylinder stands in the place of the cuboid's.
+    ideal : IdealShape
+        The cuboid, or the cylinder.
     normal_deg : float
         The top is the surface within this angle of vertical in the upper half [degrees].
     """
 
     real: HexMesh
     cuboid: HexMesh
-    edges: tuple[float, float, float]
+    ideal: IdealShape
     normal_deg: float
 
     @cached_property
@@ -105,34 +106,34 @@ class Shape:
 
     def flat(self, at: Array) -> Array:
         """Height of the cuboid's top."""
-        return np.full(len(at), self.edges[2])
+        return np.full(len(at), self.ideal.height)
 
     def scaled_relief(self, factor: float) -> HeightMap:
         """The relief with its deviations from the cuboid's height multiplied."""
-        return lambda at: self.edges[2] + factor * (self.relief(at) - self.edges[2])
+        return lambda at: self.ideal.height + factor * (self.relief(at) - self.ideal.height)
 
     def without_tilt(self, at: Array) -> Array:
         """The relief about its plane, at the cuboid's height."""
-        return self.edges[2] + self.relief(at) - self.plane(at)
+        return self.ideal.height + self.relief(at) - self.plane(at)
 
     def tilt_alone(self, at: Array) -> Array:
         """The plane, at the cuboid's height in the mean over the top."""
         mean = self.plane(self.real.points[self.top, :2]).mean()
-        return self.edges[2] + self.plane(at) - mean
+        return self.ideal.height + self.plane(at) - mean
 
     @cached_property
     def levelled(self) -> HexMesh:
         """The real sample with its whole top at the cuboid's height."""
         points = stretched(self.real, self.relief, self.flat).points
-        points[:, 2] = np.minimum(points[:, 2], self.edges[2])
+        points[:, 2] = np.minimum(points[:, 2], self.ideal.height)
         return HexMesh(points, self.real.hexes)
 
     @cached_property
     def tapered(self) -> HexMesh:
         """The cuboid with sections as large as those of the levelled sample."""
         points = self.cuboid.points.copy()
-        levels = np.linspace(0.0, self.edges[2], PROFILE)[1:]
-        ratio = section_areas(self.levelled, levels) / (self.edges[0] * self.edges[1])
+        levels = np.linspace(0.0, self.ideal.height, PROFILE)[1:]
+        ratio = section_areas(self.levelled, levels) / self.ideal.area
         points[:, :2] *= np.sqrt(np.interp(points[:, 2], levels, ratio))[:, None]
         return HexMesh(points, self.cuboid.hexes)
 

@@ -11,9 +11,10 @@ from softsample.constitutive.ogden import unit_modulus
 from softsample.fem.boundary import Boundary, ContactSettings, glued_boundary, platen_boundary
 from softsample.fem.explicit import ExplicitModel, SolverSettings
 from softsample.geometry_effects.shapes import Shape, section_areas
-from softsample.meshing.cuboid import mesh_cuboid
 from softsample.meshing.mesh import HexMesh
+from softsample.meshing.sample import ideal_hexes
 from softsample.response.unit import unit_runs
+from softsample.shapes import IdealShape
 
 Array = NDArray[np.float64]
 
@@ -79,14 +80,14 @@ def variants(
     settings : EffectSettings
         Steps.
     """
-    length, width, height = shape.edges
-    size = shape.cuboid.edge_length
+    ideal, size = shape.ideal, shape.cuboid.edge_length
 
     def cuboid(area_ratio: float = 1.0, height_ratio: float = 1.0) -> Variant:
-        side = np.sqrt(area_ratio)
-        return Variant(mesh_cuboid(side * length, side * width, height_ratio * height, size), 0.0)
+        length, width = (float(np.sqrt(area_ratio)) * side for side in (ideal.length, ideal.width))
+        scaled = IdealShape(ideal.kind, length, width, height_ratio * ideal.height)
+        return Variant(ideal_hexes(scaled, size), 0.0)
 
-    top_area, volume = (f(shape) / (length * width) for f in (_top_area, _mean_section))
+    top_area, volume = (f(shape) / ideal.area for f in (_top_area, _mean_section))
     found = {
         "real": Variant(shape.real, preload),
         "levelled": Variant(shape.levelled, 0.0),
@@ -95,7 +96,7 @@ def variants(
         "cuboid_with_relief": Variant(shape.cuboid_with_relief, preload),
         "tilt_alone": Variant(shape.with_top(shape.tilt_alone), preload),
         "without_tilt": Variant(shape.with_top(shape.without_tilt), preload),
-        "cuboid_to_highest_point": cuboid(height_ratio=shape.real.highest / height),
+        "cuboid_to_highest_point": cuboid(height_ratio=shape.real.highest / ideal.height),
         "cuboid_of_top_area": cuboid(top_area),
         "cuboid_of_volume": cuboid(volume),
     }
@@ -104,7 +105,7 @@ def variants(
         found[f"relief_times_{factor:g}"] = Variant(mesh, preload)
     if mode == "compression":
         for factor in settings.gap_factors:
-            gap = factor * max(0.0, shape.real.highest - height)
+            gap = factor * max(0.0, shape.real.highest - ideal.height)
             found[f"gap_times_{factor:g}"] = replace(found["cuboid"], gap=gap)
     else:
         for depth in settings.bond_depths_mm:
@@ -114,13 +115,15 @@ def variants(
 
 def _top_area(shape: Shape) -> float:
     """Area of the top [m2], projected on the base."""
-    return float(section_areas(shape.levelled, np.array([shape.edges[2]]))[0])
+    return float(section_areas(shape.levelled, np.array([shape.ideal.height]))[0])
 
 
 def _mean_section(shape: Shape) -> float:
     """Volume of the real sample over the height of the cuboid [m2]."""
     heights = shape.real.highest * (np.arange(200) + 0.5) / 200
-    return float(section_areas(shape.real, heights).mean() * shape.real.highest / shape.edges[2])
+    return float(
+        section_areas(shape.real, heights).mean() * shape.real.highest / shape.ideal.height
+    )
 
 
 def simulate(

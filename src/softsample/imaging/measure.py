@@ -15,7 +15,7 @@ from skimage.measure import find_contours
 from softsample.errors import InputError, SegmentationError
 from softsample.imaging import distance as sdf
 from softsample.imaging import frame
-from softsample.shapes import IdealShape, Kind
+from softsample.shapes import IdealShape
 
 Array = NDArray[np.float64]
 
@@ -63,7 +63,7 @@ def measure(
     origin: ArrayLike,
     spacing: float,
     settings: MeasurementSettings | None = None,
-    shape: Kind = "cuboid",
+    shape: str = "cuboid",
 ) -> dict[str, Any]:
     """Measure the idealised shape and the areas of a sample.
 
@@ -137,7 +137,7 @@ def circularity(distance: Array, origin: Array, spacing: float) -> float:
     return float(np.mean([_section_circularity(plane) for plane in planes]))
 
 
-def proposed_shape(circularity: float) -> Kind:
+def proposed_shape(circularity: float) -> str:
     """Shape that a sample of this `circularity` looks like; a person decides."""
     return "cylinder" if circularity >= ROUND else "cuboid"
 
@@ -247,7 +247,7 @@ def _core_heights(top: Array, share: Array) -> tuple[float, float]:
 
 
 def _core(
-    kind: Kind, columns: tuple[int, ...], origin: Array, spacing: float, sides: tuple[float, float]
+    kind: str, columns: tuple[int, ...], origin: Array, spacing: float, sides: tuple[float, float]
 ) -> Array:
     """Share of each column of the grid (nx, ny) in the rectangle, or circle, of `sides` [m]."""
     x, y = (origin[axis] / spacing + np.arange(columns[axis]) for axis in (0, 1))
@@ -264,7 +264,7 @@ def _idealised(
     spacing: float,
     top: Array,
     settings: MeasurementSettings,
-    kind: Kind,
+    kind: str,
 ) -> tuple[IdealShape, dict[str, list[float]], float]:
     """Idealised shape, the sizes of its three sections, and the top's standard deviation [m].
 

@@ -194,6 +194,7 @@ def segment(
     *,
     loading_axis: ArrayLike = (0.0, 0.0, 1.0),
     shear_axis: ArrayLike = (1.0, 0.0, 0.0),
+    find_film: bool = True,
 ) -> Segmentation:
     """Segment a sample that stands on a dark platen, surrounded by air.
 
@@ -206,6 +207,8 @@ def segment(
     settings : SegmentationSettings, optional
     loading_axis, shear_axis : (3,) array
         World directions, nominally: from the glued base upward, and of the shear.
+    find_film : bool
+        Whether a film of fluid is looked for, which takes most of the time.
 
     Returns
     -------
@@ -224,7 +227,9 @@ def segment(
     spacing = voxel_size(to_world)
     share = tissue_share(image, spacing, settings)
     check_component(share.mask, spacing, settings)
-    return _from_share(share, to_world, settings, up, shear)
+    if not find_film:
+        share = replace(share, power=None, relative_noise=None)
+    return _from_share(share, to_world, settings, up, shear, on_platen=True)
 
 
 def segmentation_from_mask(
@@ -259,7 +264,8 @@ def segmentation_from_mask(
         level=np.nan,
         threshold=np.nan,
     )
-    return _from_share(share, to_world, settings, up, shear)
+    # a segmentation made elsewhere has its say
+    return _from_share(share, to_world, settings, up, shear, on_platen=False)
 
 
 @dataclass(frozen=True)
@@ -274,7 +280,7 @@ class TissueShare:
         Sample, free fluid (drops), and holes of the sample that were filled (bubbles).
     power, relative_noise : (nx, ny, nz) float64, or None
         Square of the intensity over that of the tissue nearby, less the surroundings'; noise over
-        that of the tissue nearby. None for a given mask.
+        that of the tissue nearby. None for a given mask, or if no film is looked for.
     texture : float
         Standard deviation of the tissue about its level nearby, relative.
     snr, noise, level, threshold : float
@@ -392,14 +398,19 @@ def _blur(spacing: Array, settings: SegmentationSettings) -> Array:
 
 
 def _from_share(
-    share: TissueShare, to_world: Array, settings: SegmentationSettings, up: Array, shear: Array
+    share: TissueShare,
+    to_world: Array,
+    settings: SegmentationSettings,
+    up: Array,
+    shear: Array,
+    on_platen: bool,
 ) -> Segmentation:
     """Find the sample frame and bring the boundary into it."""
     kept = np.where(intensity.grown(share.mask), share.share, np.minimum(share.share, 0.0))
     kept = np.where(share.hole, 1.0, kept)
     surface = frame.iso_surface(kept, HALF, to_world)
     point, normal, spread = frame.fit_base(surface, up, np.radians(settings.max_tilt_deg))
-    if share.power is not None:  # a segmentation made elsewhere has its say
+    if on_platen:
         _check_platen(surface, point, normal, voxel_size(to_world), settings)
     x = frame.wall_direction(surface, normal, shear)
     sample_to_world = frame.rigid(x, normal, point)

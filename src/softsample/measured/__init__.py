@@ -1,1 +1,1 @@
-"""Records that others measured: readers, models of their ideal shapes, and the loop on them."""
+"""Public measured sets as study folders: catalogue, one reader a set, and the writer."""

@@ -1,21 +1,14 @@
-"""Reading others' files: tables of numbers with a known header, and cells of a workbook."""
+"""Reading foreign files: tables of numbers with a known header, and workbooks."""
 
-import re
-import zipfile
 from collections.abc import Sequence
 from io import StringIO
 from pathlib import Path
-from xml.etree import ElementTree
 
 import numpy as np
 import pandas as pd
-from numpy.typing import NDArray
+import xlrd
 
 from softsample.errors import InputError
-
-Array = NDArray[np.float64]
-
-SPREADSHEET = "{http://schemas.openxmlformats.org/spreadsheetml/2006/main}"
 
 
 def lines_of(path: Path) -> list[str]:
@@ -35,7 +28,7 @@ def lines_of(path: Path) -> list[str]:
 def numbers(
     path: Path, lines: Sequence[str], columns: Sequence[str], separator: str = ","
 ) -> pd.DataFrame:
-    """Table of finite numbers below a header that must hold the named columns, units included.
+    """Finite numbers below a header that holds the named columns, units included.
 
     Raises
     ------
@@ -47,6 +40,17 @@ def numbers(
     except (pd.errors.ParserError, pd.errors.EmptyDataError) as error:
         raise InputError(f"{path}: not a table with a header: {error}") from error
     table.columns = table.columns.str.strip()
+    return finite(path, table, columns)
+
+
+def finite(path: Path, table: pd.DataFrame, columns: Sequence[str]) -> pd.DataFrame:
+    """Named columns of a table as finite numbers.
+
+    Raises
+    ------
+    InputError
+        If a column is absent (another unit, another export) or a cell is no finite number.
+    """
     absent = [name for name in columns if name not in table]
     if absent:
         raise InputError(
@@ -59,8 +63,8 @@ def numbers(
     return found.astype(float)
 
 
-def workbook_rows(path: Path) -> list[dict[str, str]]:
-    """Cells of a workbook's first sheet (.xlsx), by letter of the column, row by row as text.
+def sheets(path: Path) -> dict[str, pd.DataFrame]:
+    """Cells of every sheet of a workbook (.xls, .xlsx) by the sheet's name, without a header.
 
     Raises
     ------
@@ -68,30 +72,17 @@ def workbook_rows(path: Path) -> list[dict[str, str]]:
         If the file is no such workbook.
     """
     try:
-        with zipfile.ZipFile(path) as archive:
-            names = archive.namelist()
-            shared = "xl/sharedStrings.xml"
-            texts = _items(archive.read(shared)) if shared in names else []
-            sheet = ElementTree.fromstring(archive.read("xl/worksheets/sheet1.xml"))
-    except (OSError, KeyError, zipfile.BadZipFile, ElementTree.ParseError) as error:
+        if path.suffix == ".xls":
+            book = xlrd.open_workbook(path).sheets()
+            rows = {sheet.name: map(sheet.row_values, range(sheet.nrows)) for sheet in book}
+            return {name: pd.DataFrame(cells) for name, cells in rows.items()}
+        return pd.read_excel(path, sheet_name=None, header=None, engine="openpyxl")
+    except Exception as error:  # each library raises errors of its own
         raise InputError(f"{path}: not a readable workbook ({error}); fetch it again") from error
-    rows = []
-    for row in sheet.iter(f"{SPREADSHEET}row"):
-        cells = {}
-        for cell in row.iter(f"{SPREADSHEET}c"):
-            value = cell.find(f"{SPREADSHEET}v")
-            if value is not None and value.text is not None:
-                column = re.sub(r"\d", "", cell.get("r", ""))
-                is_text = cell.get("t") == "s"
-                cells[column] = texts[int(value.text)] if is_text else value.text
-        rows.append(cells)
-    return rows
 
 
-def _items(content: bytes) -> list[str]:
-    """Shared texts of a workbook."""
-    root = ElementTree.fromstring(content)
-    return [
-        "".join(part.text or "" for part in item.iter(f"{SPREADSHEET}t"))
-        for item in root.iter(f"{SPREADSHEET}si")
-    ]
+def headed(sheet: pd.DataFrame, rows: int = 1) -> pd.DataFrame:
+    """A sheet below its header; of a header of several rows, cells of a column are joined."""
+    head = sheet.iloc[:rows].map(lambda cell: "" if pd.isna(cell) else str(cell).strip())
+    names = [" ".join(filter(None, head[column])) for column in head]
+    return sheet.iloc[rows:].set_axis(names, axis="columns").reset_index(drop=True)

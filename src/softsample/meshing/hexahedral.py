@@ -1,7 +1,9 @@
 """Hexahedral mesh of a solid that is given by a signed distance grid."""
 
 import logging
-from dataclasses import dataclass
+from collections.abc import Mapping
+from dataclasses import dataclass, fields
+from typing import Any, Self
 
 import numpy as np
 from numpy.typing import NDArray
@@ -43,6 +45,12 @@ class MeshSettings:
     surface_weights: tuple[float, ...] = (5.0, 50.0, 200.0)
     iterations: tuple[int, ...] = (60, 60, 60)
     min_scaled_jacobian: float = 0.2
+
+    @classmethod
+    def of_config(cls, section: Mapping[str, Any]) -> Self:
+        """From the config section `mesh`, whose other keys are not about the mesher."""
+        names = {field.name for field in fields(cls)}
+        return cls(**{name: value for name, value in section.items() if name in names})
 
     def __post_init__(self) -> None:
         if len(self.surface_weights) != len(self.iterations):

@@ -237,24 +237,42 @@ def level_surface(distance: Array, origin: Array, spacing: float) -> TriangleSur
     return TriangleSurface(points, triangles.astype(np.int64), "surface of the sample")
 
 
-def _without_base(surface: TriangleSurface) -> TriangleSurface:
-    """Walls and top in the sample frame: the base, now open, at z = 0 about the origin."""
-    points = surface.points.copy()
-    low, high = (f(points[surface.triangles].reshape(-1, 3), axis=0) for f in (np.min, np.max))
-    flat = points[:, 2] <= low[2] + FLAT * (high[2] - low[2])
-    vectors = surface.area_vectors
-    downward = vectors[:, 2] < -0.9 * np.linalg.norm(vectors, axis=1)
-    base = downward & np.all(flat[surface.triangles], axis=1)
-    area = -vectors[base, 2]
+def base_centre(surface: TriangleSurface) -> Array:
+    """Centroid of the flat lowest face, (3,) [m].
+
+    Raises
+    ------
+    MeshError
+        If the lowest face is not flat and square to z.
+    """
+    points = surface.points[surface.triangles]
+    low, high = (f(points.reshape(-1, 3), axis=0) for f in (np.min, np.max))
+    base = _base(surface)
+    area = -surface.area_vectors[base, 2]
     if area.sum() < LEAST_BASE * np.prod((high - low)[:2]):
         raise MeshError(
             f"{surface.source}: its lowest face is not flat ({1e6 * area.sum():.3g} mm2 lie at "
             f"z = {1e3 * low[2]:.4g} mm); turn the surface so that the loading axis is +z, and cut "
             "the base flat"
         )
-    middle = area @ points[surface.triangles[base]].mean(axis=1) / area.sum()
-    points[np.unique(surface.triangles[base]), 2] = low[2]
-    points -= [middle[0], middle[1], low[2]]
+    middle = area @ points[base].mean(axis=1) / area.sum()
+    return np.array([middle[0], middle[1], low[2]])
+
+
+def _base(surface: TriangleSurface) -> NDArray[np.bool_]:
+    """(m,) triangles that look down and lie at the lowest height."""
+    height = surface.points[surface.triangles, 2]
+    flat = height <= height.min() + FLAT * np.ptp(height)
+    vectors = surface.area_vectors
+    downward = vectors[:, 2] < -0.9 * np.linalg.norm(vectors, axis=1)
+    return np.asarray(downward & flat.all(axis=1))
+
+
+def _without_base(surface: TriangleSurface) -> TriangleSurface:
+    """Walls and top in the sample frame: the base, now open, at z = 0 about the origin."""
+    centre, base = base_centre(surface), _base(surface)
+    points = surface.points - centre
+    points[np.unique(surface.triangles[base]), 2] = 0.0
     return TriangleSurface(points, surface.triangles[~base], surface.source)
 
 

@@ -1,163 +1,103 @@
-"""Verdicts on others' records as tables, and as a page of the report."""
+"""Verdicts on the public measured sets as tables."""
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping
 from typing import Any
 
+import numpy as np
 import pandas as pd
 
-Verdicts = Sequence[Mapping[str, Any]]
+Verdict = Mapping[str, Any]
 
 SUMMARY = (
-    "set", "record_group", "verdict", "class", "held_out_before_percent",
-    "held_out_after_percent", "records",
+    "set", "rule", "group", "verdict", "law", "effects", "held_out_before_percent",
+    "held_out_after_percent", "fitted_before_percent", "fitted_after_percent",
 )  # fmt: skip
-EFFECTS = (
-    "set", "record_group", "effect", "class", "parameter", "value", "unit", "low", "high",
-    "evidence", "experiment",
+OVERVIEW = (
+    "set", "rule", "groups", "verdicts", "held_out_before_percent", "held_out_after_percent",
 )  # fmt: skip
-UNDECIDED_FIRST = {"unknown": 0, "explained": 1, "none": 2}
+FAILED = "failed"
+"""Stands for the verdict of a group whose run did not come through."""
 
 
-def summary_table(verdicts: Verdicts) -> pd.DataFrame:
-    """One row a group of records and model of its shape (`group/model`).
+def summary_table(found: Iterable[tuple[str, str, Verdict | None]]) -> pd.DataFrame:
+    """One row a group of a study.
+
+    Parameters
+    ----------
+    found
+        Study, group and the content of its `verdict.json`, None if there is none.
 
     Returns
     -------
     DataFrame
-        `set`, `record_group`, `verdict`, `class` (names that cannot be told apart joined by
-        ``|``, effects by ``; ``), `held_out_before_percent`, `held_out_after_percent` (RMS in %
-        of the peak of the held-out part), `records`.
+        Columns `SUMMARY`: names that cannot be told apart joined by ``|``, effects by ``; ``;
+        errors are root mean squares over tests [% of peak], those of held-out parts over the
+        tests of all declared folds; NaN where there are none.
     """
     rows = [
-        (
-            verdict["set"],
-            _name(group),
-            group["verdict"],
-            "; ".join("|".join(effect["class"]) for effect in group["effects"]),
-            group["held_out_before_percent"],
-            group["held_out_after_percent"],
-            group["records"],
-        )
-        for verdict in verdicts
-        for group in verdict["groups"]
+        (study, *_cells(group, verdict))
+        if verdict is not None
+        else (study, "", group, FAILED, "", "", *(np.nan,) * 4)
+        for study, group, verdict in found
     ]
     return pd.DataFrame(rows, columns=list(SUMMARY))
 
 
-def effect_table(verdicts: Verdicts) -> pd.DataFrame:
-    """One row a parameter of an effect that was given: size, 90 % interval, evidence."""
-    rows = [
-        (
-            verdict["set"],
-            _name(group),
-            effect["name"],
-            "|".join(effect["class"]),
-            name,
-            p["value"],
-            p["unit"],
-            p["low"],
-            p["high"],
-            effect["evidence"],
-            effect["separating_experiment"],
-        )
-        for verdict in verdicts
-        for group in verdict["groups"]
-        for effect in group["effects"]
-        for name, p in effect["parameters"].items()
-    ]
-    return pd.DataFrame(rows, columns=list(EFFECTS))
+def _cells(group: str, verdict: Verdict) -> tuple[Any, ...]:
+    effects = "; ".join("|".join(effect["class"]) for effect in verdict["effects"])
+    errors = (
+        *(root_mean_square(held_out(verdict[f"held_out_{when}"])) for when in WHEN),
+        *(root_mean_square(fitted(verdict[f"error_{when}"])) for when in WHEN),
+    )
+    law = (verdict["elastic_law"] or {}).get("name", "")
+    return verdict["rule"], group, verdict["verdict"], law, effects, *errors
 
 
-def channel_table(verdicts: Verdicts) -> pd.DataFrame:
-    """Held-out error of each mode or channel that was held out apart: what predicts what.
+WHEN = ("before", "after")
+
+
+def held_out(folds: Mapping[str, Mapping[str, Mapping[str, float]]] | None) -> Iterator[float]:
+    """Errors [% of peak] of the tests of the declared folds; others are checks of the fit."""
+    for name, tests in (folds or {}).items():
+        if name == "held_out" or name.startswith("leave_out_"):
+            yield from (error["rms_percent"] for error in tests.values())
+
+
+def fitted(tests: Mapping[str, Mapping[str, Mapping[str, float]]] | None) -> Iterator[float]:
+    """Errors [% of peak] of the fitted tests, all phases together."""
+    for phases in (tests or {}).values():
+        if "all" in phases:
+            yield phases["all"]["rms_percent"]
+
+
+def root_mean_square(values: Iterable[float]) -> float:
+    """Root mean square; NaN of nothing."""
+    squares = [value**2 for value in values]
+    return float(np.sqrt(np.mean(squares))) if squares else float("nan")
+
+
+def overview_table(summary: pd.DataFrame) -> pd.DataFrame:
+    """One row a study: number of groups, how many of each verdict, medians of held-out errors.
+
+    Parameters
+    ----------
+    summary
+        As of `summary_table`.
 
     Returns
     -------
     DataFrame
-        `set`, `record_group`, `channel`, `before_percent`, `after_percent` (RMS in % of the peak).
+        Columns `OVERVIEW`.
     """
-    rows = [
-        (verdict["set"], _name(group), channel, error["before_percent"], error["after_percent"])
-        for verdict in verdicts
-        for group in verdict["groups"]
-        for channel, error in group["held_out_by"].items()
-    ]
-    names = ("set", "record_group", "channel", "before_percent", "after_percent")
-    return pd.DataFrame(rows, columns=list(names))
-
-
-def evidence_table(verdicts: Verdicts) -> pd.DataFrame:
-    """What runs without a sample say: `set`, `quantity` (unit in its name), `value`."""
-    rows = [
-        (verdict["set"], quantity, value)
-        for verdict in verdicts
-        for quantity, value in verdict["independent_evidence"].items()
-    ]
-    return pd.DataFrame(rows, columns=["set", "quantity", "value"])
-
-
-def setting_table(settings: Mapping[str, Mapping[str, Any]]) -> pd.DataFrame:
-    """Settings of each set: `set`, `held_out`, `exponents`, `reach_percent`, `fitted_percent`."""
     rows = [
         (
-            name,
-            keys["held_out"],
-            " and ".join(f"{a:g}" for a in keys["alpha"]),
-            100.0 * keys["reach"],
-            100.0 * keys.get("fitted_reach", keys["reach"]),
+            study,
+            next(filter(None, part["rule"]), ""),
+            len(part),
+            ", ".join(f"{n} {name}" for name, n in part["verdict"].value_counts().items()),
+            part["held_out_before_percent"].median(),
+            part["held_out_after_percent"].median(),
         )
-        for name, keys in settings.items()
+        for study, part in summary.groupby("set", sort=False)
     ]
-    names = ("set", "held_out", "exponents", "reach_percent", "fitted_percent")
-    return pd.DataFrame(rows, columns=list(names))
-
-
-def unstated_table(verdicts: Verdicts) -> pd.DataFrame:
-    """What the sources do not state: `set`, `unstated`."""
-    rows = [(verdict["set"], text) for verdict in verdicts for text in verdict["unstated"]]
-    return pd.DataFrame(rows, columns=["set", "unstated"])
-
-
-def zero_table(zeros: Mapping[str, pd.DataFrame]) -> pd.DataFrame:
-    """Records whose zeros differ from their siblings', of all sets, the largest first."""
-    parts = [table.assign(set=name) for name, table in zeros.items() if len(table)]
-    if not parts:
-        return pd.DataFrame(columns=["record", "effect", "class", "size", "unit", "sigmas"])
-    table = pd.concat(parts)
-    return table.sort_values("sigmas", key=abs, ascending=False, ignore_index=True)
-
-
-def set_page(verdict: Mapping[str, Any]) -> str:
-    """Page of a set in Markdown: first what stays unknown, then what was found.
-
-    It links the figure of the held-out errors as `errors.png`.
-    """
-    groups = sorted(verdict["groups"], key=lambda group: UNDECIDED_FIRST[group["verdict"]])
-    counts = pd.Series([group["verdict"] for group in groups]).value_counts(sort=False)
-    said = ", ".join(f"{count} {name}" for name, count in counts.items())
-    lines = [f"**Verdicts: {said}.**", ""]
-    lines += [f"- {_sentence(group)}" for group in groups]
-    lines += ["", "![Held-out error of each group, before and after](errors.png)"]
-    lines += ["", "Not stated by the source:", ""]
-    lines += [f"- {text}" for text in verdict["unstated"]]
-    return "\n".join([*lines, ""])
-
-
-def _name(group: Mapping[str, Any]) -> str:
-    return f"{group['record_group']}/{group['model']}"
-
-
-def _sentence(group: Mapping[str, Any]) -> str:
-    """What was found in a group, with the error before and after on the held-out part."""
-    before, after = group["held_out_before_percent"], group["held_out_after_percent"]
-    error = f"held-out error {before:.1f} % before, {after:.1f} % after"
-    if group["verdict"] != "explained":
-        withheld = ", ".join(group["withheld"])
-        why = f"; not supported by the fitted part: {withheld}" if withheld else ""
-        return f"{_name(group)}: {group['verdict']}{why} ({error})"
-    effects = "; ".join(
-        f"{' or '.join(effect['class'])} (evidence {effect['evidence']:.0f}; what would tell: "
-        f"{effect['separating_experiment']})"
-        for effect in group["effects"]
-    )
-    return f"{_name(group)}: {effects} ({error})"
+    return pd.DataFrame(rows, columns=list(OVERVIEW))

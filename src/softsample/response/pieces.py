@@ -170,19 +170,18 @@ def mesher(
     given : mapping
         `mesh`, `preload_mm`, `element_size_mm` and `region_stiffness` of the job.
     """
-    keys = {name: value for name, value in given["mesh"].items() if name != "element_size_mm"}
-    across = keys.pop("elements_across")
-    size = element_size(shape, given["element_size_mm"] * MM, across)
+    mesh = given["mesh"]
+    size = element_size(shape, given["element_size_mm"] * MM, mesh["elements_across"])
     if geometry == "ideal":
         return lambda out: MeshedSample.of(mesh_ideal(shape.grown(out), size))
-    segmented = keys.pop("boundary_shift_mm") * MM
+    segmented = mesh["boundary_shift_mm"] * MM
     grid, marks = real()
     return lambda out: MeshedSample.of(
         mesh_real(
             *grid,
             size,
             given["preload_mm"] * MM,
-            MeshSettings(**keys),
+            MeshSettings.of_config(mesh),
             boundary_shift=segmented + out,
             bond_mask=marks.get("bond_mask"),
             labels=marks.get("labels"),

@@ -1,11 +1,17 @@
 """A new study folder with a worked sample, and samples added to it."""
 
 import shutil
+from collections.abc import Mapping
 from pathlib import Path
+from tempfile import TemporaryDirectory
 
 from softsample.errors import InputError
-from softsample.io import PathLike, read_lines, read_samples, write_text
+from softsample.io import PathLike, read_lines, read_samples, read_yaml, write_text
 from softsample.study import ROOT, SETTINGS, TABLE, table_of
+from softsample.validation import sample_faults, sample_rows
+
+FILES = ("image", "surface", "record")
+"""Columns of the files that come with a sample; the first one there names it."""
 
 WORKED = {"image": "images/C3.nii.gz", "record": "records/C3.csv"}
 """Files of the cohort that make the worked sample."""
@@ -33,26 +39,18 @@ def new_study(folder: PathLike) -> Path:
     return target
 
 
-def add_sample(
-    folder: PathLike,
-    mode: str,
-    image: PathLike,
-    record: PathLike,
-    sample: str = "",
-    group: str = "",
-) -> str:
+def add_sample(folder: PathLike, cells: Mapping[str, str]) -> str:
     """Copy the files of a sample into a study and add its row; the worked sample makes way.
 
     Parameters
     ----------
     folder
         Of the study.
-    mode
-        `tension`, `compression` or `shear`.
-    image, record
-        Files from anywhere; the image may be a folder of DICOM files.
-    sample, group
-        Ids; the image's name without its ending, and the sample's id, if empty.
+    cells
+        Of the row by column, empty ones may be absent; columns that the table lacks are added to
+        it. Files (`record`, `image` or `surface`) are named from where they are; the image may be a
+        folder of DICOM files. `sample` is by default the name of the first of image, surface and
+        record, `group` is the sample.
 
     Returns
     -------
@@ -62,28 +60,53 @@ def add_sample(
     Raises
     ------
     InputError
-        If a file or the study is not there, or a name is taken.
+        If a file or the study is not there, a name is taken, or the row is wrong; nothing is
+        copied then.
     """
     table = table_of(Path(folder))
-    name = sample or Path(image).name.split(".")[0]
-    columns = list(read_samples(table).columns)
-    sources = {"image": Path(image), "record": Path(record)}
-    targets = {column: table.parent / source.name for column, source in sources.items()}
-    for column, source in sources.items():
+    files = {name: Path(cells[name]) for name in FILES if cells.get(name)}
+    row = {name: cell for name, cell in cells.items() if cell}
+    row.setdefault("sample", next(iter(files.values())).name.split(".")[0])
+    row.setdefault("group", row["sample"])
+    targets = {column: table.parent / source.name for column, source in files.items()}
+    for column, source in files.items():
         _check_source(column, source, targets[column])
-    for column, source in sources.items():
+        row[column] = source.name + "/" * source.is_dir()
+    text = _with_row(table, row)
+    _check_row(text, row["sample"], table)
+    for column, source in files.items():
         if source.is_dir() and not targets[column].exists():
             shutil.copytree(source, targets[column], symlinks=True)
         elif not targets[column].exists():
             shutil.copyfile(source, targets[column])
-    cells = {"sample": name, "group": group or name, "mode": mode}
-    for column, source in sources.items():
-        cells[column] = source.name + "/" * source.is_dir()
+    write_text(table, text)
+    return row["sample"]
+
+
+def _with_row(table: Path, row: Mapping[str, str]) -> str:
+    """Text of a table with one row more, and with the columns that it needs."""
+    columns = list(read_samples(table).columns)
+    wanted = [*columns, *(name for name in row if name not in columns)]
     lines, _ = read_lines(table, "save the table as tab-separated text")
     kept = [f"# {line}" if line.startswith(f"{EXAMPLE}\t") else line for line in lines]
-    row = "\t".join(cells.get(column, "") for column in columns)
-    write_text(table, "\n".join([*kept, row]).replace(f"\n\n{row}", f"\n{row}") + "\n")
-    return name
+    head = next(n for n, line in enumerate(kept) if line.strip() and line.lstrip()[0] != "#")
+    kept[head] = "\t".join([kept[head], *wanted[len(columns) :]])
+    new = "\t".join(row.get(column, "") for column in wanted).rstrip("\t")
+    return "\n".join([*kept, new]).replace(f"\n\n{new}", f"\n{new}") + "\n"
+
+
+def _check_row(text: str, sample: str, table: Path) -> None:
+    """Refuse the last row of a table if it is wrong; other rows are left to the check."""
+    with TemporaryDirectory() as folder:
+        aside = Path(folder) / TABLE
+        aside.write_text(text, encoding="utf-8")
+        cells = read_samples(aside)
+    rows = sample_rows(cells, str(table))
+    faults = sample_faults(cells, rows, read_yaml(ROOT / "workflow/schemas/samples.schema.yaml"))
+    wrong = [str(fault) for fault in faults if fault.line == max(rows)]
+    if wrong:
+        lines = "\n".join(f"  {fault}" for fault in wrong)
+        raise InputError(f"sample {sample} is not added to {table}:\n{lines}")
 
 
 def _check_source(column: str, source: Path, target: Path) -> None:

@@ -1,38 +1,57 @@
-"""Readers of the measured sets: one file each, `read` and what its source does not state."""
+"""Readers of the measured sets: one file a set, which makes its samples and says what is known."""
 
 from collections.abc import Callable, Mapping
 from pathlib import Path
+from types import ModuleType
 from typing import NamedTuple
 
-from softsample.measured.measurement import Measurement
-from softsample.measured.readers import brain, clot_pure_shear, clot_shear, cryogel, ecoflex
+from softsample.measured.readers import (
+    brain,
+    clots,
+    cryogel,
+    ecoflex,
+    muscle,
+    mycelium,
+    myocardium,
+    pure_shear,
+)
+from softsample.measured.sample import Sample
 
 
 class Reader(NamedTuple):
-    """How a set is read.
+    """How samples are made of a set.
 
     Parameters
     ----------
+    set : str
+        Folder of the set.
     read : callable
-        Records of a folder.
+        Samples of that folder.
+    about : str
+        What is known of the tests, and where it is said.
     unstated : tuple of str
         What is not stated with them, and what is done about it.
-    cells : callable
-        Load cell of each record that has siblings, by its name.
-    evidence : callable
-        What runs without a sample say of the machine, with units in the names.
     """
 
-    read: Callable[[Path], list[Measurement]]
+    set: str
+    read: Callable[[Path], list[Sample]]
+    about: str
     unstated: tuple[str, ...]
-    cells: Callable[[Path], dict[str, str]] = lambda folder: {}
-    evidence: Callable[[Path], dict[str, float]] = lambda folder: {}
+
+
+def _reader(name: str, module: ModuleType, read: Callable[[Path], list[Sample]]) -> Reader:
+    return Reader(name, read, module.ABOUT, module.UNSTATED)
 
 
 READERS: Mapping[str, Reader] = {
-    "ecoflex-phantoms": Reader(ecoflex.read, ecoflex.UNSTATED, cells=ecoflex.load_cells),
-    "cmc-cryogel": Reader(cryogel.read, cryogel.UNSTATED, evidence=cryogel.evidence),
-    "blood-clot-myocardium": Reader(clot_shear.read, clot_shear.UNSTATED),
-    "bloodclot-pureshear": Reader(clot_pure_shear.read, clot_pure_shear.UNSTATED),
-    "brain-budday": Reader(brain.read, brain.UNSTATED),
+    "ecoflex": _reader("ecoflex-phantoms", ecoflex, ecoflex.read),
+    "cryogel": _reader("cmc-cryogel", cryogel, cryogel.read),
+    "clots": _reader("blood-clot-myocardium", clots, clots.read),
+    "myocardium": _reader("blood-clot-myocardium", myocardium, myocardium.read),
+    "pure_shear": _reader("bloodclot-pureshear", pure_shear, pure_shear.read),
+    "brain": _reader("brain-budday", brain, brain.read),
+    "mycelium": _reader("fungi-steak", mycelium, mycelium.read),
+    "muscle_rate": _reader("muscle-compression", muscle, muscle.read_rate),
+    "muscle_magnitude": _reader("muscle-compression", muscle, muscle.read_magnitude),
 }
+"""By the key `reader` of config/measured.yaml."""

@@ -3,24 +3,34 @@
 from pathlib import Path
 
 import numpy as np
+import pandas as pd
 
 from softsample.errors import InputError
-from softsample.measured.files import workbook_rows
-from softsample.measured.measurement import Measurement, Shape, cuboid, untimed
+from softsample.measured.files import finite, headed, sheets
+from softsample.measured.sample import Sample, cuboid, record
 
+ABOUT = (
+    "Human brain of four regions (cortex CX, corona radiata CR, basal ganglia BG, corpus callosum "
+    "CC) in tension, compression and simple shear on cubes of 5 mm (Budday et al. 2017, "
+    "doi 10.1016/j.actbio.2016.10.036): averages over loading, unloading and specimens."
+)
 UNSTATED = (
-    "the curves are averages over loading and unloading and over specimens: scatter is not known",
-    "the nominal stress is force over area of a 5 mm cube: whether glued ends were allowed for is "
-    "not said, so glued (finite elements) and homogeneous are both run",
-    "time: effects of time are no candidates",
+    "scatter: the curves are averages",
+    "whether the nominal stress, force over the area of the cube, allows for bonded ends: bonded "
+    "and sliding ends are both run",
+    "the other direction of shear: the published one is the mirror image of the first, and is no "
+    "measurement of its own",
+    "time",
 )
 EDGE_MM = 5.0
-BLOCKS = {"CX": "AB CD", "CR": "FG HI", "BG": "KL MN", "CC": "PQ RS"}
-"""Columns of each region: stretch and stress, amount of shear and shear stress."""
-KPA = 1e3
+REGIONS = ("CX", "CR", "BG", "CC")
+HEADER = 4
+"""Lines above the numbers: source, region, quantity, unit."""
+KPA = 1e-3
+"""One kPa [N/mm2]."""
 
 
-def read(folder: Path) -> list[Measurement]:
+def read(folder: Path) -> list[Sample]:
     """Four regions in three modes.
 
     Raises
@@ -29,26 +39,31 @@ def read(folder: Path) -> list[Measurement]:
         If a block of the workbook is another one, or its units are.
     """
     path = folder / "CANNsBRAINdata.xlsx"
-    rows = workbook_rows(path)
+    sheet = next(iter(sheets(path).values()))
+    return [sample for region in REGIONS for sample in _region(path, sheet, region)]
+
+
+def _region(path: Path, sheet: pd.DataFrame, region: str) -> list[Sample]:
+    """Tension, compression and shear of a region."""
+    stretch, axial = _columns(path, sheet, f"{region}-comten")
+    shear, tangential = _columns(path, sheet, f"{region}-shr")
+    branches = {
+        "tension": _branch(stretch - 1.0, axial, 1.0),
+        "compression": _branch(stretch - 1.0, axial, -1.0),
+        "shear": _branch(shear, tangential, 1.0),
+    }
     shape = cuboid(EDGE_MM, EDGE_MM, EDGE_MM)
-    found = []
-    for region, letters in BLOCKS.items():
-        axial, shear = (_columns(path, rows, region, *pair) for pair in letters.split())
-        stretch = axial[0] - 1.0
-        for mode, (strain, stress) in {
-            "tension": _branch(stretch, axial[1], 1.0),
-            "compression": _branch(stretch, axial[1], -1.0),
-            "shear": _branch(*shear, 1.0),
-        }.items():
-            found.append(_measurement(region, mode, shape, strain, stress))
-    return found
-
-
-def _measurement(
-    region: str, mode: str, shape: Shape, strain: np.ndarray, stress: np.ndarray
-) -> Measurement:
-    record = untimed(shape.height * strain, KPA * shape.area * stress)
-    return Measurement(f"{region}_{mode}", region, region, mode, shape, record, timed=False)
+    return [
+        Sample(
+            f"{region}_{mode}",
+            region,
+            mode,
+            shape,
+            record(EDGE_MM * strain, KPA * EDGE_MM**2 * stress),
+            specimen=region,
+        )
+        for mode, (strain, stress) in branches.items()
+    ]
 
 
 def _branch(strain: np.ndarray, stress: np.ndarray, sign: float) -> tuple[np.ndarray, np.ndarray]:
@@ -58,16 +73,12 @@ def _branch(strain: np.ndarray, stress: np.ndarray, sign: float) -> tuple[np.nda
     return strain[order], stress[order]
 
 
-def _columns(
-    path: Path, rows: list[dict[str, str]], region: str, first: str, second: str
-) -> tuple[np.ndarray, np.ndarray]:
-    """Two columns of numbers below their four lines of header."""
-    name, unit = rows[1].get(first, ""), rows[3].get(second, "")
-    if not name.startswith(region) or not unit.startswith("[kPa"):
-        raise InputError(
-            f"{path}: columns {first}, {second} are headed {name!r}, {unit!r}, not region {region} "
-            "in kPa"
-        )
-    pairs = [(row[first], row[second]) for row in rows[4:] if first in row and second in row]
-    numbers = np.array(pairs, dtype=float)
+def _columns(path: Path, sheet: pd.DataFrame, title: str) -> tuple[np.ndarray, np.ndarray]:
+    """Strain and stress below a title; the stress must be in kPa."""
+    head = sheet.iloc[:HEADER].map(lambda cell: str(cell).strip()).to_numpy()
+    at = np.flatnonzero(head[1] == title)
+    if len(at) != 2 or not head[3, at[1]].startswith("[kPa"):
+        raise InputError(f"{path}: no two columns headed {title!r}, the second in kPa")
+    block = headed(sheet.iloc[:, at], HEADER).dropna()
+    numbers = finite(path, block, list(map(str, block))).to_numpy()
     return numbers[:, 0], numbers[:, 1]

@@ -6,19 +6,19 @@ import numpy as np
 
 from softsample.errors import InputError
 from softsample.measured.files import lines_of
-from softsample.measured.measurement import Measurement, cuboid, untimed
-from softsample.records import MM
+from softsample.measured.sample import Sample, cuboid, record
 
+ABOUT = "One blood clot, a strip of 40 mm x 10 mm x 3 mm, in pure shear to half of its height."
 UNSTATED = (
     "which edge is pulled: taken as 40 mm wide, 10 mm high, 3 mm thick, as pure shear wants it",
-    "how the strip was held: glued ends (finite elements) or homogeneous pure shear, both are run",
-    "time: effects of time are no candidates",
+    "how the strip was held: bonded and sliding ends are both run",
+    "time",
 )
 LEAST_FORCE = 1.0
 """A largest number below this is not a force in mN."""
 
 
-def read(folder: Path) -> list[Measurement]:
+def read(folder: Path) -> list[Sample]:
     """The one record; displacement [mm] and force [mN], no header.
 
     Raises
@@ -33,6 +33,5 @@ def read(folder: Path) -> list[Measurement]:
         raise InputError(f"{path}: not two columns of numbers ({error})") from error
     if not force.max() > LEAST_FORCE:
         raise InputError(f"{path}: the largest force is {force.max():g} mN; is the file in N?")
-    record = untimed(MM * travel, 1e-3 * force)
     shape = cuboid(40.0, 3.0, 10.0)
-    return [Measurement("clot", "clot", "clot", "tension", shape, record, timed=False)]
+    return [Sample("clot", "clot", "pure_shear", shape, record(travel, 1e-3 * force))]

@@ -1,0 +1,99 @@
+"""Right ventricular myocardium of sheep: eleven hearts, six shear and three axial modes each."""
+
+from pathlib import Path
+
+import numpy as np
+
+from softsample.errors import InputError
+from softsample.measured.files import lines_of, numbers
+from softsample.measured.readers.clots import check_shear
+from softsample.measured.sample import Sample, cuboid, record
+
+ABOUT = (
+    "Right ventricular myocardium of sheep, eleven hearts, in six modes of simple shear and three "
+    "of tension and compression, with shear and normal force; the tests are those of Kakaletsis et "
+    "al. 2021, doi 10.1016/j.actbio.2020.12.006, as far as number and kind of the modes tell. The "
+    "authors' code takes every third mode as axial. Each heart has three stated sizes: strain "
+    "times the third edge of the first size is a round number of millimetres (0.5 to 4) in modes 1 "
+    "to 3, of the second in 4 to 6, of the third in 7 to 9. So the third edge is the height, and "
+    "the product of the first two the area."
+)
+UNSTATED = (
+    "which material axis each mode loads: the loop sees twelve tests of one heart, no direction",
+    "whether the three sizes are three cubes or one that was mounted three times: taken as three "
+    "specimens",
+    "which of the first two edges lies along the shear: taken as the first",
+    "the authors' files of stress divide by the second times the third edge; forces are read here",
+    "time, order of the modes and preconditioning: the files hold one force for each strain, from "
+    "the largest negative to the largest positive one, and none at zero",
+)
+MODES = 9
+AXIAL = 3
+"""Every third mode is tension and compression."""
+
+
+def read(folder: Path) -> list[Sample]:
+    """Twelve samples a heart; an axial mode makes one in tension and one in compression.
+
+    Raises
+    ------
+    InputError
+        If a file is of another form, or its signs are others.
+    """
+    hearts = (folder / "ExperimentalMyocardiumData").glob("TSL*")
+    return [
+        sample
+        for heart in sorted(hearts, key=lambda path: int(path.name[3:]))
+        for mode in range(1, MODES + 1)
+        for sample in read_mode(heart, mode)
+    ]
+
+
+def read_mode(heart: Path, mode: int) -> list[Sample]:
+    """Samples of one file of a heart.
+
+    Raises
+    ------
+    InputError
+        If the file is of another form, or its signs are others.
+    """
+    path, cube = heart / f"ForceStrain_M{mode}.csv", (mode - 1) // AXIAL
+    edges = sizes(heart / "WDH_Params.csv")[cube]
+    channels = ("Fz",) if mode % AXIAL == 0 else ("Fx", "Fz")
+    table = numbers(path, lines_of(path), ("Strain", *channels))
+    check_shear(path, table["Strain"].to_numpy(), table[channels[0]].to_numpy())
+    name, group = f"{heart.name}_M{mode}", heart.name
+    shape, specimen = cuboid(*edges), f"{heart.name}_{cube + 1}"
+    travel, axial = edges[2] * table["Strain"].to_numpy(), table["Fz"].to_numpy()
+    if "Fx" in table:
+        found = record(travel, table["Fx"], force_normal_N=axial)
+        return [Sample(name, group, "shear", shape, found, specimen)]
+    ways = {"tension": _outward(travel, axial, 1.0), "compression": _outward(travel, axial, -1.0)}
+    return [
+        Sample(f"{name}_{way}", group, way, shape, record(*curve), specimen)
+        for way, curve in ways.items()
+    ]
+
+
+def sizes(path: Path) -> np.ndarray:
+    """Edges [mm] of the three cubes (3, 3): along the shear, across it, height.
+
+    Raises
+    ------
+    InputError
+        If the file does not hold nine lengths of some millimetres.
+    """
+    try:
+        edges = np.array(",".join(lines_of(path)).split(","), dtype=float).reshape(3, 3)
+    except ValueError as error:
+        raise InputError(f"{path}: not nine numbers ({error}); fetch it again") from error
+    if not np.all((edges > 1.0) & (edges < 50.0)):
+        raise InputError(f"{path}: an edge is not between 1 and 50 mm; is the file in m?")
+    return edges
+
+
+def _outward(travel: np.ndarray, force: np.ndarray, sign: float) -> tuple[np.ndarray, np.ndarray]:
+    """What lies on one side of zero, from zero outward."""
+    chosen = np.flatnonzero(sign * travel > 0.0)
+    order = chosen[np.argsort(sign * travel[chosen])]
+    return travel[order], force[order]

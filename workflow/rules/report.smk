@@ -479,9 +479,6 @@ WITH_SURFACE = list(filter(has_real, PIECES))
 # One file that a colleague can be sent; it holds all that it shows.
 rule page:
     input:
-        inputs=expand("<results>/inputs/{sample}.json", sample=SAMPLES),
-        segmentation=expand("<results>/segmentation/{sample}.json", sample=WITH_SURFACE),
-        cuboid=expand("<results>/cuboid/{sample}.json", sample=PIECES),
         **{
             kind: expand(f"<results>/figures/{kind}/{{sample}}.png", sample=names)
             for kind, names in PICTURES.items()
@@ -498,6 +495,9 @@ rule page:
             f"verdict_{kind}": expand(f"<results>/loop/{{group}}/verdict.{kind}", group=GROUPS)
             for kind in ("json", "md", "png")
         },
+        inputs=expand("<results>/inputs/{sample}.json", sample=SAMPLES),
+        segmentation=expand("<results>/segmentation/{sample}.json", sample=WITH_SURFACE),
+        cuboid=expand("<results>/cuboid/{sample}.json", sample=PIECES),
         tables=captioned(tables()),
         numbers="<results>/tables/numbers.rst",
         figures=captioned(figures()),

@@ -26,6 +26,7 @@ from softsample.io import read_json, read_samples, read_table, read_yaml
 from softsample.progress import show_jobs_in_lines
 from softsample.report.results import in_brief
 from softsample.report.tables import LEVEL
+from softsample.response.unit import is_homogeneous
 from softsample.study.plan import GEOMETRIES, Plan
 from softsample.validation import (
     DEFAULT_AXES,

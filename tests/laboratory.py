@@ -10,8 +10,11 @@ import pandas as pd
 from scipy.signal import fftconvolve
 from scipy.special import erf
 
-from softsample.loop.specimen import Elastic, Specimen
-from softsample.response.curves import ResponseCurves
+from softsample.loop.specimen import Specimen
+from softsample.records import Record
+from softsample.response.curves import ResponseCurves, before_zero
+from softsample.response.elastic import Elastic
+from softsample.response.unit import ResponseSettings, modulus_fractions
 
 MODES = ("tension", "compression", "shear")
 SIGN = {"tension": 1.0, "compression": -1.0, "shear": 1.0}
@@ -20,7 +23,7 @@ HEIGHT, AREA = 13.0, 460.0  # mm, mm2
 SPEED, RATE = 0.3, 100.0  # mm/s, Hz
 REST, HOLD = 2.0, 60.0  # s
 WHITE, SLOW, SLOW_TIME, READING = 1.0e-3, 0.5e-3, 1.0, 1e-3  # N, N, s, mm
-MU, MIXTURE = 1000.0, 0.7  # Pa, 1
+MU, FRACTION = 1000.0, 0.7  # Pa, 1
 
 
 def area(mode, r, u):
@@ -77,17 +80,20 @@ CHANGES = {  # of the force over the modulus: factor of strain e, for the modes 
 def elastic(mode):
     """The model of a perfect laboratory."""
     travel = np.linspace(0.0, 1.1 * STROKE[mode], 121)
-    nodes = 0.5 + 0.48 * np.cos(np.pi * (np.arange(9) + 0.5) / 9)
-    family = ResponseCurves(
-        nodes, 1e-3 * travel, 1e-6 * np.stack([area(mode, r, travel) for r in nodes])
+    fractions = modulus_fractions(ResponseSettings())
+    curves = ResponseCurves(
+        fractions,
+        1e-3 * travel,
+        1e-6 * np.stack([area(mode, r, travel) for r in fractions]),
+        before_zero(mode),
     )
-    middle = 1e-6 * area(mode, MIXTURE, travel)
+    middle = 1e-6 * area(mode, FRACTION, travel)
     changes = {
         name: -(of[mode][0] + of[mode][1] * travel / HEIGHT) * middle
         for name, of in CHANGES.items()
         if mode in of
     }
-    return Elastic(family, changes, contact=mode == "compression")
+    return Elastic(curves, changes, contact=mode == "compression")
 
 
 def clock(mode):
@@ -131,18 +137,18 @@ class Lab:
             s = reached
         if self.compliance:  # s + c F(s) is what the machine sees
             fine = np.linspace(-1.0, 1.1 * STROKE[mode], 4000)
-            seen = fine + self.compliance * 1e-6 * self.mu * pulled(mode, MIXTURE, fine)
+            seen = fine + self.compliance * 1e-6 * self.mu * pulled(mode, FRACTION, fine)
             s = np.interp(s, seen, fine)
         return s
 
     def tissue(self, mode, time, s):
         """Force of the sample along the travel [N]."""
-        force = 1e-6 * self.mu * pulled(mode, MIXTURE, s)
+        force = 1e-6 * self.mu * pulled(mode, FRACTION, s)
         if self.relaxed:
             kept = 1.0 - self.relaxed * -np.expm1(-((time / 9.0) ** 0.6))
             force = fftconvolve(np.diff(force, prepend=0.0), kept)[: len(force)]
         if self.damage:  # Ogden and Roxburgh: error function of the energy that is given back
-            work = np.cumsum(area(mode, MIXTURE, s) * np.gradient(s))
+            work = np.cumsum(area(mode, FRACTION, s) * np.gradient(s))
             below = np.maximum.accumulate(work) - work
             force = force * (1.0 - self.damage * erf(below / (0.5 * work.max())))
         return np.maximum(force, 0.0) if mode == "compression" else force
@@ -176,9 +182,14 @@ class Lab:
         """The tests as the loop reads them."""
         names = names or [f"{mode[0].upper()}{self.seed}" for mode in modes]
         return [
-            Specimen.of_record(name, mode, self.record(mode), elastic(mode))
+            Specimen.of_record(name, mode, record_of(self.record(mode), mode), elastic(mode))
             for name, mode in zip(names, modes, strict=True)
         ]
+
+
+def record_of(table, mode):
+    """Record of what a machine wrote, its phases found."""
+    return Record.of_table(table).marked(mode)
 
 
 PLANTED = {

@@ -1,4 +1,4 @@
-"""Changes of the model, simulated at one mixture, at all others."""
+"""Changes of the model, simulated at one modulus fraction, at all others."""
 
 import numpy as np
 import pandas as pd
@@ -6,7 +6,6 @@ import pytest
 
 import laboratory
 from softsample.loop.effects.base import SOLID
-from softsample.loop.specimen import Elastic
 from softsample.response.changes import (
     PRESSED,
     PRESSED_ELSEWHERE,
@@ -14,63 +13,64 @@ from softsample.response.changes import (
     for_all_fractions,
 )
 from softsample.response.curves import ResponseCurves
+from softsample.response.elastic import Elastic
 
 THERE = 0.6
 ANOTHER = 0.85
 
 
 @pytest.fixture(scope="module")
-def family():
-    return laboratory.elastic("compression").family
+def curves():
+    return laboratory.elastic("compression").curves
 
 
-def carried(family, change, name="poisson_0.02_less"):
-    """Change at another mixture than that at which it was simulated."""
-    return for_all_fractions({name: change}, family, THERE)[name].curve(ANOTHER)
+def carried(curves, change, name="poisson_0.02_less"):
+    """Change at another modulus fraction than that at which it was simulated."""
+    return for_all_fractions({name: change}, curves, THERE)[name].curve(ANOTHER)
 
 
-def along(family):
-    return family.displacement / family.displacement[-1]
+def along(curves):
+    return curves.displacement / curves.displacement[-1]
 
 
-def test_a_change_that_is_a_part_of_the_force_stays_that_part(family):
-    part = -0.05 - 0.2 * along(family) ** 2
-    there, another = family.curve(THERE), family.curve(ANOTHER)
+def test_a_change_that_is_a_part_of_the_force_stays_that_part(curves):
+    part = -0.05 - 0.2 * along(curves) ** 2
+    there, another = curves.curve(THERE), curves.curve(ANOTHER)
     np.testing.assert_allclose(
-        carried(family, part * there), part * another, atol=1e-9 * another.max()
+        carried(curves, part * there), part * another, atol=1e-9 * another.max()
     )
     assert np.abs(part * (another - there)).max() > 0.05 * np.abs(part * there).max()
 
 
-def test_terms_of_the_solid_go_with_their_part_of_the_modulus_and_fibres_stay(family):
-    change = 0.1 * family.curve(THERE)
+def test_terms_of_the_solid_go_with_their_part_of_the_modulus_and_fibres_stay(curves):
+    change = 0.1 * curves.curve(THERE)
     for name, factor in {
         "alpha1": ANOTHER / THERE,
         "alpha2": (1.0 - ANOTHER) / (1.0 - THERE),
         "fibres_z": 1.0,
     }.items():
         np.testing.assert_allclose(
-            carried(family, change, name), factor * change, atol=1e-9 * change.max()
+            carried(curves, change, name), factor * change, atol=1e-9 * change.max()
         )
 
 
-def test_shear_of_a_compressed_sample_is_linear_in_the_mixture(family):
-    """From its parts of the force at two mixtures, as they were simulated."""
+def test_shear_of_a_compressed_sample_is_linear_in_the_fraction(curves):
+    """From its parts of the force at two modulus fractions, as they were simulated."""
     other = elsewhere(THERE)
     parts = {PRESSED: (THERE, -0.03), PRESSED_ELSEWHERE: (other, -0.07)}
-    changes = {name: part * family.curve(r) for name, (r, part) in parts.items()}
-    found = for_all_fractions(changes, family, THERE)
+    changes = {name: part * curves.curve(r) for name, (r, part) in parts.items()}
+    found = for_all_fractions(changes, curves, THERE)
     assert set(found) == {PRESSED}
     expected = -0.03 + (ANOTHER - THERE) / (other - THERE) * -0.04
-    force = family.curve(ANOTHER)
+    force = curves.curve(ANOTHER)
     np.testing.assert_allclose(
         found[PRESSED].curve(ANOTHER), expected * force, atol=1e-6 * force.max()
     )
 
 
-def test_a_curve_bends_on_beyond_its_end(family):
+def test_a_curve_bends_on_beyond_its_end(curves):
     """As a parabola does; straight on would be off by more than a thousandth."""
-    travel = family.displacement
+    travel = curves.displacement
     bent = ResponseCurves(np.array([0.5]), travel, (3.0 * travel + 400.0 * travel**2)[None])
     beyond = 1.1 * travel[-1]
     np.testing.assert_allclose(
@@ -80,32 +80,32 @@ def test_a_curve_bends_on_beyond_its_end(family):
     )
 
 
-def test_the_grain_of_the_mesh_is_smoothed_away(family):
+def test_the_grain_of_the_mesh_is_smoothed_away(curves):
     """A force that jumps by 2 % whenever a node meets the platen, as on a mesh of 1 mm."""
-    smooth = -0.2 * along(family) ** 2 * family.curve(THERE)
-    grain = 0.02 * family.curve(THERE) * np.random.default_rng(4).choice([-1, 1], len(smooth))
-    left = for_all_fractions({"x": smooth + grain}, family, THERE)["x"].curve(THERE) - smooth
+    smooth = -0.2 * along(curves) ** 2 * curves.curve(THERE)
+    grain = 0.02 * curves.curve(THERE) * np.random.default_rng(4).choice([-1, 1], len(smooth))
+    left = for_all_fractions({"x": smooth + grain}, curves, THERE)["x"].curve(THERE) - smooth
     assert np.linalg.norm(left) < 0.35 * np.linalg.norm(grain)
 
 
-def test_two_families_differ_at_every_mixture(family):
-    travel = np.linspace(0.0, 1.2 * family.displacement[-1], 301)
+def test_two_responses_differ_at_every_fraction(curves):
+    travel = np.linspace(0.0, 1.2 * curves.displacement[-1], 301)
     softer = ResponseCurves(
-        family.fractions,
+        curves.fractions,
         travel,
-        np.stack([0.8 * np.interp(travel, family.displacement, family.curve(r)) for r in
-                  family.fractions]),
+        np.stack([0.8 * np.interp(travel, curves.displacement, curves.curve(r)) for r in
+                  curves.fractions]),
     )  # fmt: skip
-    less = softer.less(family)
+    less = softer.minus(curves)
     np.testing.assert_allclose(
-        less.curve(THERE), -0.2 * family.curve(THERE), atol=2e-3 * family.curve(THERE).max()
+        less.curve(THERE), -0.2 * curves.curve(THERE), atol=2e-3 * curves.curve(THERE).max()
     )
-    elastic = Elastic(family, {"real_geometry": less}, contact=True)
-    there = np.array([0.5, 1.0]) * family.displacement[-1]
+    elastic = Elastic(curves, {"real_geometry": less}, contact=True)
+    there = np.array([0.5, 1.0]) * curves.displacement[-1]
     for r in (THERE, ANOTHER):
         np.testing.assert_allclose(
             elastic.change_per_mu("real_geometry", r, there),
-            -0.2 * family.force_per_mu(r, there),
+            -0.2 * curves.force_per_mu(r, there),
             rtol=5e-3,
         )
 
@@ -130,10 +130,10 @@ def test_curves_in_compression_lose_their_roughness_and_nothing_else(mode, left)
         for factor in (np.ones(61), rough)
     )
     exact = 1e-6 * smooth[0.5]
-    assert np.abs(plain.family.curve(0.5) - exact).max() < 2e-4 * exact[-1]
-    assert made.family.curve(0.5)[0] == pytest.approx(0.0, abs=1e-9 * exact[-1])
-    off = np.linalg.norm(made.family.curve(0.5) - exact) / np.linalg.norm(exact * (rough - 1.0))
+    assert np.abs(plain.curves.curve(0.5) - exact).max() < 2e-4 * exact[-1]
+    assert made.curves.curve(0.5)[0] == pytest.approx(0.0, abs=1e-9 * exact[-1])
+    off = np.linalg.norm(made.curves.curve(0.5) - exact) / np.linalg.norm(exact * (rough - 1.0))
     assert off == pytest.approx(left, abs=0.25)
-    assert (made.family.grain[0] < 1e-2 * exact[-1] * 1e-3) == (mode == "compression")
-    turned = made.variants["real_geometry"].curve(0.5) - made.family.curve(0.5)
+    assert (made.curves.grain[0] < 1e-2 * exact[-1] * 1e-3) == (mode == "compression")
+    turned = made.perturbations["real_geometry"].curve(0.5) - made.curves.curve(0.5)
     assert np.abs(turned).max() < 1e-9 * exact[-1]

@@ -76,14 +76,14 @@ def confirmed(factor):
     """Table for a softer, more compressible tissue, whose run gives so many times that change."""
     specimens = []
     for specimen in laboratory.Lab(seed=5).specimens():
-        known, r = specimen.elastic.perturbations, laboratory.MIXTURE
+        known, r = specimen.elastic.perturbations, laboratory.FRACTION
         missing = specimen.elastic.change_per_mu("poisson_0.02_less", r, specimen.travel)
         run = {at_size("poisson_ratio"): factor * known["poisson_0.02_less"]}
         specimens.append(
             replace(
                 specimen,
                 force=specimen.force + laboratory.MU * missing,
-                elastic=replace(specimen.elastic, variants={**known, **run}),
+                elastic=replace(specimen.elastic, perturbations={**known, **run}),
             )
         )
     sizes = {"poisson_ratio": {"nu": 0.47}}

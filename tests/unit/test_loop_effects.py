@@ -13,8 +13,9 @@ from softsample.loop.effects import library
 from softsample.loop.effects.base import MODES, SOLID
 from softsample.loop.history import drained, followed, relaxed
 from softsample.loop.model import Material, Model, State
-from softsample.loop.specimen import Elastic, Specimen
+from softsample.loop.specimen import Specimen
 from softsample.response.curves import ResponseCurves
+from softsample.response.elastic import Elastic
 
 EFFECTS = library()
 ROOT = Path(__file__).resolve().parents[2]
@@ -32,9 +33,9 @@ UNITS = {"1", "mm", "mN", "mN/s", "ms", "s", "mm/N", "deg", "mu"}
 def specimens():
     found = laboratory.Lab(compliance=0.05).specimens()
     for specimen in found:  # made up as the others: the cuboid is a tenth too stiff
-        family = specimen.elastic.curves
-        specimen.elastic.perturbations["real_geometry"] = -0.1 * family.force_per_mu(
-            0.7, family.displacement
+        curves = specimen.elastic.curves
+        specimen.elastic.perturbations["real_geometry"] = -0.1 * curves.force_per_mu(
+            0.7, curves.displacement
         )
     return found
 
@@ -159,8 +160,8 @@ def strip(nu, time, strain):
     runs = {f"poisson_{less}_less": 2.0 / (1.0 - nu + less) for less in (0.02, 0.04)}
     base = 2.0 / (1.0 - nu)
     changes = {name: (run - base) * ends for name, run in runs.items()}
-    family = ResponseCurves(np.array([0.5]), ends, base * ends[None])
-    elastic = Elastic(family, changes, poisson_ratio=nu)
+    curves = ResponseCurves(np.array([0.5]), ends, base * ends[None])
+    elastic = Elastic(curves, changes, poisson_ratio=nu)
     phase = np.full(len(time), "ramp")
     return Specimen("strip", "tension", time, strain, np.zeros_like(time), phase, elastic)
 

@@ -13,7 +13,7 @@ from laboratory import elastic
 from softsample.loop.diagnose import LoopSettings, diagnose, judgement, pose, report
 from softsample.loop.effects import library
 from softsample.loop.effects.base import Parameter
-from softsample.loop.errors import errors, folds, held_out
+from softsample.loop.errors import cross_validated, errors, folds
 from softsample.loop.fit import Problem
 from softsample.loop.model import Material, Model, Packing, State
 from softsample.loop.noise import Noise, NoiseSettings, Whitener, covariance, measure_noise
@@ -21,8 +21,9 @@ from softsample.loop.page import page
 from softsample.loop.resample import resampled, stretches
 from softsample.loop.screen import family_wise, null_threshold, penalty, signatures
 from softsample.loop.select import Candidate, Step, _Search, explained_alike, select
-from softsample.loop.specimen import Elastic, Specimen, blocks
+from softsample.loop.specimen import Specimen, blocks
 from softsample.response.curves import ResponseCurves
+from softsample.response.elastic import Elastic
 
 SETTINGS = NoiseSettings()
 
@@ -167,7 +168,7 @@ def test_a_ratio_as_near_to_the_models_as_it_is_known_is_no_effect(off, known, n
     )
     ratio = library()["poisson_ratio"]
     values = {"nu": ratio.parameters[0].neutral - off}
-    state = State(Material(laboratory.MU, laboratory.MIXTURE), {"poisson_ratio": values})
+    state = State(Material(laboratory.MU, laboratory.FRACTION), {"poisson_ratio": values})
     made = [
         replace(s, force=s.force + Model((ratio,)).predict(s, state) - Model().predict(s, state))
         for s in laboratory.Lab(seed=8).specimens()
@@ -191,14 +192,14 @@ def test_before_the_platen_moves_there_is_no_floor(perfect):
 def test_grain_is_measured_on_the_curves_and_ends_at_the_next_point(perfect):
     """At the end of a curve a part of the force is that part of the peak."""
     for specimen in perfect:
-        family = specimen.elastic.curves
-        peak = np.array([np.abs(family.curve(r)).max() for r in family.fractions])
-        error = np.random.default_rng(8).standard_normal((len(peak), len(family.displacement)))
-        forces = np.stack([family.curve(r) for r in family.fractions])
+        curves = specimen.elastic.curves
+        peak = np.array([np.abs(curves.curve(r)).max() for r in curves.fractions])
+        error = np.random.default_rng(8).standard_normal((len(peak), len(curves.displacement)))
+        forces = np.stack([curves.curve(r) for r in curves.fractions])
         rough = ResponseCurves(
-            family.fractions, family.displacement, forces + 2e-3 * peak[:, None] * error
+            curves.fractions, curves.displacement, forces + 2e-3 * peak[:, None] * error
         )
-        changed = replace(specimen, elastic=replace(specimen.elastic, family=rough))
+        changed = replace(specimen, elastic=replace(specimen.elastic, curves=rough))
         assert specimen.elastic.grain < 1e-4
         assert changed.elastic.grain == pytest.approx(2e-3, rel=0.1)
         noise = measure_noise(specimen, SETTINGS)
@@ -215,25 +216,25 @@ def test_grain_is_measured_on_the_curves_and_ends_at_the_next_point(perfect):
 
 def test_the_cuboid_has_the_grain_of_the_real_geometry_that_it_may_turn_to(perfect):
     elastic = perfect[1].elastic
-    family = elastic.family
-    forces = np.stack([family.curve(r) for r in family.fractions])
+    curves = elastic.curves
+    forces = np.stack([curves.curve(r) for r in curves.fractions])
     error = 1e-3 * np.random.default_rng(9).standard_normal(forces.shape)
     real = ResponseCurves(
-        family.fractions, family.displacement, 0.5 * forces + 0.5 * forces[:, -1:] * error
+        curves.fractions, curves.displacement, 0.5 * forces + 0.5 * forces[:, -1:] * error
     )
-    turned = replace(elastic, variants={"real_geometry": real.less(family)})
+    turned = replace(elastic, perturbations={"real_geometry": real.minus(curves)})
     assert turned.grain == pytest.approx(1e-3, rel=0.1)
 
 
 def with_grain(specimen, part, points):
     """The same, its model's curve rough by a part of the force at each of its points."""
-    family = specimen.elastic.curves
-    travel = np.linspace(0.0, family.displacement[-1], points)
+    curves = specimen.elastic.curves
+    travel = np.linspace(0.0, curves.displacement[-1], points)
     grain = 1.0 + part * np.random.default_rng(3).standard_normal(points)
-    curves = [grain * np.interp(travel, family.displacement, family.curve(r))
-              for r in family.fractions]  # fmt: skip
-    rough = ResponseCurves(family.fractions, travel, np.stack(curves))
-    return replace(specimen, elastic=replace(specimen.elastic, family=rough, variants={}))
+    forces = [grain * np.interp(travel, curves.displacement, curves.curve(r))
+              for r in curves.fractions]  # fmt: skip
+    rough = ResponseCurves(curves.fractions, travel, np.stack(forces))
+    return replace(specimen, elastic=replace(specimen.elastic, curves=rough, perturbations={}))
 
 
 def test_a_rough_curve_has_no_false_minimum_of_the_contact_zero(monkeypatch):
@@ -282,19 +283,19 @@ def test_a_state_goes_into_a_vector_and_back():
         assert back.values[name] == pytest.approx(of)
 
 
-def test_a_mixture_stays_within_the_curves_that_were_simulated(perfect):
-    """Beyond them a family is a polynomial that knows nothing."""
+def test_a_modulus_fraction_stays_within_the_curves_that_were_simulated(perfect):
+    """Beyond them an interpolation is a polynomial that knows nothing."""
     narrowed = []
     for specimen in perfect:
-        family = specimen.elastic.curves
-        within = [r for r in family.fractions if 0.2 < r < 0.6]
-        curves = np.stack([family.curve(r) for r in within])
-        few = ResponseCurves(np.array(within), family.displacement, curves)
-        narrowed.append(replace(specimen, elastic=replace(specimen.elastic, family=few)))
+        curves = specimen.elastic.curves
+        within = [r for r in curves.fractions if 0.2 < r < 0.6]
+        forces = np.stack([curves.curve(r) for r in within])
+        few = ResponseCurves(np.array(within), curves.displacement, forces)
+        narrowed.append(replace(specimen, elastic=replace(specimen.elastic, curves=few)))
     found = diagnose(narrowed, LoopSettings(), [library()["force_offset"]])
     verdict = judgement(found, LoopSettings())
     fraction = verdict["theta_before"]["mu1_fraction"]
-    assert max(within) < laboratory.MIXTURE
+    assert max(within) < laboratory.FRACTION
     assert fraction["value"] == pytest.approx(max(within), abs=1e-3)
     assert fraction["high"] == max(within)
     assert fraction["low"] >= min(within)
@@ -303,7 +304,7 @@ def test_a_mixture_stays_within_the_curves_that_were_simulated(perfect):
 def test_the_plain_model_finds_the_material(problem):
     fit = problem.fit_material()
     assert fit.state.material.mu == pytest.approx(laboratory.MU, rel=0.03)
-    assert fit.state.material.mu1_fraction == pytest.approx(laboratory.MIXTURE, abs=0.05)
+    assert fit.state.material.mu1_fraction == pytest.approx(laboratory.FRACTION, abs=0.05)
     assert 0.7 < fit.cost / len(fit.white) < 1.2
     spread = np.sqrt(fit.covariance[0, 0])
     assert abs(np.log(fit.state.material.mu / laboratory.MU)) < 3.0 * spread
@@ -340,7 +341,7 @@ def test_what_a_fold_leaves_out_stays_unknown_to_it():
     state = replace(state, values={effect.name: effect.neutral()})
     fit = problem.fit(Model((effect,)), state)
     assert fit.state.values["force_offset"]["tension_mN"] == pytest.approx(20.0, abs=0.5)
-    error = held_out(problem, fit, [0.0, 0.0])
+    error = cross_validated(problem, fit, [0.0, 0.0])
     assert error["leave_out_tension"]["tension"].rms > 15e-3
     assert error["after_ramp"]["tension"].rms < 5e-3  # the rest before the ramp shows it
 
@@ -350,8 +351,8 @@ def test_what_a_fold_leaves_out_stays_unknown_to_it():
     start = replace(problem.fit_material().state, values={effect.name: {"play_mm": 0.05}})
     fit = problem.fit(Model((effect,)), start)
     assert fit.state.values["backlash"]["play_mm"] == pytest.approx(0.1, abs=0.01)
-    before = held_out(problem, problem.fit_material(), [0.0, 0.0])["after_ramp"]["shear"]
-    after = held_out(problem, fit, [0.0, 0.0])["after_ramp"]["shear"]
+    before = cross_validated(problem, problem.fit_material(), [0.0, 0.0])["after_ramp"]["shear"]
+    after = cross_validated(problem, fit, [0.0, 0.0])["after_ramp"]["shear"]
     assert after.rms == pytest.approx(before.rms, rel=0.3)
 
 
@@ -360,9 +361,9 @@ def test_folds_allow_for_errors_of_form_as_the_final_fit_does(found):
     for more, less in zip(doubting.whiteners, posed.whiteners, strict=True):
         assert more.log_determinant > less.log_determinant
     spread = [noise.block for noise in found.noises]
-    assert found.held_out_after == held_out(doubting, found.selection.final, spread)
-    assert found.held_out_before == held_out(posed, found.selection.base, spread)
-    assert found.held_out_after != held_out(posed, found.selection.final, spread)
+    assert found.selected.folds == cross_validated(doubting, found.selection.final, spread)
+    assert found.before.folds == cross_validated(posed, found.selection.base, spread)
+    assert found.selected.folds != cross_validated(posed, found.selection.final, spread)
 
 
 def test_signatures_are_what_no_change_of_the_material_imitates(problem):
@@ -405,18 +406,18 @@ def real_shapes():
     """Tension and compression of an imperfect sample, of which the model has the cuboid alone."""
     found = []
     for specimen in laboratory.Lab(seed=8).specimens(("tension", "compression")):
-        family = specimen.elastic.curves
-        way = family.displacement / family.displacement[-1]
+        curves = specimen.elastic.curves
+        way = curves.displacement / curves.displacement[-1]
         part = -0.15 if specimen.mode == "tension" else -0.35 - 0.6 * np.exp(-3.0 * way)
         change = ResponseCurves(
-            family.fractions,
-            family.displacement,
-            np.stack([part * family.curve(r) for r in family.fractions]),
+            curves.fractions,
+            curves.displacement,
+            np.stack([part * curves.curve(r) for r in curves.fractions]),
         )
         elastic = replace(
-            specimen.elastic, variants={**specimen.elastic.perturbations, "real_geometry": change}
+            specimen.elastic, perturbations={**specimen.elastic.perturbations, "real_geometry": change}
         )
-        lost = elastic.change_per_mu("real_geometry", laboratory.MIXTURE, specimen.travel)
+        lost = elastic.change_per_mu("real_geometry", laboratory.FRACTION, specimen.travel)
         force = specimen.force + laboratory.MU * lost
         found.append(replace(specimen, elastic=elastic, force=force))
     return found
@@ -430,7 +431,7 @@ def test_the_real_geometry_is_named_mends_the_modulus_and_holds_in_another_mode(
     assert after.mu == pytest.approx(laboratory.MU, rel=0.03)
     left_out = "leave_out_tension"
     was, now = (errors[left_out]["tension"] for errors in (
-        found.held_out_before, found.held_out_after
+        found.before.folds, found.selected.folds
     ))  # fmt: skip
     assert now.structured < 0.2 * was.structured
 

@@ -44,12 +44,12 @@ def test_a_rough_curve_hides_a_late_contact_as_well():
     """The cost of a shift has other minima then, in which a fit can stop."""
     specimens = laboratory.Lab(seed=6).specimens()
     compressed = specimens[laboratory.MODES.index("compression")]
-    family = compressed.elastic.curves
-    grain = 1.0 + 0.01 * np.sin(2.0 * np.pi * family.displacement / 1e-4)
-    curves = np.stack([family.curve(r) for r in family.fractions])
-    rough = ResponseCurves(family.fractions, family.displacement, grain * curves)
+    curves = compressed.elastic.curves
+    grain = 1.0 + 0.01 * np.sin(2.0 * np.pi * curves.displacement / 1e-4)
+    forces = np.stack([curves.curve(r) for r in curves.fractions])
+    rough = ResponseCurves(curves.fractions, curves.displacement, grain * forces)
     specimens[laboratory.MODES.index("compression")] = replace(
-        compressed, elastic=replace(compressed.elastic, family=rough)
+        compressed, elastic=replace(compressed.elastic, curves=rough)
     )
     found = diagnose(specimens, SETTINGS, [library()["late_contact"]])
     limit = report(found, SETTINGS)["detection_limits"]["late_contact"]["value"]

@@ -10,9 +10,10 @@ from softsample.fem.boundary import ContactSettings
 from softsample.fem.explicit import SolverSettings
 from softsample.loop.effects import library
 from softsample.loop.model import Material, Model, State
-from softsample.loop.specimen import Elastic, Specimen
+from softsample.loop.specimen import Specimen
 from softsample.meshing.cuboid import mesh_cuboid
 from softsample.response.curves import ResponseCurves
+from softsample.response.elastic import Elastic
 from softsample.response.perturbations import simulate_perturbations
 from softsample.response.pieces import MechanicalTest, MeshedSample, PerturbationSettings
 
@@ -98,7 +99,7 @@ def test_between_two_runs_the_loop_is_between_theirs():
         "platen_friction_0.3": 0.2 * variants["platen_friction_0.1"],
         "platen_friction_0.3_loop": rough,
     }
-    specimen = replace(specimen, elastic=replace(specimen.elastic, variants=both))
+    specimen = replace(specimen, elastic=replace(specimen.elastic, perturbations=both))
     less = 0.2 * RUBBING
 
     def loop(share):
@@ -116,7 +117,7 @@ def test_between_two_runs_the_loop_is_between_theirs():
 def test_a_model_without_a_run_that_comes_back_has_no_loop(names):
     specimen = cycle(3.0)
     kept = {name: specimen.elastic.perturbations[name] for name in names}
-    without = replace(specimen, elastic=replace(specimen.elastic, variants=kept))
+    without = replace(specimen, elastic=replace(specimen.elastic, perturbations=kept))
     assert abs(lost(without, RUBBING)) < 1e-12
 
 

@@ -12,7 +12,7 @@ from softsample.fem.boundary import ContactSettings, mode_boundary, platen_bound
 from softsample.fem.explicit import ExplicitModel, SolverSettings
 from softsample.loop.effects import library
 from softsample.loop.model import Material, Model, State
-from softsample.loop.specimen import Elastic, Specimen
+from softsample.loop.specimen import Specimen
 from softsample.meshing.cuboid import mesh_cuboid
 from softsample.meshing.hexahedral import MeshSettings
 from softsample.meshing.marks import MarkedImage
@@ -20,6 +20,7 @@ from softsample.meshing.sample import mesh_ideal
 from softsample.protocol import History
 from softsample.response.changes import for_all_fractions
 from softsample.response.curves import ResponseCurves
+from softsample.response.elastic import Elastic
 from softsample.response.perturbations import (
     changed_boundaries,
     changed_materials,
@@ -102,10 +103,10 @@ def test_missing_glue_goes_by_its_side(side, parts):
 
 def specimen_of(mode, plain, runs):
     """What effects need of a specimen, from the force [N] of runs and of the changed ones."""
-    family = ResponseCurves(np.array([0.0, 1.0]), plain.displacement, np.stack([plain.force] * 2))
+    curves = ResponseCurves(np.array([0.0, 1.0]), plain.displacement, np.stack([plain.force] * 2))
     changes = {name: run.force - plain.force for name, run in runs.items()}
     return SimpleNamespace(
-        mode=mode, elastic=Elastic(family, for_all_fractions(changes, family, 0.5))
+        mode=mode, elastic=Elastic(curves, for_all_fractions(changes, curves, 0.5))
     )
 
 

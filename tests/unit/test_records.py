@@ -130,6 +130,13 @@ def test_signs_depend_on_the_mode():
         check(record(sign=-1.0), "tension")
 
 
+@pytest.mark.parametrize("row", [10, 700, 1352])
+@pytest.mark.parametrize("value", [2e4, -2e4])
+def test_a_single_cell_beyond_its_bounds_is_found(row, value):
+    with pytest.raises(InputError, match=f"r.csv, line {row}, column 'force_N': -?20000.0 is"):
+        check(put("force_N", row, value)(record()))
+
+
 def test_what_is_doubtful_is_a_warning():
     assert "force zero and noise are not known" in check(record(rest=0.0))["warnings"][0]
     clipped = record(noise=0.0)
@@ -348,7 +355,12 @@ UNUSUAL = {
     "fits": (1.0, 1.0, Size(), None),
     "strain": (3.0, 1.0, Size(), "strain of 116.9 % at a height of 10 mm; are displacement and"),
     "stiff": (1.0, 200.0, Size(), "nominal stress of 2e.06 Pa on 100 mm2; was the force written"),
-    "soft": (1.0, 5e-4, Size(), "nominal stress of 4.99 Pa on 100 mm2; was the force written in mN"),
+    "soft": (
+        1.0,
+        5e-4,
+        Size(),
+        "nominal stress of 4.99 Pa on 100 mm2; was the force written in mN",
+    ),
     "no size": (1.0, 200.0, None, "force of 199.7 N; was it written in mN or g"),
     "far": (30.0, 1.0, None, "displacement of 116.9 mm; was it written in another unit"),
 }

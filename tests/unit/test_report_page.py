@@ -73,6 +73,10 @@ def test_a_table_leaves_out_empty_columns_and_obeys_no_tag():
     assert '<td class="number">−1.5</td>' in shown
 
 
+def test_a_table_without_rows_says_so():
+    assert "No rows" in table(pd.DataFrame(columns=["quantity", "mode"]))
+
+
 def test_only_a_table_of_many_columns_is_wide():
     columns = {f"c{n}": [1.0] for n in range(11)}
     assert '<table class="wide">' in table(pd.DataFrame(columns))

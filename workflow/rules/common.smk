@@ -57,7 +57,8 @@ def checked_study():
         table = Path(config["samples"])
         if not table.is_file() and (ROOT / table).is_file():
             table = Path(os.path.relpath(ROOT / table))
-        rows = check_samples(read_samples(table), schema("samples"), str(table))
+        given = read_samples(table), schema("samples"), str(table), config["formats"]
+        rows = check_samples(*given)
         check_hold_out(rows, HOLD_OUT)
         held_out = (row["sample"] for row in rows if wholly_held_out(row, HOLD_OUT))
         return table, Plan({row["sample"]: row for row in rows}, frozenset(held_out))
@@ -363,10 +364,27 @@ def of_pieces(pattern):
 
 
 def of_real(pattern):
+<<<<<<< HEAD
     """Input or params function: the sample's name in a pattern, none without a real geometry."""
     return lambda wildcards: (
-        expand(pattern, sample=wildcards.sample) if "real" in geometries_of(wildcards.sample) else []
+        expand(pattern, sample=wildcards.sample)
+        if "real" in geometries_of(wildcards.sample)
+        else []
     )
+=======
+    """Input function: the sample's file of a pattern, none without a real geometry."""
+
+    def find(wildcards):
+        there = "real" in geometries_of(wildcards.sample)
+        return pattern.format(sample=wildcards.sample) if there else []
+
+    return find
+
+
+def listed(find):
+    """Input or params function: what another one finds, as a list."""
+    return lambda wildcards: [name for name in [find(wildcards)] if name]
+>>>>>>> wt-report
 
 
 def best_sensitivities(pieces):

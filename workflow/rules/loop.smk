@@ -209,9 +209,7 @@ rule confirm_verdict:
 
 rule table_confirmation:
     input:
-        groups=[
-            f"<results>/loop/confirmation/{group}_{PLAN.best(group)}.csv" for group in GROUPS
-        ],
+        groups=[f"<results>/loop/confirmation/{group}_{PLAN.best(group)}.csv" for group in GROUPS],
         code=library("workflow/scripts/table_confirmation.py"),
     output:
         table="<results>/tables/confirmation.csv",

@@ -445,9 +445,9 @@ rule figure_response:
 
 use rule figure7 as figure_strain with:
     input:
-        distances=of_real("<results>/segmentation/{sample}_distance.nii.gz"),
-        segmentations=of_real("<results>/segmentation/{sample}.json"),
-        real=of_real("<results>/fields/{sample}/real.vtu"),
+        distances=listed(of_real("<results>/segmentation/{sample}_distance.nii.gz")),
+        segmentations=listed(of_real("<results>/segmentation/{sample}.json")),
+        real=listed(of_real("<results>/fields/{sample}/real.vtu")),
         cuboids=["<results>/cuboid/{sample}.json"],
         runs=lambda wildcards: [
             f"<results>/fields/{wildcards.sample}/{PLAN.best(known(wildcards.sample))}.json"
@@ -466,7 +466,7 @@ use rule figure7 as figure_strain with:
     params:
         samples=lambda wildcards: [wildcards.sample],
         modes=lambda wildcards: [SAMPLES[wildcards.sample]["mode"]],
-        real=of_real("{sample}"),
+        real=listed(of_real("{sample}")),
         imaged=PLAN.imaged,
         cohort=COHORT,
     message:
@@ -479,9 +479,6 @@ WITH_SURFACE = list(filter(has_real, PIECES))
 # One file that a colleague can be sent; it holds all that it shows.
 rule page:
     input:
-        inputs=expand("<results>/inputs/{sample}.json", sample=SAMPLES),
-        segmentation=expand("<results>/segmentation/{sample}.json", sample=WITH_SURFACE),
-        cuboid=expand("<results>/cuboid/{sample}.json", sample=PIECES),
         **{
             kind: expand(f"<results>/figures/{kind}/{{sample}}.png", sample=names)
             for kind, names in PICTURES.items()
@@ -498,6 +495,9 @@ rule page:
             f"verdict_{kind}": expand(f"<results>/loop/{{group}}/verdict.{kind}", group=GROUPS)
             for kind in ("json", "md", "png")
         },
+        inputs=expand("<results>/inputs/{sample}.json", sample=SAMPLES),
+        segmentation=expand("<results>/segmentation/{sample}.json", sample=WITH_SURFACE),
+        cuboid=expand("<results>/cuboid/{sample}.json", sample=PIECES),
         tables=captioned(tables()),
         numbers="<results>/tables/numbers.rst",
         figures=captioned(figures()),

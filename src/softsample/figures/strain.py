@@ -30,7 +30,7 @@ from softsample.meshing.mesh import HexMesh
 Array = NDArray[np.float64]
 
 PANELS = ("surface", "real", "ideal")
-ALONE_WIDTH_MM = 90.0
+ALONE_WIDTH_MM = 130.0
 """Width of a figure of ideal shapes alone."""
 
 PLATEN_MM = 1.0

@@ -102,6 +102,8 @@ def picture(path: Path, description: str) -> Markup:
 
 def table(frame: pd.DataFrame) -> Markup:
     """A table as HTML: units in the head, four digits, columns without any value left out."""
+    if frame.empty:
+        return Markup("<p>No rows: nothing of this is known of the samples.</p>")
     frame = frame.dropna(axis="columns", how="all")
     head = "".join(f"<th>{escape(heading(str(name)))}</th>" for name in frame.columns)
     body = "".join(

@@ -364,14 +364,6 @@ def of_pieces(pattern):
 
 
 def of_real(pattern):
-<<<<<<< HEAD
-    """Input or params function: the sample's name in a pattern, none without a real geometry."""
-    return lambda wildcards: (
-        expand(pattern, sample=wildcards.sample)
-        if "real" in geometries_of(wildcards.sample)
-        else []
-    )
-=======
     """Input function: the sample's file of a pattern, none without a real geometry."""
 
     def find(wildcards):
@@ -384,7 +376,6 @@ def of_real(pattern):
 def listed(find):
     """Input or params function: what another one finds, as a list."""
     return lambda wildcards: [name for name in [find(wildcards)] if name]
->>>>>>> wt-report
 
 
 def best_sensitivities(pieces):

@@ -10,7 +10,8 @@ def mesh_of_runs(ending):
     """Input function: a mesh of the piece, none if its response has a closed form."""
     return lambda wildcards: (
         []
-        if wildcards.geometry == "ideal" and is_homogeneous(row_value("mode")(wildcards), row_ends(wildcards))
+        if wildcards.geometry == "ideal"
+        and is_homogeneous(row_value("mode")(wildcards), row_ends(wildcards))
         else f"<results>/mesh/{wildcards.sample}/{wildcards.geometry}{ending}.vtu"
     )
 

@@ -32,5 +32,5 @@ with logged_to(snakemake):
     displacement, changes = perturbations_of(geometry, shape, mesh_shifted, test, progress_bar())
     write_table(
         snakemake.output.changes,
-        table_of_changes(test.mode, material.mu1_fraction, displacement, changes),
+        table_of_changes(test.mode, test.material.mu1_fraction, displacement, changes),
     )

@@ -24,5 +24,5 @@ with logged_to(snakemake):
     sizes = sizes_to_confirm(read_json(files.verdict))
     displacement, changes = simulate_sizes(mesh_shifted, test, sizes)
     changes = {at_size(name): change for name, change in changes.items()}
-    table = table_of_changes(test.mode, material.mu1_fraction, displacement, changes)
+    table = table_of_changes(test.mode, test.material.mu1_fraction, displacement, changes)
     write_table(snakemake.output.changes, table)

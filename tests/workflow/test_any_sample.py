@@ -139,7 +139,7 @@ def test_from_callipers_and_a_csv_to_a_report_in_three_commands(shape, tmp_path)
 
 @pytest.mark.long
 def test_from_a_closed_surface_to_a_report(tmp_path):
-    """A flat cuboid as a surface: its real and its ideal geometry are one, and so are the moduli."""
+    """A flat cuboid as a surface: real and ideal geometry are one, and so are the moduli."""
     box = pyvista.Cube(bounds=(-10.0, 10.0, -9.0, 9.0, 0.0, 12.0)).triangulate().subdivide(4)
     box.save(tmp_path / "scan.stl")
     record = exact.uniaxial_record(AREA["cuboid"], 12.0, -0.2)

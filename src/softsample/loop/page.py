@@ -29,7 +29,9 @@ def page(group: str, verdict: Mapping[str, Any]) -> str:
         parts += [_withheld(effect), ""]
     parts += ["## Modulus", "", *_moduli(verdict), "", "## Error", "", *_errors(verdict), ""]
     if verdict["held_out_before"]:
-        rule = verdict.get("rule") or "the study holds nothing out: parts of what is fitted, in turn"
+        rule = (
+            verdict.get("rule") or "the study holds nothing out: parts of what is fitted, in turn"
+        )
         parts += [f"Held out, and predicted from the rest ({rule}):", ""]
         parts += [*_held_out(verdict), ""]
     parts += ["## Path", "", *_path(verdict), "", *_limits(verdict)]

@@ -415,7 +415,8 @@ def real_shapes():
             np.stack([part * curves.curve(r) for r in curves.fractions]),
         )
         elastic = replace(
-            specimen.elastic, perturbations={**specimen.elastic.perturbations, "real_geometry": change}
+            specimen.elastic,
+            perturbations={**specimen.elastic.perturbations, "real_geometry": change},
         )
         lost = elastic.change_per_mu("real_geometry", laboratory.FRACTION, specimen.travel)
         force = specimen.force + laboratory.MU * lost

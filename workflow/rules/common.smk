@@ -244,6 +244,12 @@ def row_ends(wildcards):
     return ends_of(SAMPLES[known(wildcards.sample)])
 
 
+def modelled_ends(wildcards):
+    """Params function: the same in the model, which bonds ends that are unknown."""
+    ends = row_ends(wildcards)
+    return "bonded" if ends == "unknown" else ends
+
+
 def test_axes(wildcards):
     """Params function: image world axes of loading and shear."""
     row = SAMPLES[known(wildcards.sample)]

@@ -11,7 +11,7 @@ def mesh_of_runs(ending):
     return lambda wildcards: (
         []
         if wildcards.geometry == "ideal"
-        and is_homogeneous(row_value("mode")(wildcards), row_ends(wildcards))
+        and is_homogeneous(row_value("mode")(wildcards), modelled_ends(wildcards))
         else f"<results>/mesh/{wildcards.sample}/{wildcards.geometry}{ending}.vtu"
     )
 
@@ -19,7 +19,7 @@ def mesh_of_runs(ending):
 # What a run of one piece is made with.
 OF_RUNS = {
     "mode": row_value("mode"),
-    "ends": row_ends,
+    "ends": modelled_ends,
     "material": config["material"],
     "solver": config["solver"],
     "contact": config["contact"],
@@ -193,7 +193,7 @@ rule export:
         "<logs>/export/{sample}_{geometry}.log",
     params:
         mode=row_value("mode"),
-        ends=row_ends,
+        ends=modelled_ends,
         contact=config["contact"],
     message:
         "Export for Abaqus, CalculiX and FEBio: {wildcards.sample}, {wildcards.geometry} geometry"

@@ -2,8 +2,6 @@
 
 from functools import partial
 
-from softsample.shapes import IdealShape
-
 from softsample.constitutive.ogden import OgdenMaterial
 from softsample.io import (
     read_distance,
@@ -16,6 +14,7 @@ from softsample.records import reach
 from softsample.response.changes import table_of_changes
 from softsample.response.perturbations import perturbations_of
 from softsample.response.pieces import MechanicalTest, mesher
+from softsample.shapes import IdealShape
 from softsample.workflow import logged_to, progress_bar
 
 with logged_to(snakemake):

@@ -2,14 +2,13 @@
 
 from functools import partial
 
-from softsample.shapes import IdealShape
-
 from softsample.constitutive.ogden import OgdenMaterial
 from softsample.io import read_distance, read_json, read_marks, read_record, write_table
 from softsample.loop.confirm import at_size, simulate_sizes, sizes_to_confirm
 from softsample.records import reach
 from softsample.response.changes import table_of_changes
 from softsample.response.pieces import MechanicalTest, mesher
+from softsample.shapes import IdealShape
 from softsample.workflow import logged_to
 
 with logged_to(snakemake):

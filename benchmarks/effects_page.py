@@ -11,23 +11,28 @@ TIERS = {
     "L": "a run of the solver for each parameter",
     "M": "runs of a changed model",
 }
-HEAD = """# Effects that the loop can name
+HEAD = """# Effects that the diagnosis can name
 
 Written by `benchmarks/effects_page.py` from `src/softsample/loop/effects`; edit the files there.
 How they are chosen, and how to add one, is in [loop.md](loop.md). Offsets, drift and weight have
-the signs of the machine (positive in tension and along +x), travel is positive while loading. A
-size is neutral where the effect is absent; the nominal value is the size at which its signature
-is drawn. *Shapes* (times, onsets) are fitted from each of their starts.
+the signs of the machine (positive in tension and along +x), displacement is positive while loading.
+
+An effect is absent at the null values of its amplitudes. Its sensitivity is computed at the
+reference values. *Shapes* (times, onsets) enter nonlinearly and are fitted from each initial guess.
+Ranges of lengths and forces hold for samples 6.5 to 26 mm high and peak forces of 0.2 to 5 N;
+beyond these they are scaled with height and peak force (`softsample.loop.candidates`).
+Pure shear counts as tension, confined compression as compression.
+Records without time have no effects of time among their candidates.
 """
 
 
 def page() -> str:
     """The whole page."""
     known = library().values()
-    lines = [HEAD, "| effect | tests | cost | identifiable |", "|---|---|---|---|"]
+    lines = [HEAD, "| effect | tests | cost | of time | identifiable |", "|---|---|---|---|---|"]
     lines += [
         f"| [`{e.name}`](#{e.name}): {e.title} | {', '.join(e.modes)} | {e.tier} "
-        f"| {'yes' if e.identifiable else 'no'} |"
+        f"| {'yes' if e.of_time else 'no'} | {'yes' if e.identifiable else 'no'} |"
         for e in known
     ]
     costs = ", ".join(f"{tier}: {text}" for tier, text in TIERS.items())
@@ -43,12 +48,12 @@ def _section(effect: Effect) -> list[str]:
         "",
         f"{effect.title}. Signature: {effect.signature}.{identifiable}",
         "",
-        "| parameter | unit | range | neutral | nominal | starts |",
+        "| parameter | unit | range | null value | reference value | initial guesses |",
         "|---|---|---|---|---|---|",
         *(_row(p) for p in effect.parameters),
         "",
-        f"- Confused with: {confused}.",
-        f"- What would tell: {effect.experiment}.",
+        f"- Confounded with: {confused}.",
+        f"- Discriminating experiment: {effect.experiment}.",
         f"- Source of form and range: {effect.source}.",
         "",
     ]

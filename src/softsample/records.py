@@ -16,9 +16,12 @@ Array = NDArray[np.float64]
 
 MM = 1e-3
 SMALLEST_TRAVEL = 0.1 * MM
-FEWEST_IN_RAMP = 20
-FEWEST_UNTIMED = 5
-"""A published curve without time may have few points, all of them good."""
+FEWEST_IN_RAMP = 5
+"""A published curve may have few points, all of them good."""
+MANY_IN_RAMP = 20
+"""Fewer samples in a ramp go with a warning."""
+MISSING = 5.0
+"""Samples are missing where an interval is this many times the usual one, and a large part."""
 FEWEST_AT_REST = 10
 LARGEST_GAP = 0.1
 """A ramp may lack samples over this part of its duration."""
@@ -484,12 +487,11 @@ def _wrong_ramp(
             "is the column in m instead of mm?"
         )
     samples = sum(ramp.stop - ramp.start for ramp in loading.ramps)
-    fewest = FEWEST_IN_RAMP if record.timed else FEWEST_UNTIMED
-    if samples < fewest:
+    if samples < FEWEST_IN_RAMP:
         yield (
             f"{source}: the loading ramp (lines {table.index[loading.start]} to "
-            f"{table.index[loading.last]}) has {samples} samples; record at least {fewest}, at a "
-            "higher sampling rate"
+            f"{table.index[loading.last]}) has {samples} samples; record at least "
+            f"{FEWEST_IN_RAMP}, at a higher sampling rate"
         )
     for ramp in loading.ramps if record.timed else ():
         yield from _gap(table, record.clock, ramp, source)
@@ -497,7 +499,8 @@ def _wrong_ramp(
 
 def _gap(table: pd.DataFrame, time: Array, ramp: slice, source: str) -> Iterator[str]:
     gaps = np.diff(time[ramp])
-    if len(gaps) and gaps.max() > LARGEST_GAP * (time[ramp.stop - 1] - time[ramp.start]):
+    usual = MISSING * float(np.median(gaps)) if len(gaps) else np.inf
+    if gaps.max(initial=0.0) > max(usual, LARGEST_GAP * (time[ramp.stop - 1] - time[ramp.start])):
         at = ramp.start + int(gaps.argmax())
         yield (
             f"{source}, line {table.index[at + 1]}: {gaps.max():g} s are missing in the loading "
@@ -545,6 +548,8 @@ def _facts(record: Record, course: Course, loading: Loading, size: Sized | None)
     if _is_clipped(force):
         warnings.append(f"the force stays at {peak:g} N: the load cell seems to be overloaded")
     warnings += _unusual(record, rows, peak, size)
+    if len(rows) < MANY_IN_RAMP:
+        warnings.append(f"the loading has {len(rows)} samples only")
     return {
         "samples": len(record.force),
         "timed": record.timed,

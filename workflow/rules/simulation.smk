@@ -1,15 +1,10 @@
 # Responses to unit modulus, one run at the optimum; the input of that run for other programs.
 
 
-def records_of_piece(wildcards):
-    """Input function: records of the samples that share a piece."""
-    return [f"<results>/records/{name}.csv" for name in records_of(wildcards.sample)]
-
-
 # What a run of one piece is made with.
 OF_RUNS = {
     "mode": row_value("mode"),
-    "ends": row_ends,
+    "ends": modelled_ends,
     "material": config["material"],
     "solver": config["solver"],
     "contact": config["contact"],
@@ -18,8 +13,8 @@ OF_RUNS = {
 
 rule simulate:
     input:
-        mesh="<results>/mesh/{sample}/{geometry}.vtu",
-        pilot="<results>/mesh/{sample}/{geometry}_coarse.vtu",
+        mesh=mesh_of_runs(""),
+        pilot=mesh_of_runs("_coarse"),
         cuboid="<results>/cuboid/{sample}.json",
         records=records_of_piece,
         code=library("workflow/scripts/simulate.py"),
@@ -183,7 +178,7 @@ rule export:
         "<logs>/export/{sample}_{geometry}.log",
     params:
         mode=row_value("mode"),
-        ends=row_ends,
+        ends=modelled_ends,
         contact=config["contact"],
     message:
         "Export for Abaqus, CalculiX and FEBio: {wildcards.sample}, {wildcards.geometry} geometry"

@@ -2,8 +2,6 @@
 
 from functools import partial
 
-from softsample.shapes import IdealShape
-
 from softsample.constitutive.ogden import OgdenMaterial
 from softsample.io import (
     read_distance,
@@ -16,6 +14,7 @@ from softsample.records import reach
 from softsample.response.changes import table_of_changes
 from softsample.response.perturbations import perturbations_of
 from softsample.response.pieces import MechanicalTest, mesher
+from softsample.shapes import IdealShape
 from softsample.workflow import logged_to, progress_bar
 
 with logged_to(snakemake):
@@ -32,5 +31,5 @@ with logged_to(snakemake):
     displacement, changes = perturbations_of(geometry, shape, mesh_shifted, test, progress_bar())
     write_table(
         snakemake.output.changes,
-        table_of_changes(test.mode, material.mu1_fraction, displacement, changes),
+        table_of_changes(test.mode, test.material.mu1_fraction, displacement, changes),
     )

@@ -2,14 +2,13 @@
 
 from functools import partial
 
-from softsample.shapes import IdealShape
-
 from softsample.constitutive.ogden import OgdenMaterial
 from softsample.io import read_distance, read_json, read_marks, read_record, write_table
 from softsample.loop.confirm import at_size, simulate_sizes, sizes_to_confirm
 from softsample.records import reach
 from softsample.response.changes import table_of_changes
 from softsample.response.pieces import MechanicalTest, mesher
+from softsample.shapes import IdealShape
 from softsample.workflow import logged_to
 
 with logged_to(snakemake):
@@ -24,5 +23,5 @@ with logged_to(snakemake):
     sizes = sizes_to_confirm(read_json(files.verdict))
     displacement, changes = simulate_sizes(mesh_shifted, test, sizes)
     changes = {at_size(name): change for name, change in changes.items()}
-    table = table_of_changes(test.mode, material.mu1_fraction, displacement, changes)
+    table = table_of_changes(test.mode, test.material.mu1_fraction, displacement, changes)
     write_table(snakemake.output.changes, table)

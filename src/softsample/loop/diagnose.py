@@ -139,6 +139,12 @@ def pose(specimens: Sequence[Specimen], settings: NoiseSettings) -> tuple[Proble
     return Problem(specimens, whiteners, settings.contact_zero_mm, material, lower), noises
 
 
+def _is_fitted(specimen: Specimen, settings: NoiseSettings) -> bool:
+    """Whether a block of the test is left that is not held out."""
+    size = block_size(specimen.time, settings)
+    return bool(np.any(blocks(specimen.held_out.astype(float), size) == 0.0))
+
+
 def _whiteners(
     specimens: Sequence[Specimen],
     noises: Sequence[Noise],
@@ -173,7 +179,7 @@ def diagnose(
     effects : sequence of Effect, optional
         Library to choose from; all by default.
     """
-    problem, noises = pose([s for s in specimens if not s.held_out.all()], settings.noise)
+    problem, noises = pose([s for s in specimens if _is_fitted(s, settings.noise)], settings.noise)
     known = list(library().values()) if effects is None else list(effects)
     selection = select(problem, known, settings.selection)
     spread = [noise.block for noise in noises]

@@ -25,9 +25,14 @@ def page(group: str, verdict: Mapping[str, Any]) -> str:
     parts = [f"# Verdict for {group}: {verdict['verdict']}", "", SAYING[verdict["verdict"]], ""]
     for effect in verdict["effects"]:
         parts += _effect(effect)
+    for effect in verdict["withheld"]:
+        parts += [_withheld(effect), ""]
     parts += ["## Modulus", "", *_moduli(verdict), "", "## Error", "", *_errors(verdict), ""]
     if verdict["held_out_before"]:
-        parts += ["Held out: fitted to the rest, judged on what was left out.", ""]
+        rule = (
+            verdict.get("rule") or "the study holds nothing out: parts of what is fitted, in turn"
+        )
+        parts += [f"Held out, and predicted from the rest ({rule}):", ""]
         parts += [*_held_out(verdict), ""]
     parts += ["## Path", "", *_path(verdict), "", *_limits(verdict)]
     parts += ["", "![before and after](verdict.png)", ""]
@@ -56,6 +61,15 @@ def _effect(effect: Mapping[str, Any]) -> list[str]:
     )
     experiment = effect["separating_experiment"]
     return [*lines, "", f"Evidence {effect['evidence']:.0f}. What would tell: {experiment}.", ""]
+
+
+def _withheld(effect: Mapping[str, Any]) -> str:
+    """One sentence on an effect that was selected and is not given."""
+    sizes = ", ".join(
+        f"{name} {p['value']:.3g} {p['unit']}".removesuffix(" 1")
+        for name, p in effect["parameters"].items()
+    )
+    return f"Not reported: `{effect['name']}` ({sizes}), since {effect['reason']}."
 
 
 def _moduli(verdict: Mapping[str, Any]) -> list[str]:

@@ -21,6 +21,9 @@ Array = NDArray[np.float64]
 
 MM = 1e-3
 
+INNER = (0.02, 0.98)
+"""Modulus fractions between which changed models are simulated."""
+
 
 @dataclass(frozen=True)
 class PerturbationSettings:
@@ -93,7 +96,7 @@ class MechanicalTest:
         """
         return cls(
             given["mode"],
-            material,
+            _of_both_terms(material),
             travel,
             ContactSettings(**given["contact"]),
             SolverSettings(**given["solver"]),
@@ -118,6 +121,12 @@ class MechanicalTest:
             return self.contact
         friction = 0.0 if self.base_ends == "sliding" else float(self.base_ends)
         return replace(self.contact, friction=friction, base_friction=friction)
+
+
+def _of_both_terms(material: OgdenMaterial) -> OgdenMaterial:
+    """The material with some of each term: a change of a term that is absent shows nothing."""
+    mu, fraction = material.shear_modulus, float(np.clip(material.mu1_fraction, *INNER))
+    return replace(material, mu=(fraction * mu, (1.0 - fraction) * mu))
 
 
 @dataclass(frozen=True, eq=False)

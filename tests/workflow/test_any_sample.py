@@ -1,0 +1,155 @@
+"""Studies without an image: dimensions alone, a closed surface, records of several machines."""
+
+import json
+import os
+import subprocess
+import sys
+from pathlib import Path
+
+import numpy as np
+import pandas as pd
+import pytest
+import pyvista
+
+import exact
+import machines
+
+ROOT = Path(__file__).resolve().parents[2]
+BUILT = (f"VENV={sys.prefix}", "stamp=LICENSE")
+AREA = {"cuboid": 20.0 * 18.0, "cylinder": 0.25 * np.pi * 20.0**2}
+CELLS = {
+    "cuboid": ("SHAPE=cuboid", "LENGTH=20", "WIDTH=18", "HEIGHT=12"),
+    "cylinder": ("SHAPE=cylinder", "DIAMETER=20", "HEIGHT=12"),
+}
+
+
+def run(*words, given=()):
+    """Run a command in the checkout; what it prints comes with a failure."""
+    environment = {k: v for k, v in os.environ.items() if k not in ("PYTHONPATH", "MAKEFLAGS")}
+    done = subprocess.run(
+        [*map(str, words), *given], cwd=ROOT, capture_output=True, text=True, check=False,
+        env={**environment, "NO_COLOR": "1"},
+    )  # fmt: skip
+    assert done.returncode == 0, (done.stdout + done.stderr)[-4000:]
+    return done.stdout
+
+
+def study(folder, *targets, settings="config/quick.yaml"):
+    """Run targets of a study folder."""
+    own = folder / "study.yaml"
+    files = [settings, *([own] if own.exists() else [])]
+    return run(
+        sys.executable, "-m", "snakemake", "--cores", "2", "--nolock", "--configfile", *files,
+        "--config", f"samples={folder}/samples.tsv", f"results={folder}/results", "--", *targets,
+    )  # fmt: skip
+
+
+def modulus(folder, group, geometry="ideal"):
+    """Calibrated shear modulus [Pa]."""
+    fit = folder / f"results/calibration/{group}/{geometry}/ogden2.json"
+    return json.loads(fit.read_text())["mu_pa"]
+
+
+def write_table(folder, rows):
+    table = pd.DataFrame(rows, dtype=object)
+    table.to_csv(folder / "samples.tsv", sep="\t", index=False, na_rep="")
+
+
+def test_records_of_three_machines_cycles_and_dimensions_alone(tmp_path):
+    """Sliding ends in closed form: the modulus that made the records comes back within 1 %."""
+    area, height = AREA["cuboid"], 12.0
+    size = {"shape": "cuboid", "length_mm": 20, "width_mm": 18, "height_mm": height}
+    kinds = {"A": machines.univert, "B": machines.bluehill, "C": machines.wintest}
+    rows = []
+    for seed, (name, write) in enumerate(kinds.items()):
+        record = exact.uniaxial_record(area, height, -0.25, seed=seed)
+        machines.write(tmp_path / f"{name}.csv", write(*record))
+        rows.append({"sample": name, "group": "mixed", "mode": "compression", "ends": "sliding"})
+    cycled = exact.uniaxial_record(AREA["cylinder"], height, -0.25, cycles=5)
+    names = ("time_s", "displacement_mm", "force_N")
+    pd.DataFrame(dict(zip(names, cycled, strict=True))).to_csv(tmp_path / "D.csv", index=False)
+    rows = [{**row, **size, "record": f"{row['sample']}.csv", "cycle": ""} for row in rows]
+    rows.append(
+        {
+            "sample": "D", "group": "cycled", "mode": "compression", "ends": "sliding",
+            "shape": "cylinder", "diameter_mm": 20, "height_mm": height, "record": "D.csv",
+            "cycle": "last",
+        }
+    )  # fmt: skip
+    write_table(tmp_path, rows)
+    study(tmp_path, "verdicts", settings="config/test.yaml")
+    assert modulus(tmp_path, "mixed") == pytest.approx(exact.MODULUS, rel=0.01)
+    assert modulus(tmp_path, "cycled") == pytest.approx(exact.MODULUS, rel=0.01)
+    cycles = pd.read_csv(tmp_path / "results/records/D.csv")
+    assert cycles["cycle"].max() == 5
+    assert set(cycles.loc[cycles["calibrated"] == 1, "cycle"]) == {5}
+    curves = sorted(path.parts[-3] for path in tmp_path.glob("results/curves/*/ideal/ogden2.csv"))
+    assert curves == ["A", "D"], "equal pieces of a group share one response"
+    assert not list(tmp_path.glob("results/curves/*/real"))
+    for group in ("mixed", "cycled"):
+        verdict = json.loads((tmp_path / f"results/loop/{group}/verdict.json").read_text())
+        assert verdict["verdict"] == "none"
+
+
+def test_what_is_held_out_is_not_fitted_and_is_judged(tmp_path):
+    """A wrong force beyond a strain, and in a whole sample, leaves the modulus as it is."""
+    area, height = AREA["cuboid"], 12.0
+    size = {"shape": "cuboid", "length_mm": 20, "width_mm": 18, "height_mm": height}
+    rows, wrong = [], {}
+    for seed, name in enumerate(("A", "B")):
+        time, moved, force = exact.uniaxial_record(area, height, -0.25, seed=seed)
+        force = np.where(moved < -0.15 * height, 2.0 * force, force) if name == "A" else 3.0 * force
+        beyond = force[moved < -0.15 * height]
+        wrong = {**wrong, name: 50.0 * np.sqrt(np.mean(beyond**2)) / np.abs(beyond).max()}
+        table = pd.DataFrame({"time_s": time, "displacement_mm": moved, "force_N": force})
+        table.to_csv(tmp_path / f"{name}.csv", index=False)
+        rows.append({"sample": name, "group": "G", "mode": "compression", "ends": "sliding"})
+    write_table(tmp_path, [{**row, **size, "record": f"{row['sample']}.csv"} for row in rows])
+    (tmp_path / "study.yaml").write_text("hold_out:\n- strain_above: 0.15\n- sample: B\n")
+    study(tmp_path, "verdicts", settings="config/test.yaml")
+    fit = json.loads((tmp_path / "results/calibration/G/ideal/ogden2.json").read_text())
+    assert fit["mu_pa"] == pytest.approx(exact.MODULUS, rel=0.01)
+    assert (fit["samples"], fit["held_out"]) == (["A"], ["B"])
+    verdict = json.loads((tmp_path / "results/loop/G/verdict.json").read_text())
+    errors = verdict["held_out_before"]["held_out"]
+    assert set(errors) == {"compression", "compression_2"}
+    assert errors["compression"]["rms_percent"] == pytest.approx(wrong["A"], rel=0.05)
+    assert verdict["error_before"]["compression"]["all"]["rms_percent"] < 1.0
+    assert "strain above 0.15" in verdict["rule"]
+
+
+@pytest.mark.long
+@pytest.mark.parametrize("shape", ["cuboid", "cylinder"])
+def test_from_callipers_and_a_csv_to_a_report_in_three_commands(shape, tmp_path):
+    record = exact.uniaxial_record(AREA[shape], 12.0, -0.25)
+    machines.write(tmp_path / "test.csv", machines.univert(*record))
+    lab = tmp_path / "lab"
+    here = f"DIR={lab}"
+    run("make", "new-study", here, given=BUILT)
+    cells = (*CELLS[shape], "MODE=compression", "ENDS=sliding", "SAMPLE=P1")
+    run("make", "add-sample", here, f"RECORD={tmp_path / 'test.csv'}", *cells, given=BUILT)
+    told = run("make", "study", here, "CONFIG=config/quick.yaml", given=BUILT)
+    assert modulus(lab, "P1") == pytest.approx(exact.MODULUS, rel=0.01)
+    assert "not known" in told
+    assert (lab / "results/report.html").stat().st_size > 10_000
+    checks = json.loads((lab / "results/checks/P1_ideal.json").read_text())["checks"]
+    direct = next(c for c in checks if c["name"].startswith("direct run against"))
+    assert direct["value"] < 0.2, "finite elements against the closed form [% of peak]"
+
+
+@pytest.mark.long
+def test_from_a_closed_surface_to_a_report(tmp_path):
+    """A flat cuboid as a surface: real and ideal geometry are one, and so are the moduli."""
+    box = pyvista.Cube(bounds=(-10.0, 10.0, -9.0, 9.0, 0.0, 12.0)).triangulate().subdivide(4)
+    box.save(tmp_path / "scan.stl")
+    record = exact.uniaxial_record(AREA["cuboid"], 12.0, -0.2)
+    machines.write(tmp_path / "test.csv", machines.univert(*record))
+    lab = tmp_path / "lab"
+    here = f"DIR={lab}"
+    run("make", "new-study", here, given=BUILT)
+    cells = (f"SURFACE={tmp_path / 'scan.stl'}", "MODE=compression", "SAMPLE=P1")
+    run("make", "add-sample", here, f"RECORD={tmp_path / 'test.csv'}", *cells, given=BUILT)
+    run("make", "study", here, "CONFIG=config/quick.yaml", given=BUILT)
+    real, ideal = (modulus(lab, "P1", geometry) for geometry in ("real", "ideal"))
+    assert real == pytest.approx(ideal, rel=0.05)
+    assert (lab / "results/report.html").exists()

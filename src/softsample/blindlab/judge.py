@@ -109,7 +109,7 @@ def answer(
         "theta_before": verdict["theta_before"],
         "theta_after": verdict["theta_after"],
         "held_out_percent": held_out,
-        "reduced_chi_square": verdict["white_mean_square"],
+        "reduced_chi_square": verdict["reduced_chi_square"],
         "path": verdict["path"],
         "not_identifiable": verdict["not_identifiable"],
         "confidence": found.confidence(settings, bootstraps),

@@ -36,7 +36,8 @@ SCHEMAS = {
     name: read_yaml(ROOT / f"workflow/schemas/{name}.schema.yaml")
     for name in ("config", "samples", "record")
 }
-OVERLAYS = sorted((ROOT / "config").glob("[!c]*.yaml"))
+OVERLAYS = sorted((ROOT / "config").glob("[!cm]*.yaml"))
+STUDIES = read_yaml(ROOT / "config/measured.yaml")["studies"]
 CONFIG = read_yaml(ROOT / "config/config.yaml")
 
 
@@ -73,6 +74,11 @@ def test_every_other_config_changes_the_study_and_is_accepted(path):
     check_config(changed, SCHEMAS["config"], path.name)
     own_section = set(changed) > set(CONFIG)
     assert changed["results"] != CONFIG["results"] or own_section
+
+
+@pytest.mark.parametrize("name", STUDIES)
+def test_settings_of_a_measured_study_are_accepted(name):
+    check_config(overlaid(CONFIG, STUDIES[name]["settings"]), SCHEMAS["config"], name)
 
 
 @pytest.mark.parametrize(

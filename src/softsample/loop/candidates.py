@@ -41,7 +41,8 @@ def candidates(specimens: Sequence[Specimen], height: float, solid: OgdenMateria
     timed = all(s.timed for s in specimens)
     rippled = timed and all(RIPPLE_HZ[0] < _rate(s) < RIPPLE_HZ[1] for s in specimens)
     length = _beyond(height, HEIGHTS)
-    force = _beyond(float(np.median([s.peak for s in specimens])), PEAKS)
+    peaks = [s.peak for s in specimens if not s.held_out.all()]
+    force = _beyond(float(np.median(peaks)), PEAKS)
     scales = {"mm": length, "mN": force, "mN/s": force, "mm/N": length / force}
     there = {RIPPLE: rippled, "ends": _open_ends(specimens)}
     absent = {name for name, present in there.items() if not present}

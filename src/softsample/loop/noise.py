@@ -95,12 +95,14 @@ def measure_noise(specimen: Specimen, settings: NoiseSettings) -> Noise:
     no two of these over 5 s, at least 8 blocks, of any phase, less a polynomial of fifth degree;
     what that takes from noise of the given correlation time is made good. None reaches across a
     corner of the record. Where a reading's last digit is coarser than its noise, the error of
-    rounding is noise too, and one that goes on from sample to sample.
+    rounding is noise too, and one that goes on from sample to sample. What is held out is not read.
     """
-    force, size = specimen.force, block_size(specimen.time, settings)
-    second = np.diff(force, 2)
-    white = 1.4826 * float(np.median(np.abs(second - np.median(second)))) / np.sqrt(6.0)
-    rounding = _last_digit(force) / np.sqrt(12.0)
+    size, fitted = block_size(specimen.time, settings), ~specimen.held_out
+    second = np.diff(specimen.force, 2)[fitted[:-2] & fitted[1:-1] & fitted[2:]]
+    white = 0.0
+    if len(second):
+        white = 1.4826 * float(np.median(np.abs(second - np.median(second)))) / np.sqrt(6.0)
+    rounding = _last_digit(specimen.force[fitted]) / np.sqrt(12.0)
     least = rounding if white < rounding else 0.0
     white = max(white, rounding)
     long = max(8, round(5.0 / settings.block_s))
@@ -126,7 +128,7 @@ def _windows(
     """Means of as many blocks as fill a window (window,) [N], each within one phase."""
     found = []
     for part in specimen.stretches:
-        if specimen.phase[part.start] in kinds:
+        if specimen.phase[part.start] in kinds and not specimen.held_out[part.start]:
             means = blocks(specimen.force[part], size)
             found += [means[k : k + window] for k in range(0, len(means) - window + 1, window)]
     return found

@@ -121,20 +121,32 @@ class Specimen:
 
     @property
     def stretches(self) -> list[slice]:
-        """Samples of each stretch of one phase, in order."""
-        ends = np.flatnonzero(self.phase[1:] != self.phase[:-1]) + 1
+        """Samples of each stretch of one phase, held out or not, in order."""
+        other = self.phase[1:] != self.phase[:-1]
+        ends = np.flatnonzero(other | (self.held_out[1:] != self.held_out[:-1])) + 1
         corners = [0, *ends.tolist(), len(self.phase)]
         return [slice(a, b) for a, b in pairwise(corners)]
 
     @cached_property
     def smooth_force(self) -> Array:
-        """Force (n,) [N] with most of its noise taken out, phase by phase so that corners stay."""
+        """Force (n,) [N] with most of its noise taken out, phase by phase so that corners stay.
+
+        Where it is held out, it is that of fitted samples at like displacements.
+        """
         step = float(self.time[-1] - self.time[0]) / (len(self.time) - 1)
         window = max(5, round(SMOOTHED_S / step))
         parts = [self.force[part] for part in self.stretches]
-        return np.concatenate(
+        smooth = np.concatenate(
             [savgol_filter(part, window, 3) if len(part) > window else part for part in parts]
         )
+        if self.held_out.any():
+            smooth[self.held_out] = 0.0
+            known = np.flatnonzero(~self.held_out)
+            if len(known):
+                known = known[np.argsort(self.travel[known], kind="stable")]
+                there = self.travel[self.held_out]
+                smooth[self.held_out] = np.interp(there, self.travel[known], smooth[known])
+        return smooth
 
     @property
     def kind(self) -> str:

@@ -105,10 +105,7 @@ def for_all_fractions(
         part = _smooth_part(curves.displacement, changes[PRESSED_ELSEWHERE], curves.curve(other))
         slope = (part - parts[PRESSED]) / (other - fraction)
         parts[PRESSED] = parts[PRESSED] + np.outer(r - fraction, slope)
-    return {
-        name: ResponseCurves(r, curves.displacement, follows.get(name, forces) * part)
-        for name, part in parts.items()
-    }
+    return {name: curves.like(follows.get(name, forces) * part) for name, part in parts.items()}
 
 
 def _smooth_part(travel: Array, change: Array, force: Array) -> Array:

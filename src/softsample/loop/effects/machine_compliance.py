@@ -3,10 +3,12 @@
 import numpy as np
 
 from softsample.loop.effects.base import Array, Effect, Parameter, Values
-from softsample.loop.specimen import Specimen
+from softsample.loop.specimen import FORCE, Specimen
 
 
 def _travel(specimen: Specimen, travel: Array, values: Values) -> Array:
+    if specimen.channel != FORCE:  # what yields along the displacement yields to that force
+        return travel
     return travel - 1e-3 * values["mm_per_N"] * specimen.smooth_force
 
 

@@ -1,0 +1,139 @@
+"""Response curves at displacements of either sign, from tables of every mode and channel."""
+
+import numpy as np
+import pandas as pd
+import pytest
+
+from softsample.constitutive.homogeneous import homogeneous_force, homogeneous_normal
+from softsample.constitutive.ogden import unit_modulus
+from softsample.protocol import MODES, travel_sign
+from softsample.response.changes import for_all_fractions, table_of_changes
+from softsample.response.curves import BEFORE, ResponseCurves, before_zero
+from softsample.response.elastic import Elastic
+from softsample.response.unit import (
+    ResponseSettings,
+    homogeneous_response,
+    modulus_fractions,
+    response_table,
+)
+from softsample.shapes import IdealShape
+
+ALPHA, RATIO = (-8.0, 16.0), 0.47
+SHAPE = IdealShape("cylinder", 20e-3, 20e-3, 10e-3)
+REACH = 3e-3
+TRAVEL = np.linspace(0.0, REACH, 41)
+FORCE = 2.0 * TRAVEL + 500.0 * TRAVEL**2
+MIRRORED = {"none": 0.0, "odd": -1.0, "even": 1.0}
+
+
+def response(mode):
+    """File of a response in closed form."""
+    law = (modulus_fractions(ResponseSettings()), ALPHA, RATIO)
+    curves, _ = homogeneous_response(SHAPE, mode, REACH, *law, 60)
+    return pd.DataFrame(response_table(curves, mode))
+
+
+def exact(mode, channel, fraction, displacement):
+    """Force over modulus [m2] along the displacement, or along +z, by the closed form."""
+    solid, strain = unit_modulus(fraction, ALPHA, RATIO, 1.0), displacement / SHAPE.height
+    if channel == "force_normal" and mode == "shear":
+        return SHAPE.area * homogeneous_normal(strain, solid)
+    sign = travel_sign(mode) if channel == "force_normal" else 1.0
+    return sign * SHAPE.area * homogeneous_force(mode, strain, solid)
+
+
+@pytest.mark.parametrize("before", BEFORE)
+def test_before_zero_a_curve_is_what_it_says(before):
+    curves = ResponseCurves(np.array([0.5]), TRAVEL, FORCE[None], before)
+    there = np.array([0.2e-3, REACH, 1.1 * REACH])
+    forward, back = (curves.force_per_mu(0.5, way * there) for way in (1.0, -1.0))
+    assert np.all(np.diff(forward) > 0.0)
+    if before == "straight":  # along the first of the fine chords
+        np.testing.assert_allclose(back, -there * 2.0, rtol=0.02)
+    else:
+        np.testing.assert_allclose(back, MIRRORED[before] * forward, rtol=1e-12)
+    assert curves.force_per_mu(0.5, np.zeros(1)) == 0.0
+
+
+@pytest.mark.parametrize("before", BEFORE)
+def test_curves_made_of_curves_keep_what_they_are_before_zero(before):
+    """Else a force that is mirrored, or nothing, would have changes that are neither."""
+    curves = ResponseCurves(np.array([0.2, 0.8]), TRAVEL, np.stack([FORCE, 1.5 * FORCE]), before)
+    made = {
+        "smoothed": curves.smoothed(),
+        "minus": curves.minus(curves.like(np.stack([FORCE, FORCE]))),
+        "carried": for_all_fractions({"x": -0.1 * curves.curve(0.6)}, curves, 0.6)["x"],
+        "fibres": for_all_fractions({"fibres_z": 0.1 * FORCE}, curves, 0.6)["fibres_z"],
+    }
+    assert {name: of.before for name, of in made.items()} == dict.fromkeys(made, before)
+    elastic = Elastic(curves, {"one": -0.1 * FORCE, "all": made["carried"]})
+    for name in ("one", "all"):
+        back = elastic.change_per_mu(name, 0.6, -TRAVEL[5:])
+        forward = elastic.change_per_mu(name, 0.6, TRAVEL[5:])
+        expected = {**MIRRORED, "straight": None}[before]
+        if expected is not None:
+            np.testing.assert_allclose(back, expected * forward, rtol=1e-12, atol=1e-30)
+
+
+def test_the_side_before_zero_is_that_of_the_mode():
+    sides = {(mode, channel): before_zero(mode, channel)
+             for mode in MODES for channel in ("force", "force_normal")}  # fmt: skip
+    assert sides["shear", "force"] == "odd"
+    assert sides["shear", "force_normal"] == "even"
+    assert {sides[mode, "force"] for mode in ("compression", "confined_compression")} == {"none"}
+    assert {sides[mode, "force"] for mode in ("tension", "pure_shear")} == {"straight"}
+
+
+@pytest.mark.parametrize("channel", ["force", "force_normal"])
+@pytest.mark.parametrize("mode", MODES)
+def test_a_table_gives_back_the_closed_form_at_other_fractions_and_places(mode, channel):
+    curves = ResponseCurves.of_table(response(mode), mode, channel)
+    there = np.array([0.01, 0.33, 0.777, 1.0]) * REACH
+    for fraction in (0.0, 0.31, 0.9, 1.0):
+        wanted = exact(mode, channel, fraction, there)
+        found = curves.force_per_mu(fraction, there)
+        np.testing.assert_allclose(found, wanted, atol=2e-4 * np.abs(wanted).max())
+
+
+@pytest.mark.parametrize(("channel", "sign"), [("force", -1.0), ("force_normal", 1.0)])
+def test_shear_to_the_other_side_is_the_closed_form_there(channel, sign):
+    curves = ResponseCurves.of_table(response("shear"), "shear", channel)
+    there = np.array([-1.0, -0.4, -0.02]) * REACH
+    wanted = exact("shear", channel, 0.6, there)
+    np.testing.assert_allclose(wanted, sign * exact("shear", channel, 0.6, -there))
+    found = curves.force_per_mu(0.6, there)
+    np.testing.assert_allclose(found, wanted, atol=2e-4 * np.abs(wanted).max())
+
+
+def test_changes_of_a_file_are_those_of_their_channel():
+    """Their names end alike; units and signs are those of files."""
+    curves, fraction = response("shear"), 0.6
+    grid = np.linspace(0.0, 1.05 * REACH, 64)
+    force, normal = (exact("shear", c, fraction, grid) for c in ("force", "force_normal"))
+    changes = {"alpha1": -0.1 * force, "alpha1_normal": 0.3 * normal}
+    table = table_of_changes("shear", fraction, grid, changes)
+    assert list(table) == [
+        "mu1_fraction", "displacement_mm", "alpha1_mm2", "alpha1_normal_mm2"
+    ]  # fmt: skip
+    for channel, part in (("force", -0.1), ("force_normal", 0.3)):
+        elastic = Elastic.of_tables("shear", curves, [table], RATIO, channel=channel)
+        assert set(elastic.perturbations) == {"alpha1"}
+        assert not elastic.contact
+        for there in (TRAVEL[1:], -TRAVEL[1:]):
+            wanted = part * elastic.force_per_mu(fraction, there)
+            found = elastic.change_per_mu("alpha1", fraction, there)
+            np.testing.assert_allclose(found, wanted, atol=2e-3 * np.abs(wanted).max())
+
+
+def test_a_pressed_sample_bears_nothing_before_contact_whatever_is_changed():
+    table = response("compression")
+    grid = np.linspace(0.0, 1.05 * REACH, 64)
+    change = 0.2 * exact("compression", "force", 0.6, grid)
+    changes = table_of_changes("compression", 0.6, grid, {"poisson_0.02_less": change})
+    elastic = Elastic.of_tables("compression", table, [changes], RATIO)
+    assert elastic.contact
+    gone = np.array([-1e-3, -1e-6])
+    smallest = 1e-12 * elastic.force_per_mu(0.6, np.array([REACH]))[0]
+    assert np.abs(elastic.force_per_mu(0.6, gone)).max() < smallest
+    assert np.abs(elastic.change_per_mu("poisson_0.02_less", 0.6, gone)).max() < smallest
+    assert elastic.change_per_mu("poisson_0.02_less", 0.6, np.array([1e-3]))[0] > 0.0

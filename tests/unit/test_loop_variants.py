@@ -1,7 +1,6 @@
 """Runs of changed models: what differs by its sign, what is made of them, and how many they are."""
 
 from dataclasses import asdict, replace
-from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -105,9 +104,9 @@ def specimen_of(mode, plain, runs):
     """What effects need of a specimen, from the force [N] of runs and of the changed ones."""
     curves = ResponseCurves(np.array([0.0, 1.0]), plain.displacement, np.stack([plain.force] * 2))
     changes = {name: run.force - plain.force for name, run in runs.items()}
-    return SimpleNamespace(
-        mode=mode, elastic=Elastic(curves, for_all_fractions(changes, curves, 0.5))
-    )
+    elastic = Elastic(curves, for_all_fractions(changes, curves, 0.5))
+    travel, ramp = plain.displacement, np.full(len(plain.force), "ramp")
+    return Specimen("block", mode, np.arange(len(travel)), travel, plain.force, ramp, elastic)
 
 
 @pytest.mark.parametrize(
@@ -254,20 +253,22 @@ def test_changed_models_have_the_glue_and_the_regions_of_the_image():
         "bond_mask": MarkedImage((points[..., 0] > 0.0).astype(int), to_index),
         "labels": MarkedImage(np.where(points[..., 2] > 4.0 * MM, 2, 1), to_index),
     }
-    settings = asdict(MeshSettings()) | {"element_size_mm": 1.0, "boundary_shift_mm": 0.0}
+    settings = asdict(MeshSettings()) | {"elements_across": (1, 100), "boundary_shift_mm": 0.0}
     given = {
         "mesh": settings, "preload_mm": 1.0, "element_size_mm": 1.5,
         "region_stiffness": {"1": 1.0, "2": 3.0},
     }  # fmt: skip
     grid = (ball, origin, 0.5 * MM)
-    marked, plain = (mesher("real", grid, {}, m, given)(0.0) for m in (marks, {}))
+    shape = IdealShape("cuboid", 12 * MM, 12 * MM, 6 * MM)
+    of_marked, of_plain = (mesher("real", shape, lambda m=m: (grid, m), given) for m in (marks, {}))
+    marked, plain = of_marked(0.0), of_plain(0.0)
     assert plain.stiffness is None
     middle = marked.mesh.points[marked.mesh.hexes].mean(axis=1)[:, 2]
     assert set(marked.stiffness[middle < 3.5 * MM]) == {1.0}
     assert set(marked.stiffness[middle > 4.5 * MM]) == {3.0}
     assert plain.mesh.points[plain.glued, 0].min() < -MM < marked.mesh.points[marked.glued, 0].min()
     assert marked.model(SOLVER) is not None
-    larger = mesher("real", grid, {}, marks, given)(0.2 * MM)
+    larger = of_marked(0.2 * MM)
     assert np.ptp(larger.mesh.points[:, 0]) > np.ptp(marked.mesh.points[:, 0])
     assert larger.stiffness.max() == 3.0
 

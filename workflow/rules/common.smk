@@ -384,6 +384,95 @@ def listed(find):
     return lambda wildcards: [name for name in [find(wildcards)] if name]
 
 
+SHAPE_COLUMNS = ("shape", "length_mm", "width_mm", "height_mm", "diameter_mm")
+
+
+def segmented(ending):
+    """Input function: a result of the segmentation; none of a sample whose dimensions are stated."""
+
+    def find(wildcards):
+        row = SAMPLES[known(wildcards.sample)]
+        there = "image" in row or "surface" in row
+        return f"<results>/segmentation/{wildcards.sample}{ending}" if there else []
+
+    return find
+
+
+def shape_cells(wildcards):
+    """Params function: cells of the sample's row about its idealised shape."""
+    row = SAMPLES[known(wildcards.sample)]
+    return {column: row[column] for column in SHAPE_COLUMNS if column in row}
+
+
+def for_real(ending):
+    """Input function: a result of the segmentation for the real geometry, none for the ideal one."""
+
+    def find(wildcards):
+        found = segmented(ending)(wildcards) if wildcards.geometry != "ideal" else []
+        if wildcards.geometry != "ideal" and not found:
+            raise WorkflowError(
+                f"the dimensions of sample {wildcards.sample!r} are stated in {TABLE}: it has no "
+                "real geometry; ask for the ideal one, or give an image or a surface"
+            )
+        return found
+
+    return find
+
+
+def records_of_piece(wildcards):
+    """Input function: records of the samples that share a piece."""
+    return [f"<results>/records/{name}.csv" for name in records_of(wildcards.sample)]
+
+
+def mesh_of_runs(ending):
+    """Input function: a mesh of the piece, none if its response has a closed form."""
+    return lambda wildcards: (
+        []
+        if wildcards.geometry == "ideal"
+        and is_homogeneous(row_value("mode")(wildcards), modelled_ends(wildcards))
+        else f"<results>/mesh/{wildcards.sample}/{wildcards.geometry}{ending}.vtu"
+    )
+
+
+def diagnosed(wildcards):
+    """Samples that a diagnosis is told of: those of the group, or all if a group is left out."""
+    return list(SAMPLES) if LEAVE_OUT == "group" else samples_of(wildcards.group)
+
+
+def of_diagnosed(pattern, geometry=None, of=lambda name: name):
+    """Input function: a file for each of these samples, or for its piece.
+
+    Without a geometry it is the one nearest to the sample's: `real` if there is one.
+    """
+    return lambda wildcards: [
+        pattern.format(sample=of(name), geometry=geometry or PLAN.best(wildcards.group))
+        for name in diagnosed(wildcards)
+    ]
+
+
+def responses(geometry=None):
+    """What a diagnosis on a geometry predicts records with."""
+    return {
+        "curves": of_diagnosed(
+            "<results>/curves/{sample}/{geometry}/ogden2.csv", geometry, piece_of
+        ),
+        "perturbations": of_diagnosed(
+            "<results>/loop/perturbations/{sample}_{geometry}.csv", geometry, piece_of
+        ),
+        "fit": lambda wildcards: (
+            f"<results>/calibration/{wildcards.group}/"
+            f"{geometry or PLAN.best(wildcards.group)}/ogden2.json"
+        ),
+        "records": of_diagnosed("<results>/records/{sample}.csv"),
+        "cuboids": of_diagnosed("<results>/cuboid/{sample}.json", of=piece_of),
+    }
+
+
+def of_row(function):
+    """Params function: what a function of the library makes of the sample's row."""
+    return lambda wildcards: function(SAMPLES[known(wildcards.sample)])
+
+
 def best_sensitivities(pieces):
     """Sensitivities to numerical choices, on the best geometry that each piece has."""
     return [f"<results>/sensitivity/{piece}/{PLAN.best(piece)}.json" for piece in pieces]

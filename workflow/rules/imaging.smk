@@ -1,24 +1,5 @@
 # From the image, the surface or the stated dimensions to the sample's shape, real and idealised.
 
-SHAPE_COLUMNS = ("shape", "length_mm", "width_mm", "height_mm", "diameter_mm")
-
-
-def segmented(ending):
-    """Input function: a result of the segmentation; none of a sample whose dimensions are stated."""
-
-    def find(wildcards):
-        row = SAMPLES[known(wildcards.sample)]
-        there = "image" in row or "surface" in row
-        return f"<results>/segmentation/{wildcards.sample}{ending}" if there else []
-
-    return find
-
-
-def shape_cells(wildcards):
-    """Params function: cells of the sample's row about its idealised shape."""
-    row = SAMPLES[known(wildcards.sample)]
-    return {column: row[column] for column in SHAPE_COLUMNS if column in row}
-
 
 rule segment:
     input:

@@ -3,11 +3,6 @@
 from softsample.validation import record_settings, resolved, stated_shape
 
 
-def of_row(function):
-    """Params function: what a function of the library makes of the sample's row."""
-    return lambda wildcards: function(SAMPLES[known(wildcards.sample)])
-
-
 rule check_inputs:
     input:
         image=study_image("image"),

@@ -15,8 +15,8 @@ OF_CHANGED_MODELS = {
 
 rule perturbations:
     input:
-        distance=of_real("<results>/segmentation/{sample}_distance.nii.gz"),
-        segmentation=of_real("<results>/segmentation/{sample}.json"),
+        distance=for_real("_distance.nii.gz"),
+        segmentation=for_real(".json"),
         cuboid="<results>/cuboid/{sample}.json",
         bond_mask=real_image("bond_mask"),
         labels=real_image("labels"),
@@ -37,40 +37,6 @@ rule perturbations:
         "Changed models: {wildcards.sample}, {wildcards.geometry} geometry"
     script:
         "../scripts/perturbations.py"
-
-
-def diagnosed(wildcards):
-    """Samples that a diagnosis is told of: those of the group, or all if a group is left out."""
-    return list(SAMPLES) if LEAVE_OUT == "group" else samples_of(wildcards.group)
-
-
-def of_diagnosed(pattern, geometry=None, of=lambda name: name):
-    """Input function: a file for each of these samples, or for its piece.
-
-    Without a geometry it is the one nearest to the sample's: `real` if there is one.
-    """
-    return lambda wildcards: [
-        pattern.format(sample=of(name), geometry=geometry or PLAN.best(wildcards.group))
-        for name in diagnosed(wildcards)
-    ]
-
-
-def responses(geometry=None):
-    """What a diagnosis on a geometry predicts records with."""
-    return {
-        "curves": of_diagnosed(
-            "<results>/curves/{sample}/{geometry}/ogden2.csv", geometry, piece_of
-        ),
-        "perturbations": of_diagnosed(
-            "<results>/loop/perturbations/{sample}_{geometry}.csv", geometry, piece_of
-        ),
-        "fit": lambda wildcards: (
-            f"<results>/calibration/{wildcards.group}/"
-            f"{geometry or PLAN.best(wildcards.group)}/ogden2.json"
-        ),
-        "records": of_diagnosed("<results>/records/{sample}.csv"),
-        "cuboids": of_diagnosed("<results>/cuboid/{sample}.json", of=piece_of),
-    }
 
 
 rule diagnose:
@@ -158,8 +124,8 @@ rule verdicts:
 # On demand: the effects that a verdict ranks first, run in the solver at the sizes that were found.
 rule simulate_sizes:
     input:
-        distance=of_real("<results>/segmentation/{sample}_distance.nii.gz"),
-        segmentation=of_real("<results>/segmentation/{sample}.json"),
+        distance=for_real("_distance.nii.gz"),
+        segmentation=for_real(".json"),
         cuboid="<results>/cuboid/{sample}.json",
         bond_mask=real_image("bond_mask"),
         labels=real_image("labels"),

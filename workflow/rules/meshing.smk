@@ -1,21 +1,6 @@
 # Hexahedral mesh of the real or of the idealised geometry, with a quality report.
 
 
-def for_real(ending):
-    """Input function: a result of the segmentation for the real geometry, none for the ideal one."""
-
-    def find(wildcards):
-        found = segmented(ending)(wildcards) if wildcards.geometry != "ideal" else []
-        if wildcards.geometry != "ideal" and not found:
-            raise WorkflowError(
-                f"the dimensions of sample {wildcards.sample!r} are stated in {TABLE}: it has no "
-                "real geometry; ask for the ideal one, or give an image or a surface"
-            )
-        return found
-
-    return find
-
-
 rule mesh:
     input:
         distance=for_real("_distance.nii.gz"),

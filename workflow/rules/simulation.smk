@@ -1,21 +1,6 @@
 # Responses to unit modulus, one run at the optimum; the input of that run for other programs.
 
 
-def records_of_piece(wildcards):
-    """Input function: records of the samples that share a piece."""
-    return [f"<results>/records/{name}.csv" for name in records_of(wildcards.sample)]
-
-
-def mesh_of_runs(ending):
-    """Input function: a mesh of the piece, none if its response has a closed form."""
-    return lambda wildcards: (
-        []
-        if wildcards.geometry == "ideal"
-        and is_homogeneous(row_value("mode")(wildcards), modelled_ends(wildcards))
-        else f"<results>/mesh/{wildcards.sample}/{wildcards.geometry}{ending}.vtu"
-    )
-
-
 # What a run of one piece is made with.
 OF_RUNS = {
     "mode": row_value("mode"),

@@ -7,8 +7,6 @@ from softsample.constitutive.ogden import OgdenMaterial
 from softsample.loop.diagnose import Diagnosis, LoopSettings, error_report, report
 from softsample.loop.leave_out import Errors
 
-HELD_OUT = "held_out"
-
 
 def document(
     found: Diagnosis,
@@ -43,12 +41,12 @@ def document(
         `folds_after`.
     """
     verdict = report(found, settings)
-    for when, judged, errors in zip(
-        ("before", "after"), (found.before, found.after), left_out, strict=True
+    for key, judged, errors in zip(
+        ("held_out_before", "held_out_after"), (found.before, found.after), left_out, strict=True
     ):
-        declared = {HELD_OUT: judged.held_out} if judged.held_out else {}
-        shown = {**declared, **errors} or judged.folds
-        verdict[f"held_out_{when}"] = error_report(shown)
+        if errors:
+            own = verdict[key] if judged.held_out else {}
+            verdict[key] = {**own, **error_report(errors)}
     return {
         **verdict,
         "rule": rule,

@@ -36,7 +36,7 @@ class ExponentSettings:
     alpha1: tuple[float, float] = (-18.0, -2.0)
     alpha2: tuple[float, float] = (4.0, 26.0)
     nodes: int = 5
-    fractions: int = 5
+    fractions: int = 6
 
 
 def exponent_grid(settings: ExponentSettings, alpha: Sequence[float]) -> dict[str, Array]:

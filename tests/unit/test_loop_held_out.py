@@ -1,0 +1,272 @@
+"""What a study holds out: no fit knows of it, and its errors are of nothing else."""
+
+from dataclasses import replace
+
+import numpy as np
+import pandas as pd
+import pytest
+
+import laboratory
+from softsample.calibration.measured import MeasuredCurve, fitted_curves
+from softsample.errors import CalibrationError
+from softsample.loop.candidates import candidates
+from softsample.loop.diagnose import LoopSettings, diagnose
+from softsample.loop.effects import library
+from softsample.loop.effects.base import SOLID
+from softsample.loop.errors import held_out_errors
+from softsample.loop.held_out import specimens_of
+from softsample.loop.leave_out import left_out_errors
+from softsample.loop.model import Material, Model, State
+from softsample.loop.specimen import FORCE, NORMAL
+from softsample.loop.verdict import document
+from softsample.response.unit import homogeneous_response, response_table
+from softsample.shapes import IdealShape
+
+SETTINGS = LoopSettings()
+OFFSET = {"tension": 7.0, "compression": -5.0, "shear": 4.0}
+EFFECTS = [library()[name] for name in ("force_offset", "channel_lag", "machine_compliance")]
+HEIGHT = 1e-3 * laboratory.HEIGHT
+
+
+def spoiled(specimen):
+    """The same with other forces where it is held out."""
+    wild = 0.3 + 3.0 * specimen.force + np.random.default_rng(1).normal(size=len(specimen.force))
+    return replace(specimen, force=np.where(specimen.held_out, wild, specimen.force))
+
+
+def held(mask, modes=("tension", "shear"), seed=3):
+    """Tests with an offset, of which `mask(specimen)` is held out."""
+    lab = laboratory.Lab(seed=seed, offset=OFFSET, compliance=0.05)
+    return [replace(s, held_out=mask(s)) for s in lab.specimens(modes)]
+
+
+def back(specimen):
+    return np.isin(specimen.phase, ("hold", "unloading"))
+
+
+def late(specimen):
+    """From 10 s into the hold on, in whole blocks of 20 samples."""
+    n = np.argmax(specimen.phase == "hold") + 1000
+    return np.arange(len(specimen.force)) >= n // 20 * 20
+
+
+def far(specimen):
+    return specimen.travel > 0.6 * specimen.reach
+
+
+def cut(specimen):
+    """The record without its held-out end."""
+    n = int(np.argmax(specimen.held_out))
+    assert specimen.held_out[n:].all()
+    parts = {name: getattr(specimen, name)[:n] for name in ("time", "travel", "force", "phase")}
+    return replace(specimen, **parts, held_out=np.zeros(n, bool))
+
+
+@pytest.fixture(scope="module")
+def tests():
+    return held(back)
+
+
+@pytest.fixture(scope="module")
+def found(tests):
+    return diagnose(tests, SETTINGS, EFFECTS)
+
+
+def same(one, other):
+    """Whether two diagnoses are the same to the last bit."""
+    assert one.noises == other.noises
+    assert [s.threshold for s in one.selection.steps] == [
+        s.threshold for s in other.selection.steps
+    ]
+    for name in ("base", "final"):
+        a, b = (getattr(d.selection, name) for d in (one, other))
+        assert (a.state, a.cost) == (b.state, b.cost)
+        np.testing.assert_array_equal(a.white, b.white)
+    assert one.before.folds == other.before.folds
+    assert one.selected.fitted == other.selected.fitted
+    assert one.verdict == other.verdict
+
+
+@pytest.mark.parametrize("mask", [back, far])
+def test_nothing_of_a_diagnosis_depends_on_forces_that_are_held_out(mask):
+    tests = held(mask)
+    found = diagnose(tests, SETTINGS, EFFECTS)
+    other = diagnose([spoiled(s) for s in tests], SETTINGS, EFFECTS)
+    same(found, other)
+    before, after = found.before.held_out, other.before.held_out
+    assert all(after[name].rms > 10.0 * before[name].rms for name in ("tension", "shear"))
+
+
+def test_a_test_that_is_held_out_as_a_whole_is_no_part_of_a_diagnosis(found):
+    every = laboratory.MODES
+    tests = held(lambda s: back(s) | (s.mode == "compression"), every)
+    whole = diagnose([spoiled(s) for s in tests], SETTINGS, EFFECTS)
+    same(found, whole)
+    assert whole.problem.labels == ["tension", "shear"]
+    assert set(whole.before.held_out) == set(every)
+
+
+def test_what_is_held_out_at_the_end_is_as_good_as_cut_off():
+    """If the largest displacement is a fitted one, by which errors along the way are measured."""
+    tests = [
+        replace(s, travel=np.minimum(s.travel, s.travel[~s.held_out].max()))
+        for s in held(late, laboratory.MODES)
+    ]
+    found = diagnose(tests, SETTINGS, EFFECTS)
+    short = diagnose([cut(s) for s in tests], SETTINGS, EFFECTS)
+    assert short.before.held_out == {}
+    assert found.selection.classes == short.selection.classes
+    assert found.noises == short.noises
+    for name in ("base", "final"):
+        a, b = (getattr(d.selection, name).state for d in (found, short))
+        assert a.material.mu == pytest.approx(b.material.mu, rel=1e-6)
+        assert a.material.mu1_fraction == pytest.approx(b.material.mu1_fraction, rel=1e-6)
+    for mode, phases in short.before.fitted.items():
+        for phase, error in phases.items():
+            assert found.before.fitted[mode][phase].rms == pytest.approx(error.rms, rel=1e-6)
+        assert set(found.before.fitted[mode]) == {"all", "baseline", "ramp", "hold"}
+
+
+def test_errors_of_what_is_held_out_are_of_its_samples_alone(tests, found):
+    """By hand; peaks are its own, and noise is taken out of the structured error."""
+    fit, noise = found.selection.base, found.noises[0].white
+    errors = held_out_errors(fit, tests, noise)
+    for specimen in tests:
+        left = (specimen.force - fit.model.predict(specimen, fit.state))[specimen.held_out]
+        error = errors[specimen.mode]
+        assert error.rms == pytest.approx(np.sqrt(np.mean(left**2)))
+        assert error.structured == pytest.approx(np.sqrt(np.mean(left**2) - noise**2))
+        assert error.peak == np.abs(specimen.force[specimen.held_out]).max()
+    others = [replace(s, force=np.where(s.held_out, s.force, 9.0)) for s in tests]
+    assert held_out_errors(fit, others, noise) == errors
+    assert held_out_errors(fit, [cut(s) for s in tests], noise) == {}
+
+
+def test_a_compliant_machine_is_predicted_without_the_force_that_is_held_out():
+    """To second order in the compliance, from fitted forces at like displacements, or from none.
+
+    The machine's 0.25 mm/N take 9 % of the force.
+    """
+    effect = library()["machine_compliance"]
+    (plain,) = laboratory.Lab(seed=3, compliance=0.25).specimens(["compression"])
+
+    def predicted(specimen, compliance=0.25):
+        material = Material(laboratory.MU, laboratory.FRACTION)
+        state = State(material, {effect.name: {"mm_per_N": compliance}})
+        return Model((effect,)).predict(specimen, state)
+
+    known = predicted(plain)
+    assert np.abs(predicted(plain, 0.0) - known).max() > 0.08 * plain.peak
+    for mask in (back, far, lambda s: np.ones(len(s.force), bool)):
+        blind = predicted(spoiled(replace(plain, held_out=mask(plain))))
+        assert np.abs(blind - known).max() < 3e-3 * plain.peak
+
+
+def test_a_test_that_is_left_out_is_predicted_by_a_diagnosis_of_the_others():
+    tests = held(back, laboratory.MODES)
+    names = {s.mode: s.name for s in tests}
+    folds = {"shear": [names["shear"]], "axial": [names["tension"], names["compression"]]}
+    told = []
+    before, after = left_out_errors(tests, folds, SETTINGS, EFFECTS, lambda *x: told.append(x))
+    assert told == [("shear", 0.0), ("axial", 0.5)]
+    assert {name: set(of) for name, of in before.items()} == {
+        "shear": {"shear"}, "axial": {"tension", "compression"}
+    }  # fmt: skip
+    rest = diagnose([s for s in tests if s.mode != "shear"], SETTINGS, EFFECTS)
+    sheared = next(s for s in tests if s.mode == "shear")
+    judged = replace(sheared, held_out=~sheared.held_out)  # what the study holds out is no part
+    for errors, fit in ((before, rest.selection.base), (after, rest.final)):
+        expected = held_out_errors(fit, [judged], rest.noises[0].white)
+        assert errors["shear"] == expected
+    other = left_out_errors([spoiled(s) for s in tests], folds, SETTINGS, EFFECTS)
+    assert other == (before, after)
+
+
+def test_a_fold_of_everything_is_passed_over():
+    tests = held(back)
+    names = [s.name for s in tests]
+    assert left_out_errors(tests, {"all": names}, SETTINGS, EFFECTS) == ({}, {})
+
+
+def test_the_verdict_gives_what_is_declared_and_otherwise_the_folds(found):
+    rows = [{"ends": "bonded"}]
+    plain = diagnose(laboratory.Lab(seed=3).specimens(("tension", "shear")), SETTINGS, [])
+    own = document(found, ({}, {}), SETTINGS, SOLID, rows, "held out: phase hold")
+    assert set(own["held_out_before"]) == {"held_out"}
+    assert set(own["held_out_before"]["held_out"]) == {"tension", "shear"}
+    none = document(plain, ({}, {}), SETTINGS, SOLID, rows, "")
+    assert none["held_out_before"] == none["folds_before"] != {}
+    folds = {"S1": {"shear": found.before.held_out["shear"]}}
+    both = document(found, (folds, folds), SETTINGS, SOLID, rows, "")
+    assert list(both["held_out_before"]) == ["held_out", "S1"]
+    alone = document(plain, (folds, folds), SETTINGS, SOLID, rows, "")
+    assert list(alone["held_out_after"]) == ["S1"]
+
+
+def test_ranges_of_effects_know_nothing_of_a_test_that_is_held_out():
+    tests = held(lambda s: np.full(len(s.force), s.mode == "shear"))
+    usual = candidates(tests, HEIGHT, SOLID)
+    loud = [replace(s, force=1e3 * s.force) if s.mode == "shear" else s for s in tests]
+    assert [e.parameters for e in candidates(loud, HEIGHT, SOLID)] == [e.parameters for e in usual]
+
+
+ROW = {
+    "sample": "T1", "group": "G", "specimen": "G", "mode": "tension", "cycle": "largest",
+}  # fmt: skip
+LIMIT = 0.15
+
+
+def record(mode="tension"):
+    return laboratory.record_of(laboratory.Lab(seed=5).record(mode), mode)
+
+
+def test_a_calibration_sees_the_loading_without_what_is_held_out():
+    one = record()
+    rows = {"T1": ROW}
+    whole = fitted_curves(rows, [one], [HEIGHT], [])["T1"]
+    curve = fitted_curves(rows, [one], [HEIGHT], [{"strain_above": LIMIT}])["T1"]
+    assert whole.travel > LIMIT * HEIGHT >= curve.travel
+    inside = whole.displacement <= LIMIT * HEIGHT
+    np.testing.assert_array_equal(curve.force, whole.force[inside])
+    beyond = np.abs(one.displacement) > LIMIT * HEIGHT
+    wild = replace(one, force=np.where(beyond, 1e3, one.force))
+    again = fitted_curves(rows, [wild], [HEIGHT], [{"strain_above": LIMIT}])["T1"]
+    np.testing.assert_array_equal(again.force, curve.force)
+    ramp = one.calibrated & ~beyond
+    np.testing.assert_array_equal(
+        MeasuredCurve.of_record(one, "tension", beyond).force, one.force[ramp]
+    )
+
+
+def test_a_group_that_is_all_held_out_is_not_calibrated():
+    rows = {"T1": ROW}
+    with pytest.raises(CalibrationError, match="all of T1 is held out.*narrow hold_out"):
+        fitted_curves(rows, [record()], [HEIGHT], [{"sample": "T1"}])
+    two = {"T1": ROW, "T2": {**ROW, "sample": "T2"}}
+    kept = fitted_curves(two, [record()] * 2, [HEIGHT] * 2, [{"sample": "T1"}])
+    assert list(kept) == ["T2"]
+
+
+def test_tests_of_a_sample_have_the_samples_that_the_study_holds_out():
+    one = record("shear")
+    normal = replace(one, force_normal=-0.1 * np.abs(one.force))
+    row, selections = {**ROW, "mode": "shear"}, [{"strain_above": LIMIT, "channel": "force"}]
+    tables = response_tables()
+    (plain,) = specimens_of(row, one, tables, HEIGHT, selections)
+    force, other = specimens_of(row, normal, tables, HEIGHT, selections)
+    assert [s.channel for s in (plain, force, other)] == [FORCE, FORCE, NORMAL]
+    np.testing.assert_array_equal(force.held_out, np.abs(one.displacement) > LIMIT * HEIGHT)
+    np.testing.assert_array_equal(plain.held_out, force.held_out)
+    assert not other.held_out.any()
+    assert force.peak == np.abs(force.force[~force.held_out]).max()
+    np.testing.assert_array_equal(other.force, normal.force_normal)
+    for k, out in enumerate(force.reduced(7).held_out):
+        assert out == force.held_out[k * 7 : (k + 1) * 7].any()
+
+
+def response_tables():
+    """Response of a cuboid in shear in closed form, without changes."""
+    shape = IdealShape("cuboid", 20e-3, 23e-3, HEIGHT)
+    law = (np.array([0.0, 0.5, 1.0]), SOLID.alpha, SOLID.poisson_ratio)
+    curves, _ = homogeneous_response(shape, "shear", 0.5 * HEIGHT, *law, 30)
+    return pd.DataFrame(response_table(curves, "shear")), [], SOLID.poisson_ratio, None

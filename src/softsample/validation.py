@@ -67,6 +67,12 @@ def ends_of(row: Mapping[str, str]) -> str | float:
     return float(cell) if _is_number(cell) else cell
 
 
+def modelled_ends(row: Mapping[str, str]) -> str | float:
+    """The same in the model, which bonds ends that are unknown."""
+    ends = ends_of(row)
+    return "bonded" if ends == "unknown" else ends
+
+
 def stated_shape(row: Mapping[str, str]) -> dict[str, str]:
     """Cells that state shape and dimensions of a row; none if its geometry is measured."""
     if "image" in row or "surface" in row:

@@ -33,6 +33,7 @@ from softsample.validation import (
     check_config,
     check_samples,
     ends_of,
+    modelled_ends,
     resolved,
 )
 from softsample.workflow import failed_jobs, sha256_of_files
@@ -244,10 +245,9 @@ def row_ends(wildcards):
     return ends_of(SAMPLES[known(wildcards.sample)])
 
 
-def modelled_ends(wildcards):
+def row_modelled_ends(wildcards):
     """Params function: the same in the model, which bonds ends that are unknown."""
-    ends = row_ends(wildcards)
-    return "bonded" if ends == "unknown" else ends
+    return modelled_ends(SAMPLES[known(wildcards.sample)])
 
 
 def test_axes(wildcards):
@@ -429,7 +429,7 @@ def mesh_of_runs(ending):
     return lambda wildcards: (
         []
         if wildcards.geometry == "ideal"
-        and is_homogeneous(row_value("mode")(wildcards), modelled_ends(wildcards))
+        and is_homogeneous(row_value("mode")(wildcards), row_modelled_ends(wildcards))
         else f"<results>/mesh/{wildcards.sample}/{wildcards.geometry}{ending}.vtu"
     )
 

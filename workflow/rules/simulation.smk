@@ -4,7 +4,7 @@
 # What a run of one piece is made with.
 OF_RUNS = {
     "mode": row_value("mode"),
-    "ends": modelled_ends,
+    "ends": row_modelled_ends,
     "material": config["material"],
     "solver": config["solver"],
     "contact": config["contact"],
@@ -178,7 +178,7 @@ rule export:
         "<logs>/export/{sample}_{geometry}.log",
     params:
         mode=row_value("mode"),
-        ends=modelled_ends,
+        ends=row_modelled_ends,
         contact=config["contact"],
     message:
         "Export for Abaqus, CalculiX and FEBio: {wildcards.sample}, {wildcards.geometry} geometry"

@@ -1,7 +1,6 @@
 """Ogden moduli of one group on one geometry (rule `calibrate`)."""
 
 import pandas as pd
-from softsample.shapes import IdealShape
 
 from softsample.calibration.direct import SimulatedCurves
 from softsample.calibration.measured import fitted_curves
@@ -18,6 +17,8 @@ from softsample.io import (
 )
 from softsample.protocol import travel_sign
 from softsample.response.curves import ResponseCurves
+from softsample.shapes import IdealShape
+from softsample.validation import modelled_ends
 from softsample.workflow import logged_to, provenance
 
 with logged_to(snakemake):
@@ -36,7 +37,7 @@ with logged_to(snakemake):
     if settings.method == "direct":
         sections = {name: given[name] for name in ("solver", "contact", "material")}
         for name, mesh, report in zip(rows, files.meshes, files.reports, strict=True):
-            mode, ends = rows[name]["mode"], rows[name]["ends"]
+            mode, ends = rows[name]["mode"], modelled_ends(rows[name])
             simulated[name] = SimulatedCurves(
                 *set_up(*read_mesh_with_data(mesh), mode, ends=ends, **sections),
                 measured[name].travel,

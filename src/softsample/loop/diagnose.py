@@ -223,6 +223,7 @@ def judgement(diagnosis: Diagnosis, settings: LoopSettings) -> dict[str, Any]:
     fractions = diagnosis.problem.fractions
     return {
         "verdict": diagnosis.verdict,
+        "objection": diagnosis.objection or None,
         "effects": [
             _effect_report(effect, selection, settings.selection.form_doubt)
             for effect in final.model.effects

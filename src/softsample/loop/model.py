@@ -62,8 +62,7 @@ class Model:
     def predict(self, specimen: Specimen, state: "State") -> Array:
         """Force in the specimen's channel at every sample of the record (n,) [N].
 
-        The one function that predicts a record. What effects do to the reading of the force
-        concerns the channel along the displacement.
+        The one function that predicts a record.
         """
         material, values = state.material, state.values
         travel = self.travel(specimen, state)
@@ -77,6 +76,12 @@ class Model:
             force = effect.tissue(specimen, force, travel, values[effect.name])
         if specimen.elastic.contact:  # the platen leaves a sample that would have to pull on it
             force = np.maximum(force, 0.0)
+        return self.reading(specimen, force, travel, values)
+
+    def reading(
+        self, specimen: Specimen, force: Array, travel: Array, values: Mapping[str, Values]
+    ) -> Array:
+        """What the instrument makes of a force (n,) [N]; only of that along the displacement."""
         for effect in self.effects if specimen.channel == FORCE else ():
             force = effect.instrument(specimen, force, travel, values[effect.name])
         return force

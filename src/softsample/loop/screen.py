@@ -10,6 +10,7 @@ from scipy.stats import chi2
 
 from softsample.loop.effects.base import Effect, Parameter, Values
 from softsample.loop.fit import Fit, Problem
+from softsample.loop.model import Model
 
 Array = NDArray[np.float64]
 
@@ -75,9 +76,10 @@ def signatures(problem: Problem, base: Fit, effects: Sequence[Effect]) -> list[S
     def predicted(effect: Effect, values: Values) -> list[Array]:
         """With an effect that comes last, so that one of the instrument needs no new forces."""
         if effect.only_instrument:
+            alone = Model((effect,))
             return [
-                effect.instrument(specimen, force, travel, values)
-                for specimen, force, travel in zip(problem.specimens, here, travels, strict=True)
+                alone.reading(*of_test, {effect.name: values})
+                for of_test in zip(problem.specimens, here, travels, strict=True)
             ]
         state = replace(base.state, values={**base.state.values, effect.name: values})
         return problem.predicted(base.model.with_effect(effect), state)

@@ -1,0 +1,102 @@
+"""Which effects a group's records may show, and over which ranges."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+import laboratory
+from softsample.constitutive.ogden import unit_modulus
+from softsample.loop.candidates import candidates
+from softsample.loop.effects import library
+from softsample.loop.effects.base import SOLID
+from softsample.records import Record
+
+HEIGHT = 13e-3
+TIMED = {
+    "channel_lag", "dehydration", "force_drift", "poroelastic_drainage", "rate_stiffening",
+    "viscoelastic_relaxation",
+}  # fmt: skip
+ALWAYS_ABSENT = {"ends"}
+"""Unless the study leaves open what the ends do."""
+
+
+@pytest.fixture(scope="module")
+def tests():
+    return laboratory.Lab(seed=1).specimens()
+
+
+def named(tests, height=HEIGHT):
+    return {effect.name: effect for effect in candidates(tests, height, SOLID)}
+
+
+def scaled(tests, factor):
+    return [replace(s, force=factor * s.force) for s in tests]
+
+
+def ranges(effect):
+    return {p.name: (p.low, p.high, p.nominal, p.neutral, p.grid) for p in effect.parameters}
+
+
+def test_records_like_those_of_the_study_have_the_library_as_it_is(tests):
+    found = named(tests)
+    assert set(found) == set(library()) - ALWAYS_ABSENT
+    for name, effect in found.items():
+        assert ranges(effect) == ranges(library()[name])
+
+
+def test_without_recorded_time_there_are_no_effects_of_time(tests):
+    one = [tests[0], tests[1], replace(tests[2], timed=False)]
+    assert set(named(one)) == set(library()) - ALWAYS_ABSENT - TIMED - {"mains_pickup"}
+    record = Record.of_table(laboratory.Lab(seed=1).record("shear"))
+    assert record.timed
+    assert not replace(record, time=None).timed
+
+
+@pytest.mark.parametrize(("rate", "there"), [(100.0, True), (96.0, True), (50.0, False)])
+def test_the_mains_show_where_their_ripple_is_folded_to_a_slow_beat(tests, rate, there):
+    resampled = [replace(s, time=s.time * laboratory.RATE / rate) for s in tests]
+    assert ("mains_pickup" in named(resampled)) == there
+
+
+def test_open_ends_are_a_candidate(tests):
+    change = {"ends_sliding": -0.1 * tests[0].elastic.curves.curve(0.5)}
+    elastic = replace(tests[0].elastic, perturbations={**tests[0].elastic.perturbations, **change})
+    assert "ends" in named([replace(tests[0], elastic=elastic), *tests[1:]])
+
+
+@pytest.mark.parametrize(
+    ("height", "force", "length_by", "force_by"),
+    [
+        (7e-3, 1.0, 1.0, 1.0),  # within a factor of two of 13 mm
+        (26e-3, 5.0, 1.0, 1.0),  # and of five of 1 N
+        (52e-3, 1.0, 2.0, 1.0),
+        (3.25e-3, 1.0, 0.5, 1.0),
+        (HEIGHT, 20.0, 1.0, 4.0),
+        (52e-3, 0.05, 2.0, 0.25),
+    ],
+)
+def test_ranges_go_with_size_and_force_only_far_from_those_of_the_study(
+    tests, height, force, length_by, force_by
+):
+    peak = np.median([s.peak for s in tests])
+    found = named(scaled(tests, force / peak), height)
+    by = {"mm": length_by, "mN": force_by, "mN/s": force_by, "mm/N": length_by / force_by}
+    units = set()
+    for name, effect in found.items():
+        for ours, known in zip(effect.parameters, library()[name].parameters, strict=True):
+            factor = by.get(known.unit, 1.0)
+            assert ours.low == pytest.approx(factor * known.low)
+            assert ours.high == pytest.approx(factor * known.high)
+            assert ours.nominal == pytest.approx(factor * known.nominal)
+            assert ours.grid == pytest.approx([factor * value for value in known.grid])
+            assert (ours.unit, ours.is_size) == (known.unit, known.is_size)
+            units.add(known.unit)
+    assert set(by) <= units
+
+
+def test_effects_on_constants_depart_from_those_of_the_group(tests):
+    solid = unit_modulus(0.5, (1.3, 5.0), 0.45, 1.0)
+    found = {effect.name: effect for effect in candidates(tests, HEIGHT, solid)}
+    assert [p.neutral for p in found["ogden_exponents"].parameters] == [1.3, 5.0]
+    assert [p.neutral for p in found["poisson_ratio"].parameters] == [0.45]

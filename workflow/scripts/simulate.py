@@ -1,7 +1,5 @@
 """Unit-modulus response of one piece and geometry (rule `simulate`)."""
 
-from softsample.shapes import IdealShape
-
 from softsample.fem.setup import set_up
 from softsample.io import read_json, read_mesh_with_data, read_record, write_json, write_table
 from softsample.records import reach
@@ -13,6 +11,7 @@ from softsample.response.unit import (
     response_table,
     simulated_response,
 )
+from softsample.shapes import IdealShape
 from softsample.workflow import logged_to, progress_bar, provenance
 
 with logged_to(snakemake):

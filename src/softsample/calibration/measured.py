@@ -6,9 +6,9 @@ from typing import Any, Self
 
 import numpy as np
 from numpy.typing import NDArray
-from softsample.holdout import held_out
 
 from softsample.errors import CalibrationError
+from softsample.holdout import held_out
 from softsample.protocol import travel_sign
 from softsample.records import Record
 

@@ -139,7 +139,7 @@ def test_a_run_tells_of_each_job_in_one_line_with_a_bar(project):
     assert status == 0, text
     lines = re.findall(r"^\[([# ]{20})\] +(\d+) %(?:, .*? left)?: (.*)$", text, re.M)
     assert {words for *_, words in lines} == {
-        "Check image and record: A", "Check image and record: B",
+        "Check what comes in: A", "Check what comes in: B",
     }  # fmt: skip
     assert len(lines) == 2
     assert "Finished jobid" not in text

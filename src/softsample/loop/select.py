@@ -72,7 +72,7 @@ class SelectionSettings:
     unserved_ratio: float = 2.0
     unknown_ratio: float = 1.25
     unknown_share: float = 0.3
-    fold_ratio: float = 1.0
+    fold_ratio: float = 1.1
 
 
 @dataclass(frozen=True)

@@ -1,7 +1,6 @@
 """A study folder of one's own: made, filled, and checked as a whole."""
 
 import shutil
-import time
 from pathlib import Path
 
 import nibabel
@@ -299,8 +298,8 @@ def test_settings_of_any_content_are_a_fault_or_nothing(study, content):
     assert all("study.yaml" in fault for fault in faults)
 
 
-def test_thirty_samples_are_checked_in_seconds(tmp_path):
-    """The cohort twice, as any lab's folder; the bar is ten seconds."""
+def test_thirty_samples_are_checked_at_once(tmp_path):
+    """The cohort twice, as any lab's folder; times depend on the machine and are no test."""
     rows = ["sample\tgroup\tmode\timage\trecord"]
     for kind in ("images", "records"):
         shutil.copytree(ROOT / "resources/cohort" / kind, tmp_path / kind)
@@ -308,7 +307,5 @@ def test_thirty_samples_are_checked_in_seconds(tmp_path):
     for repeat in "ab":
         rows += [repeat + row.replace("\t", f"\t{repeat}", 1) for row in cohort]
     (tmp_path / "samples.tsv").write_text("\n".join(rows) + "\n")
-    begin = time.process_time()
     result = check_study(tmp_path)
-    assert time.process_time() - begin < 10.0
     assert (result.samples, result.faults) == (30, [])

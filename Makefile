@@ -56,8 +56,10 @@ $(stamp):
 	@$(PYTHON) -c 'import sys; sys.exit(sys.version_info < (3, 11))' || { \
 	  echo "softsample needs Python 3.11 or newer; give one with: make PYTHON=python3.12 ..." >&2; exit 1; }
 	echo "Building $(VENV) from requirements.lock (a minute or two, once) ..."
+	# of an activated environment that is to be replaced, the interpreter behind it
+	python=$$($(PYTHON) -c 'import sys; print(getattr(sys, "_base_executable", sys.executable))')
 	rm -rf $(VENV)
-	$(PYTHON) -m venv $(VENV)
+	"$$python" -m venv $(VENV)
 	$(bin)/python -m pip install --quiet --disable-pip-version-check --require-hashes -r requirements.lock
 	$(bin)/python -m pip install --quiet --disable-pip-version-check --no-deps --no-build-isolation -e .
 	touch $@

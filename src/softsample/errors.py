@@ -21,5 +21,9 @@ class SimulationError(SoftsampleError):
     """A finite element run became invalid (inverted element, unstable step, energy error)."""
 
 
+class CrushedError(SimulationError):
+    """Elements invert, or are so flat that the stable step vanishes."""
+
+
 class CalibrationError(SoftsampleError):
     """The parameters cannot be identified from the given curves."""

@@ -5,6 +5,7 @@ from softsample.io import read_json, read_mesh_with_data, read_record, write_jso
 from softsample.records import reach
 from softsample.response.unit import (
     ResponseSettings,
+    as_far_as_elements_stand,
     homogeneous_response,
     is_homogeneous,
     modulus_fractions,
@@ -28,7 +29,9 @@ with logged_to(snakemake):
             set_up(*read_mesh_with_data(path), given.mode, **sections)
             for path in (files.mesh, files.pilot)
         )
-        found = simulated_response(*model, travel, *law, progress_bar(), pilot)
+        found = as_far_as_elements_stand(
+            lambda part: simulated_response(*model, part, *law, progress_bar(), pilot), travel
+        )
     curves, report = found
     write_table(snakemake.output.curves, response_table(curves, given.mode))
     write_json(snakemake.output.report, {**report, "provenance": provenance(snakemake)})

@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from softsample.constitutive.ogden import OgdenMaterial
-from softsample.errors import InputError, SimulationError
+from softsample.errors import CrushedError, InputError, SimulationError
 from softsample.fem import kernels
 from softsample.fem.blocks import aligned, groups_first, is_grouped, pack
 from softsample.fem.boundary import Boundary
@@ -518,7 +518,7 @@ class _March:
         allowed = self.model.settings.safety_factor * self._critical_step()
         self.first_step = self.first_step or allowed
         if allowed < LEAST_STEP * self.first_step:
-            raise SimulationError(
+            raise CrushedError(
                 f"the stable time step has shrunk to {allowed:.2g} s at {100 * fraction:.0f} % of "
                 "the loading time, as elements are crushed; raise solver: loading_time_s, or end "
                 "the record at a smaller strain"
@@ -560,7 +560,7 @@ class _March:
             mesh = self.model.mesh
             centre = 1e3 * mesh.points[mesh.hexes[worst]].mean(axis=0)
             travel = 1e3 * float(self.schedule.travel(self.clock))
-            raise SimulationError(
+            raise CrushedError(
                 f"element {worst} near {np.round(centre, 2).tolist()} mm has J = "
                 f"{1.0 + float(dilatation[worst]):.3g} at {100 * fraction:.0f} % of the loading "
                 f"time ({travel:.2f} mm of travel); lower solver: safety_factor, raise "

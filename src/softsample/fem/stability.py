@@ -6,7 +6,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.linalg import eigh_tridiagonal
 
-from softsample.errors import SimulationError
+from softsample.errors import CrushedError, SimulationError
 
 LANCZOS_STEPS = 12
 """Enough for the critical step within 2 %, which the safety factor covers."""
@@ -59,7 +59,7 @@ def largest_eigenvalue(
         largest = float(values[-1])
         bound = largest + float(abs(off[-1] * vectors[-1, -1]))
     if largest <= 0.0:
-        raise SimulationError(
+        raise CrushedError(
             "the stiffness of the mesh is not positive; check the mesh quality report "
             "and lower solver: safety_factor"
         )

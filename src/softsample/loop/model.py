@@ -11,6 +11,12 @@ from softsample.loop.specimen import FORCE, Specimen
 
 Array = NDArray[np.float64]
 
+ITERATIONS, CLOSE = 20, 1e-9
+"""Of the travel under a machine that yields: how many, and the part of the reach that is exact."""
+
+STEP = 1e-3
+"""Part of the reach over which the slope of the elastic force is taken."""
+
 
 @dataclass(frozen=True)
 class Material:
@@ -52,6 +58,35 @@ class Model:
 
     def travel(self, specimen: Specimen, state: "State") -> Array:
         """Travel that reaches the sample (n,) [m]."""
+        return self._loading(specimen, state)[0]
+
+    def predict(self, specimen: Specimen, state: "State") -> Array:
+        """Force in the specimen's channel at every sample of the record (n,) [N].
+
+        The one function that predicts a record.
+        """
+        travel, force = self._loading(specimen, state)
+        return self.reading(specimen, force, travel, state.values)
+
+    def _loading(self, specimen: Specimen, state: "State") -> tuple[Array, Array]:
+        """Travel that reaches the sample (n,) [m], and the force on it (n,) [N].
+
+        Sample and machine are springs in series: what the machine reports is the travel plus the
+        compliance times the force. Newton's iteration with the elastic slope.
+        """
+        reported = self._reported(specimen, state)
+        travel, force = reported, self._force(specimen, state, reported)
+        compliance = sum(e.compliance(specimen, state.values[e.name]) for e in self.effects)
+        for _ in range(ITERATIONS if compliance else 0):
+            excess = travel + compliance * force - reported
+            if np.abs(excess).max() < CLOSE * specimen.reach:
+                break
+            travel = travel - excess / (1.0 + compliance * _slope(specimen, state, travel))
+            force = self._force(specimen, state, travel)
+        return travel, force
+
+    def _reported(self, specimen: Specimen, state: "State") -> Array:
+        """Travel of the rigid machine (n,) [m]."""
         travel = specimen.travel
         if specimen.elastic.contact:
             travel = travel - 1e-3 * state.contact_zero
@@ -59,13 +94,9 @@ class Model:
             travel = effect.travel(specimen, travel, state.values[effect.name])
         return travel
 
-    def predict(self, specimen: Specimen, state: "State") -> Array:
-        """Force in the specimen's channel at every sample of the record (n,) [N].
-
-        The one function that predicts a record.
-        """
+    def _force(self, specimen: Specimen, state: "State", travel: Array) -> Array:
+        """Force on the sample (n,) [N] for a travel that reaches it."""
         material, values = state.material, state.values
-        travel = self.travel(specimen, state)
         per_mu = specimen.elastic.force_per_mu(material.mu1_fraction, travel)
         for effect in self.effects:
             per_mu = per_mu + effect.elastic(
@@ -76,7 +107,7 @@ class Model:
             force = effect.tissue(specimen, force, travel, values[effect.name])
         if specimen.elastic.contact:  # the platen leaves a sample that would have to pull on it
             force = np.maximum(force, 0.0)
-        return self.reading(specimen, force, travel, values)
+        return force
 
     def reading(
         self, specimen: Specimen, force: Array, travel: Array, values: Mapping[str, Values]
@@ -157,6 +188,13 @@ class Packing:
 
 def _unit(parameter: Parameter) -> float:
     return parameter.high - parameter.low
+
+
+def _slope(specimen: Specimen, state: State, travel: Array) -> Array:
+    """Slope of the elastic force (n,) [N/m], not negative."""
+    step, fraction = STEP * specimen.reach, state.material.mu1_fraction
+    ahead, here = (specimen.elastic.force_per_mu(fraction, x) for x in (travel + step, travel))
+    return np.asarray(np.maximum(state.material.mu * (ahead - here) / step, 0.0))
 
 
 def residuals(model: Model, specimens: Sequence[Specimen], state: State) -> list[Array]:

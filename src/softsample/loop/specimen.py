@@ -1,13 +1,11 @@
 """One record as the diagnosis sees it: along the direction of loading, beside its response."""
 
 from dataclasses import dataclass, field, replace
-from functools import cached_property
 from itertools import pairwise
 from typing import Self
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.signal import savgol_filter
 
 from softsample.protocol import denoised, travel_sign
 from softsample.records import Record
@@ -15,9 +13,6 @@ from softsample.response.elastic import Elastic
 
 Array = NDArray[np.float64]
 Mask = NDArray[np.bool_]
-
-SMOOTHED_S = 2.0
-"""Length of the cubics that smooth a force [s]."""
 
 KINDS = {"pure_shear": "tension", "confined_compression": "compression"}
 """Modes that are a pull or a push as far as machine and platens are concerned."""
@@ -126,27 +121,6 @@ class Specimen:
         ends = np.flatnonzero(other | (self.held_out[1:] != self.held_out[:-1])) + 1
         corners = [0, *ends.tolist(), len(self.phase)]
         return [slice(a, b) for a, b in pairwise(corners)]
-
-    @cached_property
-    def smooth_force(self) -> Array:
-        """Force (n,) [N] with most of its noise taken out, phase by phase so that corners stay.
-
-        Where it is held out, it is that of fitted samples at like displacements.
-        """
-        step = float(self.time[-1] - self.time[0]) / (len(self.time) - 1)
-        window = max(5, round(SMOOTHED_S / step))
-        parts = [self.force[part] for part in self.stretches]
-        smooth = np.concatenate(
-            [savgol_filter(part, window, 3) if len(part) > window else part for part in parts]
-        )
-        if self.held_out.any():
-            smooth[self.held_out] = 0.0
-            known = np.flatnonzero(~self.held_out)
-            if len(known):
-                known = known[np.argsort(self.travel[known], kind="stable")]
-                there = self.travel[self.held_out]
-                smooth[self.held_out] = np.interp(there, self.travel[known], smooth[known])
-        return smooth
 
     @property
     def kind(self) -> str:

@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 
 from softsample.constitutive.homogeneous import homogeneous_force, homogeneous_normal
 from softsample.constitutive.ogden import OgdenMaterial, unit_modulus
-from softsample.errors import SimulationError
+from softsample.errors import CrushedError, SimulationError
 from softsample.fem.boundary import Boundary
 from softsample.fem.explicit import ExplicitModel, Run
 from softsample.protocol import travel_sign
@@ -24,6 +24,7 @@ from softsample.shapes import IdealShape
 Array = NDArray[np.float64]
 Test = tuple[ExplicitModel, Boundary]
 Progress = Callable[[str, float], None]
+Response = tuple[dict[str, Array], dict[str, Any]]
 
 HEIGHT = 13e-3
 """Height [m] of the samples that the shortest loading time of the settings is meant for."""
@@ -183,7 +184,7 @@ def unit_runs(
                 progress=progress and _part_of(progress, label, done, len(solids)),
             )
         except SimulationError as error:
-            raise SimulationError(f"{label}: {error}") from error
+            raise type(error)(f"{label}: {error}") from error
         yield run, time.process_time() - before
 
 
@@ -200,7 +201,7 @@ def simulated_response(
     poisson_ratio: float,
     progress: Progress | None = None,
     pilot: Test | None = None,
-) -> tuple[dict[str, Array], dict[str, Any]]:
+) -> Response:
     """Force per modulus against displacement for each modulus fraction, and how exact it is.
 
     The loading time is found with the middle fraction, at best on a coarser mesh: inertia is that
@@ -227,38 +228,15 @@ def simulated_response(
         `mu1_fraction`, `displacement` [m] along the travel (>= 0), `force`, `platen_force`,
         `base_force`, `normal_force` (along +z) per unit modulus [m2].
     report : dict
-        Figures of every run, `error_bound_percent` of the peak force, and `reached`, the part of
-        the displacement that elements stand.
+        Figures of every run, and `error_bound_percent` of the peak force.
 
     Raises
     ------
+    CrushedError
+        If elements do not stand the displacement.
     SimulationError
-        If half of the displacement crushes elements.
+        If the loading is too fast at 32 times the first loading time.
     """
-    for reached in REACHED[:-1]:
-        try:
-            return _response_to(
-                reached, model, boundary, travel, fractions, alpha, poisson_ratio, progress, pilot
-            )
-        except SimulationError as error:
-            logging.getLogger(__name__).warning("ends before %.0f %%: %s", 100.0 * reached, error)
-    return _response_to(
-        REACHED[-1], model, boundary, travel, fractions, alpha, poisson_ratio, progress, pilot
-    )
-
-
-def _response_to(
-    reached: float,
-    model: ExplicitModel,
-    boundary: Boundary,
-    travel: float,
-    fractions: Sequence[float],
-    alpha: Sequence[float],
-    poisson_ratio: float,
-    progress: Progress | None,
-    pilot: Test | None,
-) -> tuple[dict[str, Array], dict[str, Any]]:
-    """`simulated_response` to a part of the displacement."""
     modulus, part = model.settings.reference_modulus_pa, PILOT_SHARE if pilot else 1.0
     solids = [unit_modulus(r, alpha, poisson_ratio, modulus) for r in fractions]
     middle = solids[sorted(range(len(solids)), key=lambda k: fractions[k])[len(solids) // 2]]
@@ -269,7 +247,7 @@ def _response_to(
             lambda duration: searched.run(
                 middle,
                 held,
-                reached * travel,
+                travel,
                 loading_time=duration,
                 progress=progress and (lambda done: progress("loading time", share * done)),
             ),
@@ -277,23 +255,42 @@ def _response_to(
             part * model.settings.curve_error_percent,
         )
     except SimulationError as error:
-        raise SimulationError(f"loading time: {error}") from error
+        raise type(error)(f"loading time: {error}") from error
     search_s = time.process_time() - started
     told = progress and (lambda label, done: progress(label, share + (1.0 - share) * done))
-    runs = list(unit_runs(model, boundary, reached * travel, solids, pace.loading_time, told))
+    runs = list(unit_runs(model, boundary, travel, solids, pace.loading_time, told))
     return _curves(fractions, [run for run, _ in runs], modulus), {
         "method": "finite elements",
         "error_bound_percent": pace.error_percent / part,
         "loading_time_s": pace.loading_time,
         "elements": len(model.mesh.hexes),
         "travel_mm": 1e3 * travel,
-        "reached": reached,
         "cpu_s": round(search_s + sum(seconds for _, seconds in runs), 2),
         "runs": [
             {"mu1_fraction": float(r), **run_report(run), "cpu_s": round(seconds, 2)}
             for r, (run, seconds) in zip(fractions, runs, strict=True)
         ],
     }
+
+
+def as_far_as_elements_stand(simulate: Callable[[float], Response], travel: float) -> Response:
+    """A response to the largest of the `REACHED` parts of a displacement [m] that comes through.
+
+    Its report has that part as `reached`.
+
+    Raises
+    ------
+    CrushedError
+        If half of the displacement crushes elements.
+    """
+    for part in REACHED:
+        try:
+            curves, report = simulate(part * travel)
+            return curves, {**report, "reached": part}
+        except CrushedError as error:
+            logging.getLogger(__name__).warning("ends before %.0f %%: %s", 100.0 * part, error)
+            last = error
+    raise last
 
 
 def homogeneous_response(
@@ -304,7 +301,7 @@ def homogeneous_response(
     alpha: Sequence[float],
     poisson_ratio: float,
     points: int,
-) -> tuple[dict[str, Array], dict[str, Any]]:
+) -> Response:
     """The same in closed form where sliding ends leave the deformation of an ideal shape uniform.
 
     Parameters

@@ -59,6 +59,10 @@ def _travel(specimen: Specimen, travel: Array, values: Values) -> Array:
     return travel
 
 
+def _rigid(specimen: Specimen, values: Values) -> float:
+    return 0.0
+
+
 def _none(specimen: Specimen, fraction: float, travel: Array, values: Values) -> Array:
     return np.zeros_like(travel)
 
@@ -100,8 +104,9 @@ class Effect:
         Whether it acts by the clock, so that records without time cannot show it.
     idealised : bool
         Whether the model is known to leave it out: it comes before physics if records ask for it.
-    travel, elastic, tissue, instrument : callable
-        See the functions above for their arguments; defaults do nothing.
+    travel, compliance, elastic, tissue, instrument : callable
+        See the functions above for their arguments; defaults do nothing. `compliance` is that of
+        what holds the sample [m/N].
     """
 
     name: str
@@ -117,6 +122,7 @@ class Effect:
     of_time: bool = False
     idealised: bool = False
     travel: Callable[[Specimen, Array, Values], Array] = field(default=_travel)
+    compliance: Callable[[Specimen, Values], float] = field(default=_rigid)
     elastic: Callable[[Specimen, float, Array, Values], Array] = field(default=_none)
     tissue: Callable[[Specimen, Array, Array, Values], Array] = field(default=_force)
     instrument: Callable[[Specimen, Array, Array, Values], Array] = field(default=_force)
@@ -124,7 +130,7 @@ class Effect:
     @property
     def shifts_travel(self) -> bool:
         """Whether it acts on the travel."""
-        return self.travel is not _travel
+        return self.travel is not _travel or self.compliance is not _rigid
 
     @property
     def only_instrument(self) -> bool:

@@ -424,14 +424,25 @@ def records_of_piece(wildcards):
     return [f"<results>/records/{name}.csv" for name in records_of(wildcards.sample)]
 
 
+def has_closed_form(wildcards):
+    """Whether the piece deforms uniformly, so that its response needs no run."""
+    return wildcards.geometry == "ideal" and is_homogeneous(
+        row_value("mode")(wildcards), row_modelled_ends(wildcards)
+    )
+
+
 def mesh_of_runs(ending):
     """Input function: a mesh of the piece, none if its response has a closed form."""
     return lambda wildcards: (
         []
-        if wildcards.geometry == "ideal"
-        and is_homogeneous(row_value("mode")(wildcards), row_modelled_ends(wildcards))
+        if has_closed_form(wildcards)
         else f"<results>/mesh/{wildcards.sample}/{wildcards.geometry}{ending}.vtu"
     )
+
+
+def coarsening(times):
+    """Parameter: size of elements over that of the settings; any mesh holds a uniform field."""
+    return lambda wildcards: 2 * times if has_closed_form(wildcards) else times
 
 
 def diagnosed(wildcards):

@@ -21,7 +21,7 @@ rule mesh:
         **OF_MESHES,
     params:
         mesh=config["mesh"],
-        coarsening=1,
+        coarsening=coarsening(1),
         preload_mm=config["protocol"]["preload_mm"],
     message:
         "Mesh: {wildcards.sample}, {wildcards.geometry} geometry"
@@ -40,7 +40,7 @@ use rule mesh as mesh_coarse with:
         "<benchmarks>/mesh/{sample}_{geometry}_coarse.tsv"
     params:
         mesh=config["mesh"],
-        coarsening=2,
+        coarsening=coarsening(2),
         preload_mm=config["protocol"]["preload_mm"],
     message:
         "Mesh, elements of twice the size: {wildcards.sample}, {wildcards.geometry} geometry"

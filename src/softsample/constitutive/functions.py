@@ -25,9 +25,9 @@ def log(x):
     return np.log(x)
 
 
-def lesser(x, limit):
-    """The lesser of x and a real limit."""
-    return np.where(np.real(x) < limit, x, limit)
+def lesser(x, y):
+    """The lesser of x and a real y."""
+    return np.where(np.real(x) < y, x, y)
 
 
 def positive(x):

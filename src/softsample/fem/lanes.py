@@ -502,7 +502,7 @@ _overload(reciprocal_sqrt, _reciprocal_sqrt_code)
 _overload(exp, _exp_code)
 _overload(expm1, _expm1_code)
 _overload(log, _log_code)
-_overload(lesser, _lesser_code, min)
+_overload(lesser, _lesser_code, lambda x, y: x if x < y else y)
 _overload(positive, _positive_code, lambda x: 1.0 if x > 0.0 else 0.0)
 overload(growth, inline="always")(lambda x: growth)
 

@@ -56,7 +56,11 @@ def law_materials() -> dict[str, Material]:
 
 
 def rates(
-    size: float, precision: str, spectral: bool, repeats: int = 8, material: Material = MATERIAL
+    size: float,
+    precision: str,
+    spectral: bool | None,
+    repeats: int = 8,
+    material: Material = MATERIAL,
 ) -> dict[str, float]:
     """Elements per CPU second of one thread, the best of some repeats.
 

@@ -7,7 +7,8 @@ import pytest
 
 from elastic_laws import CORK, SOLIDS, TYPICAL, felupe_force, named
 from softsample.constitutive.homogeneous import homogeneous_force
-from softsample.constitutive.material import Material, energy, stress
+from softsample.constitutive.material import Material, Relaxation, Term, energy, stress
+from softsample.errors import SimulationError
 from softsample.fem.boundary import ContactSettings, glued_boundary, mode_boundary
 from softsample.fem.explicit import ExplicitModel, SolverSettings
 from softsample.meshing.cuboid import mesh_cuboid
@@ -36,6 +37,16 @@ def test_uniform_strain_has_the_stress_and_energy_of_the_law(solid, settings, cl
     # energies of exponents next to zero are differences of numbers that are almost equal
     loose = 30.0 * close if settings is SINGLE else close
     assert state[0].sum() / VOLUME == pytest.approx(energy(F, solid), rel=loose)
+
+
+@pytest.mark.nojit
+def test_the_kernel_without_compiler_has_the_stress_of_all_laws_together():
+    mesh, F = mesh_cuboid(1e-3, 1e-3, 1e-3, 1e-3), sheared()
+    everything = Material(tuple(t for solid in TYPICAL.values() for t in solid.terms), 0.4)
+    model = ExplicitModel(mesh, replace(DOUBLE, backend="scalar"))
+    force, _ = model.internal_force(mesh.points @ (F - np.eye(3)).T, everything)
+    P, wanted = np.einsum("ni,nj->ij", force, mesh.points) / 1e-9, stress(F, everything)
+    np.testing.assert_allclose(P, wanted, atol=1e-10 * np.abs(wanted).max())
 
 
 @pytest.mark.parametrize("precision", ["float32", "float64"])
@@ -75,3 +86,26 @@ def test_bonded_blocks_are_those_of_felupe(law, mode):
     assert abs(run.force[-1]) == pytest.approx(
         felupe_force(mesh, BLOCKS[law], mode, travel), rel=5e-3
     )
+
+
+def test_another_law_relaxes_as_ogden_does():
+    """The neo-Hookean solid is Ogden's of exponent two, in another branch of the kernel."""
+    relaxation = Relaxation((0.4,), (0.5,))
+    boundary = glued_boundary(BLOCK, "shear", BLOCK.glued(0.0))
+    one, other = (
+        ExplicitModel(BLOCK, DOUBLE).run(
+            Material((Term(law, 900.0, shape),), 0.45, relaxation), boundary, 1e-3
+        )
+        for law, shape in (("neo_hooke", ()), ("ogden", (2.0,)))
+    )
+    np.testing.assert_allclose(one.force, other.force, atol=1e-9 * other.force.max())
+    elastic = ExplicitModel(BLOCK, DOUBLE).run(TYPICAL["neo_hooke"], boundary, 1e-3)
+    assert one.force[-1] < 0.8 * elastic.force[-1]
+
+
+def test_gent_beyond_its_limit_is_refused():
+    """It stiffens a million times within a slice of constant time step."""
+    stiff = Material((Term("gent", 900.0, (0.02,)),), 0.45)
+    boundary = glued_boundary(BLOCK, "tension", BLOCK.glued(0.0))
+    with pytest.raises(SimulationError, match="end the record at a smaller strain"):
+        ExplicitModel(BLOCK, SINGLE).run(stiff, boundary, 0.6e-3)

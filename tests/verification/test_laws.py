@@ -22,8 +22,6 @@ from softsample.constitutive.material import (
     unit_material,
 )
 
-pytestmark = pytest.mark.nojit
-
 every_solid = pytest.mark.parametrize("solid", SOLIDS, ids=named)
 isotropic_solid = pytest.mark.parametrize("solid", [s for s in SOLIDS if s.isotropic], ids=named)
 

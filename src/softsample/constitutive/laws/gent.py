@@ -6,8 +6,8 @@ from softsample.constitutive.functions import lesser, log
 from softsample.constitutive.law import InvariantLaw, Parameter
 
 REACH = 0.999
-"""Part of the limit up to which the law holds; beyond, its slope stays, so that closed forms have an
-answer at every strain that a fit passes through. The solver refuses strains so near the limit."""
+"""Part of the limit up to which the law holds; beyond, its slope stays, so that closed forms have
+an answer at every strain that a fit passes through. The solver refuses strains near the limit."""
 
 
 class Gent(InvariantLaw):

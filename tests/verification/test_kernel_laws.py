@@ -5,7 +5,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from elastic_laws import CORK, SOLIDS, TYPICAL, felupe_force, named
+from elastic_laws import CORK, FIBRES, SOLIDS, TYPICAL, felupe_force, named
 from softsample.constitutive.homogeneous import homogeneous_force
 from softsample.constitutive.material import Material, Relaxation, Term, energy, stress
 from softsample.errors import SimulationError
@@ -17,6 +17,7 @@ DOUBLE = SolverSettings(precision="float64", loading_time_s=0.2, curve_points=20
 SINGLE = replace(DOUBLE, precision="float32")
 BLOCK = mesh_cuboid(4e-3, 3e-3, 3e-3, 1e-3)
 VOLUME = 36e-9
+EVERYTHING = Material((*(t for solid in TYPICAL.values() for t in solid.terms), *FIBRES), 0.4)
 BLOCKS = {**TYPICAL, "cork": CORK}
 
 every_solid = pytest.mark.parametrize("solid", SOLIDS, ids=named)
@@ -42,24 +43,21 @@ def test_uniform_strain_has_the_stress_and_energy_of_the_law(solid, settings, cl
 @pytest.mark.nojit
 def test_the_kernel_without_compiler_has_the_stress_of_all_laws_together():
     mesh, F = mesh_cuboid(1e-3, 1e-3, 1e-3, 1e-3), sheared()
-    everything = Material(tuple(t for solid in TYPICAL.values() for t in solid.terms), 0.4)
     model = ExplicitModel(mesh, replace(DOUBLE, backend="scalar"))
-    force, _ = model.internal_force(mesh.points @ (F - np.eye(3)).T, everything)
-    P, wanted = np.einsum("ni,nj->ij", force, mesh.points) / 1e-9, stress(F, everything)
+    force, _ = model.internal_force(mesh.points @ (F - np.eye(3)).T, EVERYTHING)
+    P, wanted = np.einsum("ni,nj->ij", force, mesh.points) / 1e-9, stress(F, EVERYTHING)
     np.testing.assert_allclose(P, wanted, atol=1e-10 * np.abs(wanted).max())
 
 
 @pytest.mark.parametrize("precision", ["float32", "float64"])
 def test_vector_code_is_its_scalar_twin_in_every_law(crooked, precision):
-    terms = tuple(term for solid in TYPICAL.values() for term in solid.terms)
     rng = np.random.default_rng(1)
     u = crooked.points @ (sheared(1) - np.eye(3)).T
     u = u + 0.03 * crooked.edge_length * rng.uniform(-1.0, 1.0, u.shape)
-    everything = Material(terms, 0.4)
     settings = replace(DOUBLE, precision=precision)
-    force, state = ExplicitModel(crooked, settings).internal_force(u, everything)
+    force, state = ExplicitModel(crooked, settings).internal_force(u, EVERYTHING)
     scalar = ExplicitModel(crooked, replace(settings, backend="scalar"))
-    wanted, wanted_state = scalar.internal_force(u, everything)
+    wanted, wanted_state = scalar.internal_force(u, EVERYTHING)
     close = 2e-5 if precision == "float32" else 1e-12
     np.testing.assert_allclose(force, wanted, atol=close * np.abs(wanted).max())
     np.testing.assert_allclose(state, wanted_state, atol=close * np.abs(wanted_state).max())

@@ -7,14 +7,18 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
-from softsample.constitutive.ogden import OgdenMaterial
+from softsample.constitutive.material import Material
 from softsample.errors import InputError
+from softsample.export.laws import family, polynomial, powers, refuse
 from softsample.export.model import MPA, Array, StaticTest
 from softsample.fem.boundary import Boundary
 from softsample.io import PathLike, write_text
 from softsample.meshing.mesh import HexMesh
 
-PROGRAMS = ("abaqus", "calculix")
+MOST_TERMS = {"abaqus": 6, "calculix": 3}
+"""Largest N of Ogden solids and foams."""
+
+PROGRAMS = tuple(MOST_TERMS)
 
 ABSENT = 1e12
 """D_i [1/MPa] of an absent volumetric term; CalculiX would replace zero by a default."""
@@ -29,7 +33,7 @@ TENSION = 1e-10
 def write_abaqus(
     path: PathLike,
     mesh: HexMesh,
-    material: OgdenMaterial,
+    material: Material,
     boundary: Boundary,
     travel: float,
     *,
@@ -45,8 +49,8 @@ def write_abaqus(
         Target, ending in `.inp`.
     mesh : HexMesh
         Reference configuration [m].
-    material : OgdenMaterial
-        Moduli [Pa]; moduli and exponents pass as they are, ``D_1 = 2/K``.
+    material : Material
+        Moduli [Pa]; Ogden terms, polynomials in the invariants or foams, ``D_1 = 2/K``.
     boundary : Boundary
         Fixed base; nodes glued to the moving platen, or platens that free nodes can touch.
     travel : float
@@ -61,7 +65,8 @@ def write_abaqus(
     Raises
     ------
     InputError
-        On an unknown program, a travel that is not positive, or if nothing moves.
+        On an unknown program, a law that it does not have, a travel that is not positive, or if
+        nothing moves.
 
     Notes
     -----
@@ -81,7 +86,7 @@ def write_abaqus(
     lines = [
         *(f"** {line}" for line in test.header),
         f"** Input of {program}; elements {element}.",
-        *_sample(test, element),
+        *_sample(test, element, program),
         *_plates(test),
         *_contact(test, program),
         "*BOUNDARY",
@@ -127,7 +132,7 @@ def read_calculix_forces(path: PathLike) -> tuple[Array, Array]:
     return table[:, 0], table[:, 1:]
 
 
-def _sample(test: StaticTest, element: str) -> Iterator[str]:
+def _sample(test: StaticTest, element: str, program: str) -> Iterator[str]:
     """Nodes, elements, sets and material of the sample."""
     yield "*NODE, NSET=SAMPLE"
     yield from _nodes(test.points, 0)
@@ -136,17 +141,58 @@ def _sample(test: StaticTest, element: str) -> Iterator[str]:
     for name, ids in test.sets.items():
         yield f"*NSET, NSET={name}"
         yield from _rows(ids + 1, 16)
-    yield from material_lines(test.material)
+    yield from material_lines(test.material, program)
     yield "*SOLID SECTION, ELSET=SAMPLE, MATERIAL=TISSUE"
 
 
-def material_lines(material: OgdenMaterial) -> Iterator[str]:
-    """The material TISSUE [MPa], which both programs define alike."""
-    terms = np.column_stack([np.array(material.mu) / MPA, material.alpha]).ravel()
-    volumetric = [2.0 * MPA / material.bulk_modulus] + [ABSENT] * (len(material.mu) - 1)
+def material_lines(material: Material, program: str) -> Iterator[str]:
+    """The material TISSUE [MPa].
+
+    Raises
+    ------
+    InputError
+        If the program has no such law.
+    """
+    cards = {"ogden": _ogden, "polynomial": _polynomial, "foam": _foam}
+    card = cards.get(family(material) or "")
+    if card is None:
+        refuse(material, program, "it has Ogden terms, polynomials in I1 and I2, or foams")
     yield "*MATERIAL, NAME=TISSUE"
-    yield f"*HYPERELASTIC, OGDEN, N={len(material.mu)}"
-    yield from _rows([*terms, *volumetric], 8)
+    yield from card(material, program)
+
+
+def _compliance(material: Material, terms: int) -> list[float]:
+    """D_i [1/MPa] of the volumetric energy sum (J - 1)^(2i) / D_i."""
+    return [2.0 * MPA / material.volumetric_modulus] + [ABSENT] * (terms - 1)
+
+
+def _ogden(material: Material, program: str) -> Iterator[str]:
+    terms = powers(material, program, "ogden", MOST_TERMS[program])
+    constants = [x for term in terms for x in (term.modulus / MPA, term.shape[0])]
+    yield f"*HYPERELASTIC, OGDEN, N={len(terms)}"
+    yield from _rows([*constants, *_compliance(material, len(terms))], 8)
+
+
+def _polynomial(material: Material, program: str) -> Iterator[str]:
+    c10, c01, c20, c30 = (c / MPA for c in polynomial(material))
+    if c20 == c30 == 0.0:
+        yield "*HYPERELASTIC, MOONEY-RIVLIN" if c01 else "*HYPERELASTIC, NEO HOOKE"
+        yield from _rows([c10, *([c01] if c01 else []), *_compliance(material, 1)], 8)
+    elif c01 == 0.0:
+        yield "*HYPERELASTIC, YEOH"
+        yield from _rows([c10, c20, c30, *_compliance(material, 3)], 8)
+    else:
+        refuse(material, program, "its Yeoh solid has no second invariant")
+
+
+def _foam(material: Material, program: str) -> Iterator[str]:
+    """CalculiX 2.20 makes no force of one term: it gets two halves."""
+    terms = powers(material, program, "foam", MOST_TERMS[program])
+    parts = 2 if program == "calculix" and len(terms) == 1 else 1
+    terms = parts * terms
+    constants = [x for term in terms for x in (term.modulus / parts / MPA, term.shape[0])]
+    yield f"*HYPERFOAM, N={len(terms)}"
+    yield from _rows([*constants, *(term.shape[1] for term in terms)], 8)
 
 
 def _plates(test: StaticTest) -> Iterator[str]:

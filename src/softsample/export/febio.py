@@ -7,18 +7,28 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
-from softsample.constitutive.ogden import OgdenMaterial
+from softsample.constitutive.material import Material, Term
 from softsample.errors import InputError
+from softsample.export.laws import family, polynomial, powers, refuse
 from softsample.export.model import MPA, Array, StaticTest
 from softsample.fem.boundary import Boundary
 from softsample.fem.explicit import SolverSettings
 from softsample.io import MM, PathLike, write_text
 from softsample.meshing.mesh import HexMesh
 
+Law = tuple[str, dict[str, float], tuple[float, float, float] | None]
+"""Type of a material in FEBio, its constants [MPa], and the direction of its fibres."""
+
 DOMAINS = ("three-field-solid", "udg-hex")
 
 QUADRATIC = 2
 """FEBio's `pressure_model` for K/2 (J - 1)^2 ("Abaqus"); its default is K/2 (ln J)^2."""
+
+UNCONSTRAINED = "Ogden unconstrained"
+"""FEBio's type of a foam whose Poisson's ratio is 0."""
+
+MOST_TERMS = 6
+"""Largest number of terms with exponents."""
 
 PULL = 1e-3
 """Traction at which a platen lets go, over the shear modulus; FEBio takes 0 for 'never'."""
@@ -30,7 +40,7 @@ TISSUE = 1
 def write_febio(
     path: PathLike,
     mesh: HexMesh,
-    material: OgdenMaterial,
+    material: Material,
     boundary: Boundary,
     travel: float,
     *,
@@ -45,8 +55,8 @@ def write_febio(
         Target, ending in `.feb`.
     mesh : HexMesh
         Reference configuration [m].
-    material : OgdenMaterial
-        Moduli [Pa]; FEBio's coefficients are ``c_i = 2 mu_i``, its exponents ``m_i = alpha_i``.
+    material : Material
+        Moduli [Pa]; of Ogden solids FEBio's coefficients are ``c_i = 2 mu_i``, ``m_i = alpha_i``.
     boundary : Boundary
         Fixed base; nodes glued to the moving platen, or platens that free nodes can touch, which
         become rigid bodies with sticky contact.
@@ -60,7 +70,8 @@ def write_febio(
     Raises
     ------
     InputError
-        On an unknown domain, a travel that is not positive, or if nothing moves.
+        On an unknown domain, a law that FEBio does not have, a travel that is not positive, or if
+        nothing moves.
 
     Notes
     -----
@@ -102,8 +113,8 @@ def _control(control: ET.Element, steps: int) -> None:
 
 
 def _materials(materials: ET.Element, test: StaticTest) -> None:
-    """Uncoupled Ogden solid, and a rigid body for each platen."""
-    tissue = ET.SubElement(materials, "material", id=str(TISSUE), name="tissue", type="Ogden")
+    """The tissue, and a rigid body for each platen."""
+    tissue = ET.SubElement(materials, "material", id=str(TISSUE), name="tissue")
     fill_tissue(tissue, test.material)
     for number, plate in enumerate(test.plates, start=TISSUE + 1):
         body = ET.SubElement(
@@ -112,11 +123,92 @@ def _materials(materials: ET.Element, test: StaticTest) -> None:
         _fill(body, density=1.0, center_of_mass=_row(plate.corners.mean(axis=0)))
 
 
-def fill_tissue(tissue: ET.Element, law: OgdenMaterial) -> None:
-    """Give an element `material` the constants [MPa] of an uncoupled Ogden solid."""
-    _fill(tissue, density=1.0, k=law.bulk_modulus / MPA, pressure_model=QUADRATIC)
-    for term, (mu, alpha) in enumerate(zip(law.mu, law.alpha, strict=True), start=1):
-        _fill(tissue, **{f"c{term}": 2.0 * mu / MPA, f"m{term}": alpha})
+def fill_tissue(tissue: ET.Element, material: Material) -> None:
+    """Give an element `material` its type and the constants [MPa] of the law.
+
+    Raises
+    ------
+    InputError
+        If FEBio has no such law.
+    """
+    kind, constants, axis = _law(material)
+    tissue.set("type", kind)
+    _fill(tissue, density=1.0)
+    if kind != UNCONSTRAINED:
+        _fill(tissue, k=material.volumetric_modulus / MPA, pressure_model=QUADRATIC)
+    _fill(tissue, **constants)
+    if axis:
+        frame = ET.SubElement(tissue, "mat_axis", type="vector")
+        _fill(frame, a=_row(axis), d=_row(np.eye(3)[np.argmin(np.abs(axis))]))
+
+
+def _law(material: Material) -> Law:
+    """Type of a material in FEBio, its constants [MPa], and the direction of its fibres."""
+    laws = {
+        "ogden": _ogden,
+        "polynomial": _polynomial,
+        "foam": _foam,
+        "gent": _gent,
+        "fibre": _fibres,
+    }
+    law = laws.get(family(material) or "")
+    if law is None:
+        refuse(
+            material, "febio", "it has Ogden terms, polynomials in I1 and I2, foams of Poisson's "
+            "ratio 0, Gent, or neo-Hooke with fibres",
+        )  # fmt: skip
+    return law(material)
+
+
+def _ogden(material: Material) -> Law:
+    return "Ogden", _powers(powers(material, "febio", "ogden", MOST_TERMS)), None
+
+
+def _foam(material: Material) -> Law:
+    terms = powers(material, "febio", "foam", MOST_TERMS)
+    if any(term.shape[1] > 0.0 for term in terms):
+        refuse(material, "febio", "its foam is another one, unless Poisson's ratio is 0")
+    return UNCONSTRAINED, {"cp": 0.0, **_powers(terms)}, None
+
+
+def _gent(material: Material) -> Law:
+    if len(material.terms) > 1:
+        refuse(material, "febio", "it has one term of Gent")
+    (term,) = material.terms
+    return "Gent", {"G": term.modulus / MPA, "Jm": term.shape[0]}, None
+
+
+def _powers(terms: tuple[Term, ...]) -> dict[str, float]:
+    """Coefficients of FEBio are twice the moduli."""
+    return {
+        name: value
+        for number, term in enumerate(terms, start=1)
+        for name, value in ((f"c{number}", 2.0 * term.modulus / MPA), (f"m{number}", term.shape[0]))
+    }
+
+
+def _polynomial(material: Material) -> Law:
+    c10, c01, c20, c30 = (c / MPA for c in polynomial(material))
+    if c20 == c30 == 0.0:
+        return "Mooney-Rivlin", {"c1": c10, "c2": c01}, None
+    if c01:
+        refuse(material, "febio", "its Yeoh solid has no second invariant")
+    return "Yeoh", {"c1": c10, "c2": c20, "c3": c30}, None
+
+
+def _fibres(material: Material) -> Law:
+    """FEBio has two families at angles of +-gamma, which are one here: half of k1 each."""
+    fibre, *more = material.of_law("fibre")
+    if more or fibre.shape[2] > 0.0:
+        refuse(material, "febio", "it has one direction of fibres, which buckle")
+    constants = {
+        "c": material.shear_modulus / MPA,
+        "k1": 0.5 * fibre.modulus / MPA,
+        "k2": fibre.shape[0],
+        "kappa": fibre.shape[1],
+        "gamma": 0.0,
+    }
+    return "Holzapfel-Gasser-Ogden", constants, fibre.direction
 
 
 def _mesh(element: ET.Element, test: StaticTest) -> None:
@@ -144,6 +236,8 @@ def _mesh(element: ET.Element, test: StaticTest) -> None:
 
 def _domains(element: ET.Element, test: StaticTest, domain: str) -> None:
     """Which material each part is made of; hourglass stiffness as the solver's for a cube."""
+    if family(test.material) == "foam":
+        domain = "elastic-solid"  # the others are for laws with an isochoric part of their own
     solid = ET.SubElement(element, "SolidDomain", name="sample", mat="tissue", type=domain)
     if domain == "udg-hex":
         # FEBio's `hg` is a stiffness [N/mm], not a ratio: c mu V (B:B)/64 with B:B = 3/(2 h^2)

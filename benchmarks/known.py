@@ -6,7 +6,9 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.optimize import brentq
 
-from softsample.constitutive.ogden import OgdenMaterial, ogden_stress
+from softsample.constitutive.material import Material
+from softsample.constitutive.material import stress as ogden_stress
+from softsample.constitutive.ogden import OgdenMaterial
 from softsample.fem.boundary import Boundary, ContactSettings, platen_boundary
 from softsample.fem.element import CORNERS
 from softsample.fem.explicit import ExplicitModel, Run, SolverSettings, _March
@@ -55,7 +57,7 @@ def refined(mesh: HexMesh) -> HexMesh:
 # --- homogeneous compression --------------------------------------------------------------------
 
 
-def homogeneous_stress(material: OgdenMaterial, stretch: float) -> float:
+def homogeneous_stress(material: Material, stretch: float) -> float:
     """Nominal stress [Pa] along an axis of `stretch`, the sides free: one scalar equation."""
 
     def stress(side: float) -> Array:
@@ -68,7 +70,7 @@ def homogeneous_stress(material: OgdenMaterial, stretch: float) -> float:
 
 
 def smooth_platens(
-    material: OgdenMaterial, settings: SolverSettings = DOUBLE, loading_time: float = 0.1
+    material: Material, settings: SolverSettings = DOUBLE, loading_time: float = 0.1
 ) -> tuple[Run, Array]:
     """Compression by 30 % between platens without friction, and the exact force [N] on its curve.
 
@@ -148,7 +150,7 @@ def _free(mesh: HexMesh) -> Boundary:
 # --- virtual work of a large smooth deformation --------------------------------------------------
 
 
-def virtual_work_error(cells: int, material: OgdenMaterial) -> float:
+def virtual_work_error(cells: int, material: Material) -> float:
     """Relative error of the work of the internal forces on a smooth virtual displacement.
 
     Strains of the smooth field are up to 0.4; the exact integral of P : grad w over the unit cube
@@ -208,7 +210,7 @@ def paraboloid(radius: float, finest: float, reach: float, cells: int) -> HexMes
     return HexMesh(np.column_stack([x, y, z]), block.hexes)
 
 
-def hertz_force(material: OgdenMaterial, radius: float, height: float, depth: Array) -> Array:
+def hertz_force(material: Material, radius: float, height: float, depth: Array) -> Array:
     """Force [N] of a smooth rigid plane pressed by `depth` [m] on an elastic paraboloid.
 
     The paraboloid stands on a layer of `height` [m] bonded to its base: Hertz' formula times a

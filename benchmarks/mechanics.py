@@ -8,7 +8,8 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
-from softsample.constitutive.ogden import Fibres, OgdenMaterial, Relaxation
+from softsample.constitutive.material import Relaxation
+from softsample.constitutive.ogden import Fibres, OgdenMaterial
 from softsample.fem.boundary import Boundary, ContactSettings, glued_boundary, platen_boundary
 from softsample.fem.explicit import ExplicitModel, Gravity, Run, SolverSettings
 from softsample.meshing.bond import partial_bond
@@ -92,7 +93,7 @@ def fibres(axes: Axes) -> None:
         ("along y", Fibres(400.0, (0.0, 1.0, 0.0))),
         ("along x + z", Fibres(400.0, (1.0, 0.0, 1.0))),
     ):
-        curve(axes, MODEL.run(replace(MATERIAL, fibres=law), glued("shear"), 3.9e-3), label)
+        curve(axes, MODEL.run(MATERIAL.plus(law), glued("shear"), 3.9e-3), label)
 
 
 def regions(axes: Axes) -> None:

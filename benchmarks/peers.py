@@ -18,7 +18,7 @@ from numpy.typing import ArrayLike, NDArray
 from scipy.sparse import spmatrix
 from scipy.sparse.linalg import splu
 
-from softsample.constitutive.ogden import OgdenMaterial
+from softsample.constitutive.material import Material
 from softsample.meshing.mesh import HexMesh
 from softsample.protocol import DIRECTIONS
 
@@ -43,7 +43,7 @@ def versions_of_peers() -> dict[str, str]:
 
 def calculix_deck(
     mesh: HexMesh,
-    material: OgdenMaterial,
+    material: Material,
     travel: ArrayLike,
     increments: int,
     element: str = "C3D8R",
@@ -82,7 +82,7 @@ def calculix_deck(
 
 
 def calculix(
-    mesh: HexMesh, material: OgdenMaterial, mode: str, travel: float, increments: int = 10
+    mesh: HexMesh, material: Material, mode: str, travel: float, increments: int = 10
 ) -> tuple[Array, float]:
     """Curve of one-point hexahedra C3D8R in CalculiX, one thread, and its CPU seconds.
 
@@ -121,7 +121,7 @@ class IsochoricOgden:
     R. W. Ogden, Non-linear elastic deformations, Ellis Horwood, 1984, section 6.1.4.
     """
 
-    def __init__(self, material: OgdenMaterial) -> None:
+    def __init__(self, material: Material) -> None:
         self.material = material
         self.x = [np.zeros((3, 3)), np.zeros(0)]
         self.density = None
@@ -184,7 +184,7 @@ def symmetric_superlu(matrix: spmatrix, load: Array) -> Array:
 
 def felupe(
     mesh: HexMesh,
-    material: OgdenMaterial,
+    material: Material,
     mode: str,
     travel: float,
     increments: int = 10,

@@ -25,7 +25,8 @@ import mechanics
 import peers
 from case import EDGES, MATERIAL, TRAVEL, boundary_of, cuboid
 from machine import processor
-from softsample.constitutive.ogden import OgdenMaterial, ogden_stress
+from softsample.constitutive.material import stress as ogden_stress
+from softsample.constitutive.ogden import OgdenMaterial
 from softsample.fem.boundary import ContactSettings, platen_boundary
 from softsample.fem.explicit import ExplicitModel, Run, SolverSettings
 from softsample.io import write_json, write_text

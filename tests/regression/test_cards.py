@@ -7,7 +7,8 @@ import xml.etree.ElementTree as ET
 import numpy as np
 import pytest
 
-from softsample.constitutive.ogden import OgdenMaterial, ogden_stress
+from softsample.constitutive.material import stress as ogden_stress
+from softsample.constitutive.ogden import OgdenMaterial
 from softsample.errors import InputError
 from softsample.export.abaqus import read_calculix_forces
 from softsample.export.cards import write_card

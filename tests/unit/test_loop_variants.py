@@ -6,7 +6,8 @@ import numpy as np
 import pytest
 
 import laboratory
-from softsample.constitutive.ogden import Fibres, OgdenMaterial, Relaxation
+from softsample.constitutive.material import Relaxation
+from softsample.constitutive.ogden import Fibres, OgdenMaterial
 from softsample.fem.boundary import ContactSettings, mode_boundary, platen_boundary
 from softsample.fem.explicit import ExplicitModel, SolverSettings
 from softsample.loop.effects import library
@@ -129,7 +130,7 @@ def test_fibres_at_any_angle_are_made_of_three_runs(mode, travel, limit, angle):
         name: run(of) for name, of in changed_materials(test).items() if name.startswith("fibres_")
     }
     x, z = np.sin(np.radians(angle)), np.cos(np.radians(angle))
-    own = run(replace(SOLID, fibres=Fibres(few * SOLID.shear_modulus, (x, 0.0, z))))
+    own = run(SOLID.plus(Fibres(few * SOLID.shear_modulus, (x, 0.0, z))))
     specimen, values = specimen_of(mode, plain, runs), {"k1": 0.1, "angle_deg": angle}
     found = ANISOTROPY.elastic(specimen, 0.6, plain.displacement, values)
     largest = np.abs(runs["fibres_ahead"].force - plain.force).max()

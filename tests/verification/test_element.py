@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 import naive
-from softsample.constitutive.ogden import ogden_stress
+from softsample.constitutive.material import stress as ogden_stress
 from softsample.errors import MeshError
 from softsample.fem.element import HOURGLASS, hex_geometry, lumped_mass
 from softsample.fem.explicit import ExplicitModel, SolverSettings

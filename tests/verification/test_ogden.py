@@ -3,13 +3,11 @@
 import numpy as np
 import pytest
 
-from softsample.constitutive.ogden import (
-    OgdenMaterial,
-    isochoric_stretches,
-    ogden_energy,
-    ogden_stress,
-    unit_modulus,
-)
+from softsample.constitutive.laws import LAWS
+from softsample.constitutive.material import energy as ogden_energy
+from softsample.constitutive.material import isochoric_stretches
+from softsample.constitutive.material import stress as ogden_stress
+from softsample.constitutive.ogden import OgdenMaterial, unit_modulus
 
 pytestmark = pytest.mark.nojit
 
@@ -134,10 +132,10 @@ def test_unit_modulus_splits_one_modulus():
 
 
 @pytest.mark.parametrize(
-    ("alpha", "even"), [((-8.0, 16.0), True), ((2.0,), True), ((3.0, 2.0), False), ((2.5,), False)]
+    ("alpha", "even"), [(-8.0, True), (2.0, True), (3.0, False), (2.5, False), (0.0, False)]
 )
-def test_only_even_integer_exponents_do_without_eigenvalues(alpha, even):
-    assert OgdenMaterial((1.0,) * len(alpha), alpha).even is even
+def test_only_even_exponents_do_without_eigenvalues(alpha, even):
+    assert LAWS["ogden"].even_power((alpha,)) is even
 
 
 @pytest.mark.parametrize(
@@ -147,8 +145,7 @@ def test_only_even_integer_exponents_do_without_eigenvalues(alpha, even):
         ((), (), 0.49, "one modulus per exponent"),
         ((np.nan,), (2.0,), 0.49, "finite with a positive sum"),
         ((5.0, -6.0), (2.0, 4.0), 0.49, "finite with a positive sum"),
-        ((1.0,), (0.0,), 0.49, "not zero"),
-        ((1.0,), (np.inf,), 0.49, "exponents must be finite"),
+        ((1.0,), (np.inf,), 0.49, "alpha must be finite"),
         ((1.0,), (2.0,), 0.5, r"Poisson's ratio must lie in \[0, 0.5\), got 0.5"),
         ((1.0,), (2.0,), np.nan, "Poisson's ratio"),
     ],

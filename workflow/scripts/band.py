@@ -3,7 +3,7 @@
 import numpy as np
 
 from softsample.calibration.measured import MeasuredCurve
-from softsample.constitutive.ogden import OgdenMaterial
+from softsample.constitutive.ogden import of_fit
 from softsample.fem.setup import set_up
 from softsample.io import (
     read_distance,
@@ -40,7 +40,7 @@ with logged_to(snakemake):
             material=given.material,
             ends=given.ends,
         )
-        run = model.run(OgdenMaterial.of_fit(fit), boundary, measured.travel, loading_time=pace)
+        run = model.run(of_fit(fit), boundary, measured.travel, loading_time=pace)
         force = np.interp(measured.displacement, run.displacement, run.force)
         scale[name] = measured.scale_of(force)
         if times:

@@ -1,6 +1,6 @@
 """One test with the calibrated material: curve, deformed shape and strain (rule `confirm`)."""
 
-from softsample.constitutive.ogden import OgdenMaterial
+from softsample.constitutive.ogden import of_fit
 from softsample.fem.fields import max_principal_hencky_strain
 from softsample.fem.setup import set_up
 from softsample.io import (
@@ -21,7 +21,7 @@ from softsample.workflow import logged_to, progress_bar, provenance
 
 with logged_to(snakemake):
     given, files, written = snakemake.params, snakemake.input, snakemake.output
-    material, response = OgdenMaterial.of_fit(read_json(files.fit)), read_json(files.response)
+    material, response = of_fit(read_json(files.fit)), read_json(files.response)
     data = read_mesh_with_data(files.mesh)
     mesh, point_data, _ = data
     travel = response["reached"] * reach([read_record(path) for path in files.records], given.mode)

@@ -1,6 +1,6 @@
 """Evidence of a verdict's effects, run at their sizes (rule `confirm_verdict`)."""
 
-from softsample.constitutive.ogden import OgdenMaterial
+from softsample.constitutive.ogden import of_fit
 from softsample.io import read_json, read_record, read_table, write_table
 from softsample.loop.candidates import candidates
 from softsample.loop.confirm import confirmations, sizes_to_confirm
@@ -12,7 +12,7 @@ from softsample.workflow import logged_to
 with logged_to(snakemake):
     given, files = snakemake.params, snakemake.input
     verdict = read_json(files.verdict)
-    solid = OgdenMaterial.of_fit(read_json(files.fit))
+    solid = of_fit(read_json(files.fit))
     responses = [
         (read_table(curves), [*map(read_table, changes)], solid.poisson_ratio, None)
         for curves, *changes in zip(files.curves, files.perturbations, files.runs, strict=True)

@@ -1,6 +1,6 @@
 """Trace what the calibrated model leaves over to the effect that it lacks (rule `diagnose`)."""
 
-from softsample.constitutive.ogden import OgdenMaterial
+from softsample.constitutive.ogden import of_fit
 from softsample.figures.loop import loop_figure
 from softsample.figures.style import save
 from softsample.io import read_json, read_record, read_table, write_json, write_text, written_aside
@@ -15,7 +15,7 @@ from softsample.workflow import logged_to, progress_bar, provenance
 
 with logged_to(snakemake):
     given, files = snakemake.params, snakemake.input
-    settings, solid = LoopSettings.of_config(given.loop), OgdenMaterial.of_fit(read_json(files.fit))
+    settings, solid = LoopSettings.of_config(given.loop), of_fit(read_json(files.fit))
     real = [read_table(path) for path in files.get("real", [])] or [None] * len(given.rows)
     responses = [
         (read_table(curves), [read_table(changes)], solid.poisson_ratio, of_real)

@@ -4,7 +4,7 @@ import shutil
 
 import numpy as np
 
-from softsample.constitutive.ogden import OgdenMaterial
+from softsample.constitutive.ogden import of_fit
 from softsample.errors import InputError
 from softsample.export.abaqus import write_abaqus
 from softsample.export.cards import write_card
@@ -44,7 +44,7 @@ with logged_to(snakemake):
                 f"{snakemake.input.fit}"
             )
     travel = reach([read_record(path) for path in snakemake.input.records], given.mode)
-    material = OgdenMaterial.of_fit(fit)
+    material = of_fit(fit)
     contact = ContactSettings(**given.contact)
     boundary = mode_boundary(mesh, given.mode, np.flatnonzero(point_data["glued"]), contact)
     test = (mesh, material, boundary, travel)

@@ -2,7 +2,7 @@
 
 from functools import partial
 
-from softsample.constitutive.ogden import OgdenMaterial
+from softsample.constitutive.ogden import of_fit
 from softsample.io import (
     read_distance,
     read_json,
@@ -26,7 +26,7 @@ with logged_to(snakemake):
     marks = partial(read_marks, files.bond_mask, files.labels, files.segmentation)
     grid = partial(read_distance, files.distance, files.segmentation)
     mesh_shifted = mesher(geometry, shape, lambda: (grid(), marks()), given)
-    material = OgdenMaterial.of_fit(read_json(files.fit))
+    material = of_fit(read_json(files.fit))
     test = MechanicalTest.of(material, reach(records, given["mode"]), given)
     displacement, changes = perturbations_of(geometry, shape, mesh_shifted, test, progress_bar())
     write_table(

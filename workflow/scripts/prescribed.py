@@ -1,6 +1,6 @@
 """Compression by contact and by moving the top's nodes (rule `prescribed`)."""
 
-from softsample.constitutive.ogden import OgdenMaterial
+from softsample.constitutive.ogden import of_fit
 from softsample.fem.boundary import ContactSettings
 from softsample.fem.explicit import ExplicitModel, SolverSettings
 from softsample.geometry_effects.prescribed import simulate_both
@@ -12,7 +12,7 @@ with logged_to(snakemake):
     height = 1e-3 * read_json(snakemake.input.cuboid)["height_mm"]
     table = simulate_both(
         ExplicitModel(read_mesh(snakemake.input.mesh), SolverSettings(**given.solver)),
-        OgdenMaterial.of_fit(read_json(snakemake.input.fit)),
+        of_fit(read_json(snakemake.input.fit)),
         given.strain * height,
         ContactSettings(**given.contact),
         given.top_normal_deg,

@@ -3,7 +3,7 @@
 import numpy as np
 
 from softsample.calibration.measured import MeasuredCurve
-from softsample.constitutive.ogden import OgdenMaterial
+from softsample.constitutive.ogden import of_fit
 from softsample.fem.setup import set_up
 from softsample.io import read_json, read_mesh_with_data, read_record, read_table, write_json
 from softsample.protocol import travel_sign
@@ -17,7 +17,7 @@ with logged_to(snakemake):
     meshes = {name: read_mesh_with_data(files[name]) for name in ("mesh", "coarse")}
     records = [read_record(path) for path in files.records]
     measured = MeasuredCurve.of_record(records[0], given.mode)
-    material, response = OgdenMaterial.of_fit(fit), read_json(files.response)
+    material, response = of_fit(fit), read_json(files.response)
     travel = response["reached"] * reach(records, given.mode)
     optimum, sign = read_table(files.optimum), travel_sign(given.mode)
     reference = np.interp(

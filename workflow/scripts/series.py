@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from softsample.constitutive.ogden import OgdenMaterial
+from softsample.constitutive.ogden import of_fit
 from softsample.export.series import write_series
 from softsample.fem.setup import set_up
 from softsample.io import read_json, read_mesh_with_data, read_record
@@ -22,7 +22,7 @@ with logged_to(snakemake):
     )
     bar = progress_bar()
     run = model.run(
-        OgdenMaterial.of_fit(read_json(snakemake.input.fit)),
+        of_fit(read_json(snakemake.input.fit)),
         boundary,
         reach([read_record(path) for path in snakemake.input.records], given.mode),
         snapshots=np.linspace(0.05, 1.0, 20),

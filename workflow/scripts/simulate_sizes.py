@@ -2,7 +2,7 @@
 
 from functools import partial
 
-from softsample.constitutive.ogden import OgdenMaterial
+from softsample.constitutive.ogden import of_fit
 from softsample.io import read_distance, read_json, read_marks, read_record, write_table
 from softsample.loop.confirm import at_size, simulate_sizes, sizes_to_confirm
 from softsample.records import reach
@@ -17,7 +17,7 @@ with logged_to(snakemake):
     marks = partial(read_marks, files.bond_mask, files.labels, files.segmentation)
     grid = partial(read_distance, files.distance, files.segmentation)
     mesh_shifted = mesher(snakemake.wildcards.geometry, shape, lambda: (grid(), marks()), given)
-    material = OgdenMaterial.of_fit(read_json(files.fit))
+    material = of_fit(read_json(files.fit))
     travel = reach([read_record(path) for path in files.records], given["mode"])
     test = MechanicalTest.of(material, travel, given)
     sizes = sizes_to_confirm(read_json(files.verdict))

@@ -9,6 +9,7 @@ import pandas as pd
 from numpy.typing import NDArray
 
 from softsample.blindlab.bodies import ALPHA, MODES, POISSON, PRESSED, Body
+from softsample.constitutive.material import Material
 from softsample.constitutive.ogden import Fibres, OgdenMaterial, unit_modulus
 from softsample.fem.boundary import Boundary, ContactSettings, mode_boundary, platen_boundary
 from softsample.fem.explicit import ExplicitModel, Run, SolverSettings
@@ -47,7 +48,7 @@ def cuboid_mesh(body: Body, size_mm: float, shift_mm: float = 0.0) -> SampleMesh
     return mesh_ideal(shape.grown(MM * shift_mm), MM * size_mm)
 
 
-def tissue(body: Body) -> OgdenMaterial:
+def tissue(body: Body) -> Material:
     """Two-term solid of a body; the modulus only sets the scale."""
     return unit_modulus(body.mixture, ALPHA, POISSON, MODULUS)
 
@@ -160,7 +161,7 @@ def _from_pressed(
     return model.run(tissue(body), held, reach, start=start)
 
 
-def _materials(body: Body, size: float) -> dict[str, OgdenMaterial]:
+def _materials(body: Body, size: float) -> dict[str, Material]:
     """Changed solids: compressibility, a third term, fibres along a slanted axis."""
     plain = tissue(body)
     third = 0.033 * size * MODULUS
@@ -170,7 +171,7 @@ def _materials(body: Body, size: float) -> dict[str, OgdenMaterial]:
     return {
         "poisson": replace(plain, poisson_ratio=POISSON - 0.01 * size),
         "third_term": OgdenMaterial((*plain.mu, third), (*plain.alpha, -15.0), POISSON),
-        "fibres": replace(plain, fibres=Fibres(0.04 * size * MODULUS, axis)),
+        "fibres": plain.plus(Fibres(0.04 * size * MODULUS, axis)),
     }
 
 

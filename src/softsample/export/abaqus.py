@@ -7,7 +7,7 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
-from softsample.constitutive.ogden import OgdenMaterial
+from softsample.constitutive.material import Material
 from softsample.errors import InputError
 from softsample.export.model import MPA, Array, StaticTest
 from softsample.fem.boundary import Boundary
@@ -29,7 +29,7 @@ TENSION = 1e-10
 def write_abaqus(
     path: PathLike,
     mesh: HexMesh,
-    material: OgdenMaterial,
+    material: Material,
     boundary: Boundary,
     travel: float,
     *,
@@ -45,7 +45,7 @@ def write_abaqus(
         Target, ending in `.inp`.
     mesh : HexMesh
         Reference configuration [m].
-    material : OgdenMaterial
+    material : Material
         Moduli [Pa]; moduli and exponents pass as they are, ``D_1 = 2/K``.
     boundary : Boundary
         Fixed base; nodes glued to the moving platen, or platens that free nodes can touch.
@@ -140,7 +140,7 @@ def _sample(test: StaticTest, element: str) -> Iterator[str]:
     yield "*SOLID SECTION, ELSET=SAMPLE, MATERIAL=TISSUE"
 
 
-def material_lines(material: OgdenMaterial) -> Iterator[str]:
+def material_lines(material: Material) -> Iterator[str]:
     """The material TISSUE [MPa], which both programs define alike."""
     terms = np.column_stack([np.array(material.mu) / MPA, material.alpha]).ravel()
     volumetric = [2.0 * MPA / material.bulk_modulus] + [ABSENT] * (len(material.mu) - 1)

@@ -2,7 +2,7 @@
 
 import xml.etree.ElementTree as ET
 
-from softsample.constitutive.ogden import OgdenMaterial
+from softsample.constitutive.material import Material
 from softsample.errors import InputError
 from softsample.export.abaqus import material_lines
 from softsample.export.febio import fill_tissue
@@ -16,7 +16,7 @@ CONVENTIONS = {
 """Strain energy of each program, in terms of what its card holds."""
 
 
-def write_card(path: PathLike, material: OgdenMaterial, program: str, origin: str) -> None:
+def write_card(path: PathLike, material: Material, program: str, origin: str) -> None:
     """Write a material as a part of a program's input, atomically.
 
     Parameters
@@ -24,7 +24,7 @@ def write_card(path: PathLike, material: OgdenMaterial, program: str, origin: st
     path
         Target; `.inp` to be included by `*INCLUDE` (Abaqus, CalculiX), `.xml` for the section
         `Material` of FEBio.
-    material : OgdenMaterial
+    material : Material
         Moduli [Pa]; the card has MPa. Its name is TISSUE, the number in FEBio 1.
     program : str
         `abaqus`, `calculix` or `febio`.

@@ -7,7 +7,7 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
-from softsample.constitutive.ogden import OgdenMaterial
+from softsample.constitutive.material import Material
 from softsample.errors import InputError
 from softsample.export.model import MPA, Array, StaticTest
 from softsample.fem.boundary import Boundary
@@ -30,7 +30,7 @@ TISSUE = 1
 def write_febio(
     path: PathLike,
     mesh: HexMesh,
-    material: OgdenMaterial,
+    material: Material,
     boundary: Boundary,
     travel: float,
     *,
@@ -45,7 +45,7 @@ def write_febio(
         Target, ending in `.feb`.
     mesh : HexMesh
         Reference configuration [m].
-    material : OgdenMaterial
+    material : Material
         Moduli [Pa]; FEBio's coefficients are ``c_i = 2 mu_i``, its exponents ``m_i = alpha_i``.
     boundary : Boundary
         Fixed base; nodes glued to the moving platen, or platens that free nodes can touch, which
@@ -112,7 +112,7 @@ def _materials(materials: ET.Element, test: StaticTest) -> None:
         _fill(body, density=1.0, center_of_mass=_row(plate.corners.mean(axis=0)))
 
 
-def fill_tissue(tissue: ET.Element, law: OgdenMaterial) -> None:
+def fill_tissue(tissue: ET.Element, law: Material) -> None:
     """Give an element `material` the constants [MPa] of an uncoupled Ogden solid."""
     _fill(tissue, density=1.0, k=law.bulk_modulus / MPA, pressure_model=QUADRATIC)
     for term, (mu, alpha) in enumerate(zip(law.mu, law.alpha, strict=True), start=1):

@@ -7,7 +7,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from softsample.constitutive.ogden import OgdenMaterial
+from softsample.constitutive.material import Material
 from softsample.errors import InputError
 from softsample.fem.boundary import Boundary
 from softsample.fem.kernels import BASE, PLATEN
@@ -52,7 +52,7 @@ class StaticTest:
     ----------
     mesh : HexMesh
         Reference configuration [m].
-    material : OgdenMaterial
+    material : Material
         Moduli [Pa].
     boundary : Boundary
         Fixed base; nodes glued to the moving platen, or platens that free nodes can touch.
@@ -66,7 +66,7 @@ class StaticTest:
     """
 
     mesh: HexMesh
-    material: OgdenMaterial
+    material: Material
     boundary: Boundary
     travel: float
 

@@ -7,7 +7,7 @@ from itertools import pairwise
 import numpy as np
 from numpy.typing import NDArray
 
-from softsample.constitutive.ogden import OgdenMaterial
+from softsample.constitutive.material import Material
 from softsample.errors import InputError, SimulationError
 from softsample.fem import kernels
 from softsample.fem.blocks import aligned, groups_first, is_grouped, pack
@@ -222,7 +222,7 @@ class ExplicitModel:
         return values
 
     def internal_force(
-        self, displacement: Array, material: OgdenMaterial, spectral: bool | None = None
+        self, displacement: Array, material: Material, spectral: bool | None = None
     ) -> tuple[Array, Array]:
         """Internal forces (n_nodes, 3) [N] and element state of given displacements [m].
 
@@ -261,7 +261,7 @@ class ExplicitModel:
         """Zeros for the state of the elements."""
         return aligned((3, *self._unit_elements.volume.shape), self.settings.dtype)
 
-    def solid(self, material: OgdenMaterial, spectral: bool | None = None) -> kernels.Solid:
+    def solid(self, material: Material, spectral: bool | None = None) -> kernels.Solid:
         """Kernel argument `solid`.
 
         Raises
@@ -269,25 +269,29 @@ class ExplicitModel:
         SimulationError
             If the path by products is asked for with exponents that are not even integers.
         """
-        by_eigenvalues = (not material.even) if spectral is None else spectral
-        if not by_eigenvalues and not material.even:
+        products = all(t.rule.even_power(t.shape) for t in material.of_law("ogden"))
+        by_eigenvalues = (not products) if spectral is None else spectral
+        if not by_eigenvalues and not products:
             raise SimulationError(
                 f"exponents {material.alpha} are not all even integers: use the spectral path"
             )
         order = np.argsort(np.abs(material.alpha), kind="stable")
-        fibres, relaxation = material.fibres, material.relaxation
+        relaxation = material.relaxation
+        fibre = [0.0, 0.0, 0.0, 1.0]
+        for term in material.of_law("fibre"):
+            fibre = [0.5 * term.modulus, *term.direction]
         return kernels.Solid(
             np.array(material.mu, float)[order],
             np.array(material.alpha, float)[order],
             material.bulk_modulus,
             JACOBI_SWEEPS[self.settings.precision] if by_eigenvalues else 0,
-            np.array([fibres.modulus, *fibres.direction] if fibres else [0.0, 0.0, 0.0, 1.0]),
+            np.array(fibre),
             np.array(relaxation.g if relaxation else (), float),
         )
 
     def run(
         self,
-        material: OgdenMaterial,
+        material: Material,
         boundary: Boundary,
         loading: float | History,
         *,
@@ -302,7 +306,7 @@ class ExplicitModel:
 
         Parameters
         ----------
-        material : OgdenMaterial
+        material : Material
             Its shear modulus scales the loading time with the wave speed, so that curves of
             ``k mu`` are ``k`` times those of ``mu`` (without gravity).
         boundary : Boundary
@@ -370,7 +374,7 @@ class _March:
     def __init__(
         self,
         model: ExplicitModel,
-        material: OgdenMaterial,
+        material: Material,
         boundary: Boundary,
         schedule: Schedule,
         gravity: Gravity | None,

@@ -6,7 +6,7 @@ from collections.abc import Callable
 import numpy as np
 import pandas as pd
 
-from softsample.constitutive.ogden import OgdenMaterial
+from softsample.constitutive.material import Material
 from softsample.errors import SimulationError
 from softsample.fem.boundary import ContactSettings, glued_boundary, platen_boundary
 from softsample.fem.explicit import ExplicitModel, Run
@@ -18,7 +18,7 @@ SHARES = (1.0, 0.95, 0.9, 0.85, 0.8, 0.75, 0.7)
 
 def simulate_both(
     model: ExplicitModel,
-    material: OgdenMaterial,
+    material: Material,
     travel: float,
     contact: ContactSettings,
     normal_deg: float,

@@ -5,7 +5,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from softsample.constitutive.ogden import OgdenMaterial
+from softsample.constitutive.material import Material
 from softsample.loop.effects import library
 from softsample.loop.effects.base import Effect, Parameter
 from softsample.loop.specimen import Specimen
@@ -23,7 +23,7 @@ RIPPLE_HZ = (95.0, 105.0)
 RIPPLE = "mains_pickup"
 
 
-def candidates(specimens: Sequence[Specimen], height: float, solid: OgdenMaterial) -> list[Effect]:
+def candidates(specimens: Sequence[Specimen], height: float, solid: Material) -> list[Effect]:
     """The library for the records of a group.
 
     Effects of time are no candidates without recorded time. Ranges of lengths and forces go with
@@ -35,7 +35,7 @@ def candidates(specimens: Sequence[Specimen], height: float, solid: OgdenMateria
         The tests.
     height : float
         Of the samples [m].
-    solid : OgdenMaterial
+    solid : Material
         What the model is made of.
     """
     timed = all(s.timed for s in specimens)

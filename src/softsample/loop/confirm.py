@@ -12,6 +12,7 @@ import numpy as np
 import pandas as pd
 from numpy.typing import NDArray
 
+from softsample.constitutive.material import Material
 from softsample.constitutive.ogden import Fibres, OgdenMaterial
 from softsample.fem.boundary import Boundary, platen_boundary
 from softsample.loop.diagnose import LoopSettings, pose
@@ -25,7 +26,7 @@ from softsample.response.perturbations import MARGIN, changed_boundaries, paced
 from softsample.response.pieces import MechanicalTest, MeshedSample
 
 Array = NDArray[np.float64]
-Runs = list[tuple[float, OgdenMaterial, Boundary]]
+Runs = list[tuple[float, Material, Boundary]]
 Sizes = Mapping[str, Values]
 
 MOST = 3
@@ -105,12 +106,13 @@ def _runs(
     if name == "poisson_ratio":
         return [(1.0, replace(material, poisson_ratio=values["nu"]), held)]
     if name == "ogden_exponents":
-        return [(1.0, replace(material, alpha=(values["alpha1"], values["alpha2"])), held)]
+        alpha = values["alpha1"], values["alpha2"]
+        return [(1.0, OgdenMaterial(material.mu, alpha, material.poisson_ratio), held)]
     if name == "anisotropy":
         angle = np.radians(values["angle_deg"])
         along = float(np.sin(angle)), 0.0, float(np.cos(angle))
         fibres = Fibres(values["k1"] * material.shear_modulus, along)
-        return [(1.0, replace(material, fibres=fibres), held)]
+        return [(1.0, material.plus(fibres), held)]
     if name == "platen_tilt":
         axis, tilt = np.radians(values["axis_deg"]), values["tilt_deg"]
         tilts = (float(tilt * np.cos(axis)), float(tilt * np.sin(axis)))

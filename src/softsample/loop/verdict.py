@@ -3,7 +3,7 @@
 from collections.abc import Mapping, Sequence
 from typing import Any
 
-from softsample.constitutive.ogden import OgdenMaterial
+from softsample.constitutive.material import Material
 from softsample.loop.diagnose import Diagnosis, LoopSettings, error_report, report
 from softsample.loop.leave_out import Errors
 
@@ -12,7 +12,7 @@ def document(
     found: Diagnosis,
     left_out: tuple[Errors, Errors],
     settings: LoopSettings,
-    solid: OgdenMaterial,
+    solid: Material,
     rows: Sequence[Mapping[str, str]],
     rule: str,
 ) -> dict[str, Any]:
@@ -26,7 +26,7 @@ def document(
         Errors of parts left out in turn, before and after, by fold and test.
     settings : LoopSettings
         Of the diagnosis.
-    solid : OgdenMaterial
+    solid : Material
         Law of the model.
     rows : sequence of mapping
         Of the study table.

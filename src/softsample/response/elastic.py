@@ -9,7 +9,7 @@ import numpy as np
 import pandas as pd
 from numpy.typing import NDArray
 
-from softsample.constitutive.ogden import compressibility
+from softsample.constitutive.material import compressibility
 from softsample.protocol import PRESSED_MODES
 from softsample.response.changes import for_all_fractions, read_changes
 from softsample.response.curves import ResponseCurves

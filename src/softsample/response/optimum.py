@@ -9,7 +9,7 @@ import pandas as pd
 from numpy.typing import NDArray
 
 from softsample.constitutive.homogeneous import thickness_stretch
-from softsample.constitutive.ogden import OgdenMaterial
+from softsample.constitutive.material import Material
 from softsample.fem.boundary import Boundary
 from softsample.fem.explicit import ExplicitModel
 from softsample.fem.fields import CONTACT, contact_report
@@ -67,7 +67,7 @@ def loading_time(report: dict[str, Any], model: ExplicitModel) -> float:
 def simulated_optimum(
     model: ExplicitModel,
     boundary: Boundary,
-    material: OgdenMaterial,
+    material: Material,
     travel: float,
     duration: float,
     progress: Callable[[float], None] | None = None,
@@ -102,7 +102,7 @@ def simulated_optimum(
 
 
 def sheared_optimum(
-    mesh: HexMesh, shape: IdealShape, material: OgdenMaterial, travel: float, points: int
+    mesh: HexMesh, shape: IdealShape, material: Material, travel: float, points: int
 ) -> Optimum:
     """Homogeneous simple shear in closed form, which no run of the solver is.
 

@@ -7,7 +7,8 @@ from functools import partial
 import numpy as np
 from numpy.typing import NDArray
 
-from softsample.constitutive.ogden import Fibres, OgdenMaterial
+from softsample.constitutive.material import Material
+from softsample.constitutive.ogden import Fibres, OgdenMaterial, unit_modulus
 from softsample.fem.boundary import Boundary, mode_boundary, platen_boundary
 from softsample.fem.explicit import ExplicitModel, Run
 from softsample.meshing.bond import partial_bond
@@ -129,7 +130,7 @@ def simulate_perturbations(
     pace = paced(model, material, boundary, reach)
     base = _forces(pace.run, test)
 
-    def force(on: ExplicitModel, of: OgdenMaterial, held: Boundary) -> Array:
+    def force(on: ExplicitModel, of: Material, held: Boundary) -> Array:
         return _forces(on.run(of, held, reach, loading_time=pace.loading_time), test)
 
     todo: dict[str, Callable[[], Array]] = {
@@ -159,7 +160,7 @@ def homogeneous_perturbations(
     """The same in closed form for an ideal shape with sliding ends: material and size."""
     travel = np.linspace(0.0, MARGIN * test.travel, test.solver.curve_points + 1)
 
-    def area(of: IdealShape, solid: OgdenMaterial) -> Array:
+    def area(of: IdealShape, solid: Material) -> Array:
         channels = (False, True) if test.normal else (False,)
         return np.stack(
             [homogeneous_area(of, test.mode, travel, solid, normal=n) for n in channels], axis=1
@@ -167,7 +168,7 @@ def homogeneous_perturbations(
 
     base = area(shape, test.material)
     changed = changed_materials(test).items()
-    changes = {name: area(shape, of) - base for name, of in changed if of.fibres is None}
+    changes = {name: area(shape, of) - base for name, of in changed if of.isotropic}
     changes["boundary_shift"] = area(shape.grown(1e-3 * test.steps.shift_mm), test.material) - base
     return travel, _by_channel(
         {name: change * _to_default(name, test.steps) for name, change in changes.items()}
@@ -228,13 +229,13 @@ def _pressed_changes(
     slow, there = CYCLE_PACE * pace.loading_time, float(pace.run.displacement[-1])
     start = model.run(material, down, depth, loading_time=slow).displacement_field
 
-    def force(of: OgdenMaterial, place: Array | None) -> Array:
+    def force(of: Material, place: Array | None) -> Array:
         run = model.run(of, boundary, there, loading_time=pace.loading_time, start=place)
         return _forces(run, test)
 
     modulus = material.shear_modulus
     fraction = elsewhere(material.mu1_fraction)
-    another = replace(material, mu=(fraction * modulus, (1.0 - fraction) * modulus))
+    another = unit_modulus(fraction, material.alpha, material.poisson_ratio, modulus)
     changes = {}
     for name, of, base in (
         (PRESSED, material, _forces(pace.run, test)),
@@ -263,7 +264,7 @@ def _cycle_changes(cycle: Array, force: Array, stuck: Run) -> tuple[Array, Array
     return np.interp(grid, loading, rubbing), np.interp(grid, loading, back - there)
 
 
-def paced(model: ExplicitModel, material: OgdenMaterial, boundary: Boundary, reach: float) -> Pace:
+def paced(model: ExplicitModel, material: Material, boundary: Boundary, reach: float) -> Pace:
     """Loading time at which the model's curve to a travel [m] is as good as its settings ask."""
     return find_pace(
         lambda t: model.run(material, boundary, reach, loading_time=t),
@@ -272,19 +273,20 @@ def paced(model: ExplicitModel, material: OgdenMaterial, boundary: Boundary, rea
     )
 
 
-def changed_materials(test: MechanicalTest) -> dict[str, OgdenMaterial]:
+def changed_materials(test: MechanicalTest) -> dict[str, Material]:
     """Materials that differ in one thing, by the name of the perturbation."""
     material, steps = test.material, test.steps
-    (first, second), k1 = material.alpha, steps.fibre_ratio * material.shear_modulus
+    (first, second), nu = material.alpha, material.poisson_ratio
+    k1 = steps.fibre_ratio * material.shear_modulus
     return {
         **{
-            f"poisson_{less:g}_less": replace(material, poisson_ratio=material.poisson_ratio - less)
+            f"poisson_{less:g}_less": replace(material, poisson_ratio=nu - less)
             for less in (0.02, 0.04)
         },
-        "alpha1": replace(material, alpha=(first + steps.exponent, second)),
-        "alpha2": replace(material, alpha=(first, second + steps.exponent)),
+        "alpha1": OgdenMaterial(material.mu, (first + steps.exponent, second), nu),
+        "alpha2": OgdenMaterial(material.mu, (first, second + steps.exponent), nu),
         **{
-            f"fibres_{name}": replace(material, fibres=Fibres(k1, FIBRES[name]))
+            f"fibres_{name}": material.plus(Fibres(k1, FIBRES[name]))
             for name in ("z", "ahead", "behind" if test.mode == "shear" else "x")
         },
     }

@@ -7,7 +7,8 @@ from typing import Any, Self
 import numpy as np
 from numpy.typing import NDArray
 
-from softsample.constitutive.ogden import OgdenMaterial
+from softsample.constitutive.material import Material
+from softsample.constitutive.ogden import unit_modulus
 from softsample.fem.boundary import Boundary, ContactSettings, mode_boundary
 from softsample.fem.explicit import ExplicitModel, SolverSettings
 from softsample.meshing.hexahedral import MeshSettings
@@ -64,7 +65,7 @@ class MechanicalTest:
     ----------
     mode : str
         One of `softsample.protocol.DIRECTIONS`.
-    material : OgdenMaterial
+    material : Material
         Two-term material at the optimum; its modulus only sets the scale.
     travel : float
         Largest displacement of the platen [m].
@@ -80,7 +81,7 @@ class MechanicalTest:
     """
 
     mode: str
-    material: OgdenMaterial
+    material: Material
     travel: float
     contact: ContactSettings
     solver: SolverSettings
@@ -89,7 +90,7 @@ class MechanicalTest:
     normal: bool = False
 
     @classmethod
-    def of(cls, material: OgdenMaterial, travel: float, given: Mapping[str, Any]) -> Self:
+    def of(cls, material: Material, travel: float, given: Mapping[str, Any]) -> Self:
         """From a material, a displacement [m], and the parameters of the job.
 
         These are `mode`, `ends`, `normal`, `contact`, `solver` and `perturbations`.
@@ -123,10 +124,10 @@ class MechanicalTest:
         return replace(self.contact, friction=friction, base_friction=friction)
 
 
-def _of_both_terms(material: OgdenMaterial) -> OgdenMaterial:
+def _of_both_terms(material: Material) -> Material:
     """The material with some of each term: a change of a term that is absent shows nothing."""
     mu, fraction = material.shear_modulus, float(np.clip(material.mu1_fraction, *INNER))
-    return replace(material, mu=(fraction * mu, (1.0 - fraction) * mu))
+    return unit_modulus(fraction, material.alpha, material.poisson_ratio, mu)
 
 
 @dataclass(frozen=True, eq=False)

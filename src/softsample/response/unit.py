@@ -14,7 +14,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from softsample.constitutive.homogeneous import homogeneous_force, homogeneous_normal
-from softsample.constitutive.ogden import OgdenMaterial, unit_modulus
+from softsample.constitutive.material import Material
+from softsample.constitutive.ogden import unit_modulus
 from softsample.errors import SimulationError
 from softsample.fem.boundary import Boundary
 from softsample.fem.explicit import ExplicitModel, Run
@@ -166,7 +167,7 @@ def unit_runs(
     model: ExplicitModel,
     boundary: Boundary,
     travel: float,
-    solids: Sequence[OgdenMaterial],
+    solids: Sequence[Material],
     loading_time: float,
     progress: Progress | None = None,
 ) -> Iterator[tuple[Run, float]]:
@@ -357,7 +358,7 @@ def homogeneous_area(
     shape: IdealShape,
     mode: str,
     displacement: Array,
-    solid: OgdenMaterial,
+    solid: Material,
     normal: bool = False,
 ) -> Array:
     """Force (n,) along the displacement [m], or along +z, over the shear modulus [m2]."""

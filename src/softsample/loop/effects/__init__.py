@@ -3,16 +3,16 @@
 import pkgutil
 from importlib import import_module
 
-from softsample.constitutive.ogden import OgdenMaterial
+from softsample.constitutive.material import Material
 from softsample.loop.effects.base import Effect
 
 
-def library(solid: OgdenMaterial | None = None) -> dict[str, Effect]:
+def library(solid: Material | None = None) -> dict[str, Effect]:
     """All effects by name, in alphabetical order. Adding one means adding a file.
 
     Parameters
     ----------
-    solid : OgdenMaterial, optional
+    solid : Material, optional
         What the model is made of, for effects that depart from its constants; by default that of
         the study.
     """

@@ -1,6 +1,6 @@
 """Other exponents than the model's."""
 
-from softsample.constitutive.ogden import OgdenMaterial
+from softsample.constitutive.material import Material
 from softsample.loop.effects.base import SOLID, Array, Effect, Parameter, Values
 from softsample.loop.specimen import Specimen
 from softsample.response.pieces import PerturbationSettings
@@ -11,7 +11,7 @@ PARTS = ((0.25, 1.75, 1.25), (0.375, 1.5, 0.875))
 """Range and nominal value of each exponent, as parts of the model's."""
 
 
-def about(solid: OgdenMaterial) -> Effect:
+def about(solid: Material) -> Effect:
     """The effect for a model with the exponents of a two-term solid."""
 
     def elastic(specimen: Specimen, fraction: float, travel: Array, values: Values) -> Array:

@@ -1,11 +1,11 @@
 """The tissue is more, or less, compressible than the model."""
 
-from softsample.constitutive.ogden import OgdenMaterial
+from softsample.constitutive.material import Material
 from softsample.loop.effects.base import SOLID, Array, Effect, Parameter, Values
 from softsample.loop.specimen import Specimen
 
 
-def about(solid: OgdenMaterial) -> Effect:
+def about(solid: Material) -> Effect:
     """The effect for a model with the Poisson's ratio of a solid."""
     nu = solid.poisson_ratio
 

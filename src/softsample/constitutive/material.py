@@ -1,0 +1,392 @@
+"""A material: a sum of elastic laws with their moduli, bulk modulus and relaxation."""
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import Any, Self
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from softsample.constitutive.law import FibreLaw, InvariantLaw, Law, SpectralLaw
+from softsample.constitutive.laws import LAWS
+
+Array = NDArray[np.float64]
+
+UPRIGHT = (0.0, 0.0, 1.0)
+"""Direction along the height."""
+
+
+@dataclass(frozen=True)
+class Relaxation:
+    """Prony series of the isochoric stress, ``G(t) = 1 - sum g (1 - exp(-t/tau))``.
+
+    A foam's stress, which has no isochoric part of its own, relaxes as a whole.
+
+    Parameters
+    ----------
+    g : tuple of float
+        Relaxing parts, positive, sum below one.
+    tau_s : tuple of float
+        Relaxation times [s], positive.
+
+    Raises
+    ------
+    ValueError
+        On lengths that disagree or a value out of range.
+
+    References
+    ----------
+    J. C. Simo, Comput. Methods Appl. Mech. Engng 60 (1987) 153,
+    doi:10.1016/0045-7825(87)90107-1.
+    """
+
+    g: tuple[float, ...]
+    tau_s: tuple[float, ...]
+
+    def __post_init__(self) -> None:
+        if len(self.g) != len(self.tau_s) or min(self.g + self.tau_s, default=1.0) <= 0.0:
+            raise ValueError(f"one time > 0 per part > 0 is needed, got {self.g}, {self.tau_s} s")
+        if sum(self.g) >= 1.0:
+            raise ValueError(f"relaxing parts must sum to less than one, got {self.g}")
+
+
+@dataclass(frozen=True)
+class Term:
+    """One law with its numbers.
+
+    Parameters
+    ----------
+    law : str
+        Name in `softsample.constitutive.laws.LAWS`.
+    modulus : float
+        Its part of the initial shear modulus [Pa]; of fibres k1 [Pa], >= 0, which is no part.
+    shape : tuple of float
+        Shape parameters in the order of the law's.
+    direction : tuple of float
+        Of fibres, in the sample frame; normalised here. No other law heeds it.
+
+    Raises
+    ------
+    ValueError
+        On an unknown law or a number out of range.
+    """
+
+    law: str
+    modulus: float
+    shape: tuple[float, ...] = ()
+    direction: tuple[float, float, float] = UPRIGHT
+
+    def __post_init__(self) -> None:
+        if self.law not in LAWS:
+            raise ValueError(f"no elastic law {self.law!r}; there are {', '.join(LAWS)}")
+        object.__setattr__(self, "shape", tuple(map(float, self.shape)))
+        self.rule.check(self.shape)
+        if self.is_fibre:
+            object.__setattr__(self, "direction", self._unit_direction())
+
+    def _unit_direction(self) -> tuple[float, ...]:
+        length = float(np.linalg.norm(self.direction))
+        if not (self.modulus >= 0.0 and length > 0.0):
+            raise ValueError(
+                f"fibres need a modulus >= 0 and a direction, got {self.modulus} Pa "
+                f"along {self.direction}"
+            )
+        return tuple(float(a) / length for a in self.direction)
+
+    @property
+    def rule(self) -> Law:
+        """The law itself."""
+        return LAWS[self.law]
+
+    @property
+    def is_fibre(self) -> bool:
+        """Whether it is of a direction, and no part of the initial shear modulus."""
+        return isinstance(self.rule, FibreLaw)
+
+    @property
+    def own_poisson_ratio(self) -> float | None:
+        """Poisson's ratio of a law that is of the volume as well."""
+        return self.rule.poisson_ratio(self.shape)
+
+
+@dataclass(frozen=True)
+class Material:
+    """A sum of laws; all but foams and fibres share the volumetric energy ``K/2 (J - 1)^2``.
+
+    The initial shear modulus is the sum of the moduli of the terms that are no fibres.
+
+    Parameters
+    ----------
+    terms : tuple of Term
+        The laws; moduli finite, the shear modulus positive.
+    poisson_ratio : float
+        Initial Poisson's ratio, from 0 to below 0.5, of the terms that have none of their own.
+    relaxation : Relaxation, optional
+        Stress relaxation; the moduli are then the instantaneous ones.
+
+    Raises
+    ------
+    ValueError
+        On a value out of range.
+    """
+
+    terms: tuple[Term, ...]
+    poisson_ratio: float = 0.49
+    relaxation: Relaxation | None = None
+
+    def __post_init__(self) -> None:
+        moduli = tuple(term.modulus for term in self.terms)
+        if not np.all(np.isfinite(moduli)) or self.shear_modulus <= 0.0:
+            raise ValueError(f"moduli must be finite with a positive sum, got {moduli} Pa")
+        if not 0.0 <= self.poisson_ratio < 0.5:
+            raise ValueError(f"Poisson's ratio must lie in [0, 0.5), got {self.poisson_ratio}")
+
+    @property
+    def shear_modulus(self) -> float:
+        """Initial shear modulus [Pa]."""
+        return float(sum(term.modulus for term in self.terms if not term.is_fibre))
+
+    @property
+    def bulk_modulus(self) -> float:
+        """Initial bulk modulus [Pa]."""
+        return self.volumetric_modulus + float(
+            sum(
+                term.modulus / compressibility(term.own_poisson_ratio)
+                for term in self.terms
+                if term.own_poisson_ratio is not None
+            )
+        )
+
+    @property
+    def volumetric_modulus(self) -> float:
+        """K [Pa] of ``K/2 (J - 1)^2``: the bulk modulus without what foams have of it."""
+        shared = sum(
+            term.modulus
+            for term in self.terms
+            if not term.is_fibre and term.own_poisson_ratio is None
+        )
+        return float(shared) / compressibility(self.poisson_ratio)
+
+    @property
+    def isotropic(self) -> bool:
+        """Whether there are no fibres."""
+        return not any(term.is_fibre for term in self.terms)
+
+    def of_law(self, law: str) -> tuple[Term, ...]:
+        """The terms of a law."""
+        return tuple(term for term in self.terms if term.law == law)
+
+    @property
+    def mu(self) -> tuple[float, ...]:
+        """Moduli [Pa] of the Ogden terms."""
+        return tuple(term.modulus for term in self.of_law("ogden"))
+
+    @property
+    def alpha(self) -> tuple[float, ...]:
+        """Exponents of the Ogden terms."""
+        return tuple(term.shape[0] for term in self.of_law("ogden"))
+
+    @property
+    def mu1_fraction(self) -> float:
+        """Part of the shear modulus that is in the first Ogden term."""
+        return self.mu[0] / self.shear_modulus
+
+    def plus(self, *terms: Term) -> Self:
+        """The material with more terms; its shear modulus is the sum."""
+        return type(self)((*self.terms, *terms), self.poisson_ratio, self.relaxation)
+
+
+def compressibility(poisson_ratio: float) -> float:
+    """Shear modulus over bulk modulus."""
+    return 1.5 * (1.0 - 2.0 * poisson_ratio) / (1.0 + poisson_ratio)
+
+
+def unit_material(
+    name: str, shape: Mapping[str, float] | None = None, poisson_ratio: float = 0.49
+) -> Material:
+    """One law at a shear modulus of 1 Pa.
+
+    Parameters
+    ----------
+    name : str
+        One of `softsample.constitutive.laws.LAWS`.
+    shape : mapping, optional
+        Shape parameters by name; those that are left out have their defaults.
+    poisson_ratio : float
+        Of a law that has none of its own among its parameters.
+
+    Raises
+    ------
+    ValueError
+        On an unknown law or parameter, a number out of range, or a law that is no solid alone.
+    """
+    given = dict(shape or {})
+    if name not in LAWS:
+        raise ValueError(f"no elastic law {name!r}; there are {', '.join(LAWS)}")
+    names = [parameter.name for parameter in LAWS[name].shape]
+    unknown = sorted(set(given) - set(names))
+    if unknown:
+        raise ValueError(f"{name} has no parameter {', '.join(unknown)}; it has {names}")
+    if isinstance(LAWS[name], FibreLaw):
+        raise ValueError(f"{name} is no solid alone; add it to one with `Material.plus`")
+    numbers = tuple(given.get(p.name, p.default) for p in LAWS[name].shape)
+    term = Term(name, 1.0, numbers)
+    own = term.own_poisson_ratio
+    return Material((term,), poisson_ratio if own is None else own)
+
+
+def energy(gradient: ArrayLike, material: Material) -> Array:
+    """Strain energy per reference volume [Pa] of deformation gradients (..., 3, 3).
+
+    Raises
+    ------
+    ValueError
+        If any determinant is not positive.
+    """
+    stretch, direction, J = isochoric_stretches(gradient)
+    density = isotropic_response(np.log(stretch), J - 1.0, material)[0]
+    for term in material.terms:
+        if term.is_fibre:
+            x, along, _ = _along(stretch, direction, term)
+            density = density + term.modulus * _fibre(term)(x, along - 1.0, term.shape)[0]
+    return np.asarray(density)
+
+
+def stress(gradient: ArrayLike, material: Material) -> Array:
+    """First Piola-Kirchhoff stress ``P = dW/dF``.
+
+    ``P = F^-T M`` with the Mandel stress M, which is coaxial with C but for fibres. This is the
+    plain spectral form; the solver's kernels are tested against it.
+
+    Parameters
+    ----------
+    gradient : (..., 3, 3) array_like
+        Deformation gradients F, dimensionless, det F > 0.
+    material : Material
+        Relaxation has no part in it.
+
+    Returns
+    -------
+    (..., 3, 3) float64
+        Nominal force per reference area [Pa], first index the force direction, tension positive.
+
+    Raises
+    ------
+    ValueError
+        If any determinant is not positive.
+
+    Notes
+    -----
+    Verified in ``tests/verification/test_laws.py`` by differences of the energy, against closed
+    forms and felupe.
+    """
+    F = np.asarray(gradient, dtype=np.float64)
+    stretch, direction, J = isochoric_stretches(F)
+    mandel = isotropic_response(np.log(stretch), J - 1.0, material)[1]
+    M = (direction * mandel[..., None, :]) @ np.swapaxes(direction, -1, -2)
+    for term in material.terms:
+        if term.is_fibre:
+            M = M + _fibre_mandel(stretch, direction, term)
+    return np.asarray(np.swapaxes(np.linalg.inv(F), -1, -2) @ M)
+
+
+def isochoric_stretches(gradient: ArrayLike) -> tuple[Array, Array, Array]:
+    """Isochoric principal stretches of deformation gradients.
+
+    Parameters
+    ----------
+    gradient : (..., 3, 3) array_like
+        Deformation gradients F, det F > 0.
+
+    Returns
+    -------
+    stretch : (..., 3) float64
+        ``J**(-1/3) lambda_a``, ascending.
+    direction : (..., 3, 3) float64
+        Principal directions of ``C = F^T F`` in columns.
+    jacobian : (...) float64
+        ``J = det F``.
+
+    Raises
+    ------
+    ValueError
+        If any determinant is not positive.
+    """
+    F = np.asarray(gradient, dtype=np.float64)
+    J = np.linalg.det(F)
+    if not np.all(J > 0.0):
+        raise ValueError(f"deformation gradients must have det F > 0, smallest is {np.min(J):g}")
+    squared, direction = np.linalg.eigh(np.swapaxes(F, -1, -2) @ F)
+    return J[..., None] ** (-1.0 / 3.0) * np.sqrt(squared), direction, J
+
+
+def isotropic_response(
+    log_stretch: NDArray[Any], dilatation: NDArray[Any], material: Material
+) -> tuple[NDArray[Any], NDArray[Any]]:
+    """Strain energy and principal Kirchhoff stresses of all terms that are no fibres.
+
+    Parameters
+    ----------
+    log_stretch : (..., 3) float64 or complex128
+        Logarithms of the isochoric principal stretches, sum zero.
+    dilatation : (...) float64 or complex128
+        J - 1.
+    material : Material
+        Fibres have no part in it.
+
+    Returns
+    -------
+    energy : (...)
+        Per reference volume [Pa].
+    stress : (..., 3)
+        Principal Kirchhoff stresses [Pa], which are those of the Mandel stress.
+    """
+    pressure = material.volumetric_modulus * dilatation
+    total = 0.5 * pressure * dilatation
+    kirchhoff = (pressure * (1.0 + dilatation))[..., None] * np.ones(3)
+    for term in material.terms:
+        if not term.is_fibre:
+            density, stresses = _unit_response(log_stretch, 1.0 + dilatation, term)
+            total = total + term.modulus * density
+            kirchhoff = kirchhoff + term.modulus * stresses
+    return total, kirchhoff
+
+
+def _unit_response(
+    log_stretch: NDArray[Any], jacobian: NDArray[Any], term: Term
+) -> tuple[NDArray[Any], NDArray[Any]]:
+    """Energy (...) and principal Kirchhoff stresses (..., 3) of an isotropic term per modulus."""
+    law = term.rule
+    if isinstance(law, SpectralLaw):
+        x, y, z = np.moveaxis(log_stretch, -1, 0)
+        density, *stresses = law.principal(x, y, z, jacobian, term.shape)
+        return density, np.stack(stresses, axis=-1)
+    assert isinstance(law, InvariantLaw)
+    first, second = np.expm1(2.0 * log_stretch), np.expm1(-2.0 * log_stretch)
+    density, by_first, by_second = law.slopes(first.sum(axis=-1), second.sum(axis=-1), term.shape)
+    parts = np.expand_dims(by_first, -1) * first - np.expand_dims(by_second, -1) * second
+    return density, 2.0 * (parts - parts.mean(axis=-1, keepdims=True))
+
+
+def _fibre(term: Term) -> Any:
+    law = term.rule
+    assert isinstance(law, FibreLaw)
+    return law.slopes
+
+
+def _along(stretch: Array, direction: Array, term: Term) -> tuple[Array, Array, Array]:
+    """I1 - 3 (...), I4 (...) and Cbar a a (..., 3, 3) of a term's direction a."""
+    squared = stretch**2
+    a = np.array(term.direction)
+    b = (direction * squared[..., None, :]) @ np.swapaxes(direction, -1, -2) @ a
+    return squared.sum(axis=-1) - 3.0, b @ a, b[..., :, None] * a
+
+
+def _fibre_mandel(stretch: Array, direction: Array, term: Term) -> Array:
+    """Mandel stress (..., 3, 3) [Pa] of fibres: 2 dev(W1 Cbar + W4 Cbar a a)."""
+    x, along, pulled = _along(stretch, direction, term)
+    _, by_first, by_fourth = _fibre(term)(x, along - 1.0, term.shape)
+    squared = (direction * (stretch**2)[..., None, :]) @ np.swapaxes(direction, -1, -2)
+    M = np.expand_dims(by_first, (-1, -2)) * squared + np.expand_dims(by_fourth, (-1, -2)) * pulled
+    mean = np.trace(M, axis1=-2, axis2=-1)[..., None, None] / 3.0
+    return np.asarray(2.0 * term.modulus * (M - mean * np.eye(3)))

@@ -40,10 +40,21 @@ class Shape:
 
     def starts(self, count: int) -> Array:
         """Inner points (count,) of the range, in its root where it is wide and begins near zero."""
-        inner = (np.arange(count) + 0.5) / count
-        if self.low >= 0.0 and self.high >= WIDE:
-            inner = inner**2
-        return np.asarray(self.low + inner * (self.high - self.low))
+        return np.array([self.value((k + 0.5) / count) for k in range(count)])
+
+    @property
+    def power(self) -> float:
+        """Of the part of the range in which the parameter is searched."""
+        return 2.0 if self.low >= 0.0 and self.high >= WIDE else 1.0
+
+    def value(self, part: float) -> float:
+        """The value at a part of the range, from 0 to 1."""
+        inner = float(np.clip(part, 0.0, 1.0)) ** self.power
+        return self.low + inner * (self.high - self.low)
+
+    def part(self, value: float) -> float:
+        """The part of the range at a value."""
+        return float(((value - self.low) / (self.high - self.low)) ** (1.0 / self.power))
 
 
 @dataclass(frozen=True)

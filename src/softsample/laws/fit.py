@@ -7,7 +7,7 @@ projection).
 """
 
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 
 import numpy as np
 from numpy.typing import NDArray
@@ -17,6 +17,7 @@ from softsample.laws.candidates import Candidate
 from softsample.laws.test import LawTest, Mask
 
 Array = NDArray[np.float64]
+Contacts = dict[str, tuple[float, float]]
 Whiten = Callable[[int, Array], Array]
 
 STEP = 1e-5
@@ -25,8 +26,11 @@ STEP = 1e-5
 STARTS = 4
 """Starts along each shape parameter."""
 
-MOST_STARTS = 4
+MOST_STARTS = 3
 """Starts that are followed to their end: those that fit best."""
+
+IMPOSSIBLE = 10.0
+"""Residual over the record of a shape that has no response."""
 
 AT_BOUND = 1e-3
 """Part of a range within which a parameter is at its bound."""
@@ -44,16 +48,20 @@ class LawFit:
     shape : (n_shape,) float64
     cost : float
         Weighted sum of squares.
+    contact : dict
+        Where contact begins and the depth of the face [m], by sample whose contact is not known.
     """
 
     candidate: Candidate
     mu: float
     shape: Array
     cost: float
+    contact: dict[str, tuple[float, float]] = field(default_factory=dict)
 
     def force(self, test: LawTest) -> Array:
         """Force (n,) [N] at the points of a test."""
-        return self.mu * test.unit_force(self.candidate, self.shape)
+        contact = self.contact.get(test.sample, ())
+        return self.mu * test.unit_force(self.candidate, self.shape, contact)
 
     @property
     def bounds_met(self) -> list[str]:
@@ -96,72 +104,90 @@ class Problem:
         """White values of all points that count."""
         return np.concatenate([self.whiten(k, values(t)[self.kept[k]]) for k, t in self.pairs])
 
-    def unit(self, candidate: Candidate, shape: Array) -> Array:
+    @property
+    def contacts(self) -> list[LawTest]:
+        """Tests whose contact is fitted."""
+        return [test for _, test in self.pairs if test.contact_depth]
+
+    def unit(self, candidate: Candidate, shape: Array, contact: Contacts) -> Array:
         """White forces per modulus."""
-        return self.stacked(lambda test: test.unit_force(candidate, shape))
+        return self.stacked(
+            lambda test: test.unit_force(candidate, shape, contact.get(test.sample, ()))
+        )
 
     @property
     def measured(self) -> Array:
         """White forces of the records."""
         return self.stacked(lambda test: test.force)
 
-    def projected(self, candidate: Candidate, shape: Array, y: Array) -> tuple[float, Array]:
-        """The modulus >= 0 that fits best [Pa], and the white residual."""
-        unit = self.unit(candidate, shape)
+    def projected(
+        self,
+        candidate: Candidate,
+        shape: Array,
+        contact: Contacts,
+        y: Array,
+        modulus: float | None = None,
+    ) -> tuple[float, Array]:
+        """The modulus >= 0 that fits best [Pa], or the given one, and the white residual."""
+        unit = self.unit(candidate, shape, contact)
+        if not np.all(np.isfinite(unit)):  # such a solid has no equilibrium, or is crushed
+            return 0.0, IMPOSSIBLE * y
         mu = max(0.0, float(unit @ y) / max(float(unit @ unit), 1e-300))
+        mu = mu if modulus is None else modulus
         return mu, y - mu * unit
 
     def fit(
         self,
         candidate: Candidate,
-        starts: Sequence[Array] | None = None,
+        first: Sequence[Array] = (),
+        most: int = MOST_STARTS,
         held: dict[int, float] | None = None,
+        modulus: float | None = None,
     ) -> LawFit:
         """The best of descents from several starts.
 
         Parameters
         ----------
         candidate : Candidate
-        starts : sequence of (n_shape,) float64, optional
-            Where to set out from; by default a grid in the ranges.
+        first : sequence of (n_shape,) float64, optional
+            Shapes to set out from, before those of a grid that fit best.
+        most : int
+            Number of descents.
         held : dict, optional
             Values of shape parameters by index, which are not fitted.
+        modulus : float, optional
+            A modulus [Pa] that is not fitted.
         """
-        y, held = self.measured, held or {}
-        low, high = candidate.bounds
-        free = [k for k in range(len(low)) if k not in held]
-        span = high - low
-
-        def whole(x: Array) -> Array:
-            shape = np.empty(len(low))
-            shape[free] = low[free] + x * span[free]
-            for k, value in held.items():
-                shape[k] = value
-            return shape
+        variables = _Variables(candidate, self.contacts, held or {})
+        y = self.measured
 
         def residual(x: Array) -> Array:
-            return self.projected(candidate, whole(x), y)[1]
+            return self.projected(candidate, *variables.of(x), y, modulus)[1]
 
+        def square(x: Array) -> float:
+            left = residual(x)
+            return float(left @ left)
+
+        starts = [variables.at(shape) for shape in first]
+        if len(starts) < most:
+            starts += sorted(map(variables.at, candidate.starts(STARTS)), key=square)
         found = []
-        tried = [(s[free] - low[free]) / span[free] for s in starts or candidate.starts(STARTS)]
-        if len(tried) > MOST_STARTS:
-            tried.sort(key=lambda x: float(residual(x) @ residual(x)))
-            tried = tried[:MOST_STARTS]
-        for x in tried if free else [np.empty(0)]:
-            if free:
-                inner = np.clip(x, 1e-6, 1.0 - 1e-6)
+        for start in starts[: most if len(starts[0]) else 1]:
+            x = start
+            if len(start):
                 x = least_squares(
-                    residual, inner, bounds=(0.0, 1.0), diff_step=STEP, xtol=1e-7, ftol=1e-9,
-                    max_nfev=40,
+                    residual, np.clip(start, 1e-6, 1.0 - 1e-6), bounds=(0.0, 1.0),
+                    diff_step=STEP, xtol=1e-5, ftol=1e-6, max_nfev=30,
                 ).x  # fmt: skip
-            mu, left = self.projected(candidate, whole(x), y)
-            found.append(LawFit(candidate, mu, whole(x), float(left @ left)))
+            shape, contact = variables.of(x)
+            mu, left = self.projected(candidate, shape, contact, y, modulus)
+            found.append(LawFit(candidate, mu, shape, float(left @ left), contact))
         return min(found, key=lambda fit: fit.cost)
 
     def jacobian(self, fit: LawFit) -> Array:
         """Change of the white forces (n, 1 + n_shape) by ln(mu) and by each whole range."""
         low, high = fit.candidate.bounds
-        columns = [fit.mu * self.unit(fit.candidate, fit.shape)]
+        columns = [fit.mu * self.unit(fit.candidate, fit.shape, fit.contact)]
         for k, span in enumerate(high - low):
             step = 1e-4 * span
             ends = [fit.shape.copy(), fit.shape.copy()]
@@ -169,6 +195,44 @@ class Problem:
                 max(low[k], fit.shape[k] - step),
                 min(high[k], fit.shape[k] + step),
             )
-            below, above = (fit.mu * self.unit(fit.candidate, end) for end in ends)
+            below, above = (fit.mu * self.unit(fit.candidate, end, fit.contact) for end in ends)
             columns.append((above - below) * span / (ends[1][k] - ends[0][k]))
         return np.stack(columns, axis=1)
+
+
+class _Variables:
+    """Variables of a fit, each from 0 to 1: free shape parameters, then contacts.
+
+    Parameters
+    ----------
+    candidate, contacts, held
+        The law, tests whose contact is fitted, shape parameters that are not, by index.
+    """
+
+    def __init__(
+        self, candidate: Candidate, contacts: Sequence[LawTest], held: dict[int, float]
+    ) -> None:
+        self.low, high = candidate.bounds
+        self.span = high - self.low
+        self.contacts, self.held = contacts, held
+        self.free = [k for k in range(len(high)) if k not in held]
+
+    def at(self, shape: Array) -> Array:
+        """Variables of a shape; contact where the record says, the face a little uneven."""
+        inner = (shape[self.free] - self.low[self.free]) / self.span[self.free]
+        return np.concatenate([inner, np.tile([0.5, 0.3], len(self.contacts))])
+
+    def of(self, x: Array) -> tuple[Array, Contacts]:
+        """Shape and contacts of variables."""
+        count = len(self.free)
+        shape = np.empty(len(self.low))
+        shape[self.free] = self.low[self.free] + x[:count] * self.span[self.free]
+        for k, value in self.held.items():
+            shape[k] = value
+        pairs = x[count:].reshape(-1, 2)
+        return shape, {
+            test.sample: (
+                float(2.0 * start - 1.0) * test.contact_depth, float(depth) * test.contact_depth
+            )
+            for test, (start, depth) in zip(self.contacts, pairs, strict=True)
+        }  # fmt: skip

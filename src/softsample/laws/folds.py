@@ -6,7 +6,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from softsample.laws.candidates import Candidate
-from softsample.laws.fit import LawFit, Problem
+from softsample.laws.fit import MOST_STARTS, LawFit, Problem
 from softsample.laws.test import LawTest, Mask
 
 LAST_PART = 0.75
@@ -96,8 +96,8 @@ class Fits:
         key = candidate.name, np.packbits(np.concatenate(kept)).tobytes()
         if key not in self._known:
             before = [fit.shape for (name, _), fit in self._known.items() if name == candidate.name]
-            starts = [*before[:1], *candidate.starts(2)][:3] if before else None
-            self._known[key] = Problem(self.tests, kept).fit(candidate, starts)
+            most = 2 if before else MOST_STARTS
+            self._known[key] = Problem(self.tests, kept).fit(candidate, before[:1], most)
         return self._known[key]
 
     def fold_errors(self, candidate: Candidate, kept: Sequence[Mask]) -> dict[str, float]:

@@ -31,4 +31,8 @@ class HomogeneousResponse:
     def unit_force(self, candidate: Candidate, shape: Array, displacement: Array) -> Array:
         """See `Response.unit_force`."""
         solid = candidate.material(shape, self.poisson_ratio, 1.0)
-        return homogeneous_area(self.shape, self.mode, displacement, solid)
+        try:
+            with np.errstate(over="ignore", invalid="ignore", divide="ignore"):
+                return homogeneous_area(self.shape, self.mode, displacement, solid)
+        except ArithmeticError:  # no equilibrium at these numbers
+            return np.full(len(displacement), np.nan)

@@ -18,7 +18,7 @@ export OMP_NUM_THREADS ?= 1
 export OPENBLAS_NUM_THREADS ?= 1
 export PYTHONPATH := src
 # a cached kernel does not notice an edit of what it calls elsewhere: a cache for each state of them
-export NUMBA_CACHE_DIR ?= $(CURDIR)/.numba/$(shell cat src/softsample/fem/*.py | sha256sum | cut -c1-16)
+export NUMBA_CACHE_DIR ?= $(CURDIR)/.numba/$(shell cat src/softsample/fem/*.py src/softsample/constitutive/*.py src/softsample/constitutive/laws/*.py | sha256sum | cut -c1-16)
 unexport VIRTUAL_ENV
 
 .PHONY: help env run quick new-study add-sample check-study study extended docs site test test-long check bench bench-solver bench-imaging bench-scale verify undeclared blind blind-full \

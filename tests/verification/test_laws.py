@@ -4,6 +4,7 @@ import numpy as np
 import pytest
 from scipy.optimize import brentq
 
+from elastic_laws import SHAPES, SOLIDS, TYPICAL, named
 from softsample.constitutive.homogeneous import (
     FREE,
     homogeneous_force,
@@ -23,39 +24,6 @@ from softsample.constitutive.material import (
 
 pytestmark = pytest.mark.nojit
 
-SHAPES = {
-    "neo_hooke": [()],
-    "mooney_rivlin": [(0.0,), (0.3,), (1.0,)],
-    "yeoh": [(0.0, 0.0), (3.0, 8.0)],
-    "gent": [(0.8,), (30.0,)],
-    "exponential_i1": [(0.0,), (6.0,)],
-    "exponential_i2": [(0.0,), (6.0,)],
-    "ogden": [(-45.0,), (-8.0,), (-0.3,), (0.0,), (1e-3,), (2.0,), (7.3,), (40.0,)],
-    "foam": [(-8.0, 0.2), (0.0, 0.3), (2.0, 0.0), (9.5, 0.0), (12.0, 0.49)],
-}
-SLANT = (0.3, -0.5, 0.8)
-FIBRES = [
-    Term("fibre", 300.0, shape, SLANT)
-    for shape in ((0.0, 0.0, 1.0), (0.0, 0.0, 0.0), (4.0, 0.0, 0.0), (4.0, 0.15, 0.4))
-]
-SOLIDS = [
-    *(
-        Material((Term(law, 900.0, shape),), nu)
-        for law, shapes in SHAPES.items()
-        for shape in shapes
-        for nu in ((0.0, 0.49) if law != "foam" else (shape[1],))
-    ),
-    *(Material((Term("neo_hooke", 700.0), fibre), 0.45) for fibre in FIBRES),
-    Material((Term("ogden", 500.0, (-6.0,)), Term("exponential_i1", 200.0, (5.0,)), *FIBRES), 0.3),
-    Material((Term("foam", 500.0, (6.0, 0.1)), Term("yeoh", 200.0, (1.0, 2.0))), 0.4),
-]
-
-
-def named(solid):
-    terms = (f"{t.law}{','.join(f'{s:g}' for s in t.shape)}" for t in solid.terms)
-    return f"{'+'.join(terms)} nu {solid.poisson_ratio:g}"
-
-
 every_solid = pytest.mark.parametrize("solid", SOLIDS, ids=named)
 isotropic_solid = pytest.mark.parametrize("solid", [s for s in SOLIDS if s.isotropic], ids=named)
 
@@ -65,7 +33,7 @@ def gradients(count=6, size=0.2, seed=3):
 
 
 def test_every_law_is_tested_here():
-    assert {*SHAPES, "fibre"} == set(LAWS)
+    assert {*SHAPES, "fibre"} == set(TYPICAL) == set(LAWS)
 
 
 @every_solid

@@ -170,10 +170,12 @@ OF_MESHES = {
 }
 
 
-# A compiled kernel that calls another file's kernel keeps the old callee after an edit, so each
-# state of the compiled sources has a cache of its own. Kernels do without threads: jobs run side by side.
+# A compiled kernel that calls another file's text keeps the old callee after an edit, so each state
+# of the compiled sources, elastic laws included, has a cache of its own. Kernels do without threads: jobs run side by side.
 kernels = [
-    path for path in sorted((ROOT / "src").rglob("*.py")) if "numba" in path.read_text("utf-8")
+    path
+    for path in sorted((ROOT / "src").rglob("*.py"))
+    if "numba" in path.read_text("utf-8") or "constitutive" in path.parts
 ]
 state_of_kernels = sha256_of_files(kernels)[:16]
 os.environ.update(NUMBA_CACHE_DIR=os.path.abspath(f".snakemake/numba/{state_of_kernels}"))

@@ -7,7 +7,9 @@ from itertools import pairwise
 import numpy as np
 from numpy.typing import NDArray
 
-from softsample.constitutive.material import Material
+from softsample.constitutive.law import FibreLaw, InvariantLaw, SpectralLaw
+from softsample.constitutive.laws import LAWS
+from softsample.constitutive.material import Material, Term
 from softsample.errors import InputError, SimulationError
 from softsample.fem import kernels
 from softsample.fem.blocks import aligned, groups_first, is_grouped, pack
@@ -269,25 +271,36 @@ class ExplicitModel:
         SimulationError
             If the path by products is asked for with exponents that are not even integers.
         """
-        products = all(t.rule.even_power(t.shape) for t in material.of_law("ogden"))
-        by_eigenvalues = (not products) if spectral is None else spectral
-        if not by_eigenvalues and not products:
-            raise SimulationError(
-                f"exponents {material.alpha} are not all even integers: use the spectral path"
-            )
-        order = np.argsort(np.abs(material.alpha), kind="stable")
+        by_shape = sorted(material.terms, key=lambda term: [abs(x) for x in term.shape])
+        kinds = SpectralLaw, InvariantLaw, FibreLaw
+        groups = [[t for t in by_shape if isinstance(t.rule, kind)] for kind in kinds]
+        terms = [term for group in groups for term in group]
+        shape = np.zeros((len(terms), max(len(law.shape) for law in LAWS.values())))
+        for row, term in zip(shape, terms, strict=True):
+            row[: len(term.shape)] = term.shape
         relaxation = material.relaxation
-        fibre = [0.0, 0.0, 0.0, 1.0]
-        for term in material.of_law("fibre"):
-            fibre = [0.5 * term.modulus, *term.direction]
         return kernels.Solid(
-            np.array(material.mu, float)[order],
-            np.array(material.alpha, float)[order],
-            material.bulk_modulus,
-            JACOBI_SWEEPS[self.settings.precision] if by_eigenvalues else 0,
-            np.array(fibre),
+            np.array([term.modulus for term in terms]),
+            np.array([kernels.NUMBERS[term.law] for term in terms]),
+            shape,
+            np.array([term.direction for term in terms], float),
+            len(groups[0]),
+            len(groups[0]) + len(groups[1]),
+            material.volumetric_modulus,
+            self._sweeps(groups[0], spectral),
             np.array(relaxation.g if relaxation else (), float),
         )
+
+    def _sweeps(self, terms: Sequence[Term], spectral: bool | None) -> int:
+        """Jacobi sweeps for the terms in principal stretches; none where products do."""
+        products = all(term.rule.even_power(term.shape) for term in terms)
+        if spectral is False and not products:
+            exponents = tuple(term.shape[0] for term in terms)
+            raise SimulationError(
+                f"exponents {exponents} are not all even integers: use the spectral path"
+            )
+        by_eigenvalues = bool(terms) and (spectral or not products)
+        return JACOBI_SWEEPS[self.settings.precision] if by_eigenvalues else 0
 
     def run(
         self,

@@ -13,13 +13,14 @@ import numba
 import numpy as np
 from numpy.typing import NDArray
 
+from softsample.constitutive.functions import log
+from softsample.constitutive.law import FibreLaw, InvariantLaw, SpectralLaw
+from softsample.constitutive.laws import LAWS
 from softsample.fem.lanes import (
     copysign,
-    exp,
     gather,
     like,
     load,
-    log,
     reciprocal_sqrt,
     scatter_add,
     store,
@@ -59,20 +60,86 @@ class Elements(NamedTuple):
 
 
 class Solid(NamedTuple):
-    """What the elements are made of."""
+    """What the elements are made of: terms, those in principal stretches first, fibres last."""
 
-    mu: NDArray
+    modulus: NDArray
     """(n_terms,) float64 moduli [Pa]."""
-    alpha: NDArray
-    """(n_terms,) float64 exponents, by ascending magnitude."""
+    law: NDArray
+    """(n_terms,) int64: number of the law in `NUMBERS`."""
+    shape: NDArray
+    """(n_terms, n_shape) float64 shape parameters; without eigenvalues Ogden terms are by ascending
+    magnitude of their exponents."""
+    direction: NDArray
+    """(n_terms, 3) float64 unit directions of fibres."""
+    first_invariant: int
+    """The first term in the invariants of Cbar; those before are in its principal stretches."""
+    first_fibre: int
+    """The first term of fibres."""
     bulk: float
-    """Bulk modulus [Pa]."""
+    """Modulus K [Pa] of the volumetric energy K/2 (J - 1)^2."""
     sweeps: int
-    """Zero for even exponents, otherwise how many Jacobi sweeps find the eigenvalues."""
-    fibre: NDArray
-    """(4,) float64: modulus k1 [Pa] of ``W = k1 (I4bar - 1)^2``, unit direction."""
+    """Zero if the first terms are Ogden terms of even exponents, otherwise how many Jacobi sweeps
+    find the eigenvalues."""
     prony: NDArray
     """(n_prony,) float64: relaxing parts g of the isochoric stress, sum below one."""
+
+
+# --- the laws ------------------------------------------------------------------------------------
+
+
+@_inline
+def _three(x, a):
+    """Three numbers in the type of x."""
+    return like(x, a[0]), like(x, a[1]), like(x, a[2])
+
+
+@_inline
+def _four(x, a):
+    return like(x, a[0]), like(x, a[1]), like(x, a[2]), like(x, a[3])
+
+
+def _either(number, law, alike, rest):
+    """Function of a law's number, strains and shape that calls this law or one of the rest."""
+    text = _inline(law)
+
+    @_inline
+    def call(chosen, strains, shape):
+        if chosen == number:
+            return alike(strains[0], text(*strains, shape))
+        return rest(chosen, strains, shape)
+
+    return call
+
+
+def _last(law, alike):
+    text = _inline(law)
+
+    @_inline
+    def call(chosen, strains, shape):
+        return alike(strains[0], text(*strains, shape))
+
+    return call
+
+
+def _any_of(kind, method, alike):
+    """The laws of a kind in one function, a chain of branches that are the same for all lanes.
+
+    Laws in files are known when this module is imported: the compiler sees their texts in place.
+    """
+    names = [name for name, law in LAWS.items() if isinstance(law, kind)]
+    *others, last = (getattr(LAWS[name], method) for name in names)
+    call = _last(last, alike)
+    for number, law in reversed(list(enumerate(others))):
+        call = _either(number, law, alike, call)
+    return {name: number for number, name in enumerate(names)}, call
+
+
+_spectral_numbers, _spectral_law = _any_of(SpectralLaw, "principal", _four)
+_invariant_numbers, _invariant_law = _any_of(InvariantLaw, "slopes", _three)
+_fibre_numbers, _fibre_law = _any_of(FibreLaw, "slopes", _three)
+
+NUMBERS = {**_spectral_numbers, **_invariant_numbers, **_fibre_numbers}
+"""Number of each law among those of its kind."""
 
 
 # --- one element, or one block of elements ------------------------------------------------------
@@ -339,46 +406,83 @@ def _sum(a, b):
 
 
 @_inline
-def _add_term(mandel, energy, power, mu, alpha):
-    """Add an Ogden term, given Cbar^(alpha/2), to isochoric Mandel stress and strain energy."""
-    trace = power[0] + power[1] + power[2]
-    mean = like(trace, 1.0 / 3.0) * trace
-    f = like(trace, 2.0 * mu / alpha)
-    mandel = (
-        mandel[0] + f * (power[0] - mean),
-        mandel[1] + f * (power[1] - mean),
-        mandel[2] + f * (power[2] - mean),
-        mandel[3] + f * power[3],
-        mandel[4] + f * power[4],
-        mandel[5] + f * power[5],
+def _add_deviator(mandel, factor, a):
+    """mandel + factor dev(a) of symmetric matrices."""
+    mean = like(factor, 1.0 / 3.0) * (a[0] + a[1] + a[2])
+    return (
+        mandel[0] + factor * (a[0] - mean),
+        mandel[1] + factor * (a[1] - mean),
+        mandel[2] + factor * (a[2] - mean),
+        mandel[3] + factor * a[3],
+        mandel[4] + factor * a[4],
+        mandel[5] + factor * a[5],
     )
-    return mandel, energy + like(trace, 2.0 * mu / alpha**2) * (trace - like(trace, 3.0))
 
 
 @_inline
-def _ogden(c, solid):
-    """Isochoric Mandel stress and strain energy of all Ogden terms, from Cbar."""
+def _by_products(c, solid):
+    """Mandel stress and strain energy of Ogden terms of even exponents, from products of Cbar."""
     zero = like(c[0], 0.0)
     mandel, energy = (zero, zero, zero, zero, zero, zero), zero
+    base, reached = c, 1
+    for k in range(solid.first_invariant):
+        alpha, mu = solid.shape[k, 0], solid.modulus[k]
+        n = abs(int(alpha)) // 2
+        if n % reached:
+            base, reached = c, 1
+        base = _whole_power(base, n // reached)
+        reached = n
+        power = _adjugate(base) if alpha < 0.0 else base
+        trace = power[0] + power[1] + power[2]
+        mandel = _add_deviator(mandel, like(zero, 2.0 * mu / alpha), power)
+        energy = energy + like(zero, 2.0 * mu / alpha**2) * (trace - like(zero, 3.0))
+    return mandel, energy
+
+
+@_inline
+def _by_eigenvalues(c, jacobian, solid):
+    """Mandel stress and strain energy of all terms in the principal stretches, from Cbar."""
+    values, vectors = _eigen(c, solid.sweeps)
+    half = like(jacobian, 0.5)
+    x, y = half * log(values[0]), half * log(values[1])
+    z = -x - y  # det Cbar = 1
+    energy = first = second = third = like(jacobian, 0.0)
+    for k in range(solid.first_invariant):
+        w, p, q, r = _spectral_law(solid.law[k], (x, y, z, jacobian), solid.shape[k])
+        mu = like(jacobian, solid.modulus[k])
+        energy, first, second, third = (
+            energy + mu * w, first + mu * p, second + mu * q, third + mu * r
+        )  # fmt: skip
+    mandel = _sum(_dyad(first, vectors[0]), _dyad(second, vectors[1]))
+    return _sum(mandel, _dyad(third, vectors[2])), energy
+
+
+@_inline
+def _add_invariant_laws(mandel, energy, c, solid):
+    """Add the terms in the invariants of Cbar: 2 dev(W1 Cbar - W2 Cbar^-1)."""
+    inverse = _adjugate(c)
+    three = like(energy, 3.0)
+    x = c[0] + c[1] + c[2] - three
+    y = inverse[0] + inverse[1] + inverse[2] - three
+    by_first = by_second = like(energy, 0.0)
+    for k in range(solid.first_invariant, solid.first_fibre):
+        w, first, second = _invariant_law(solid.law[k], (x, y), solid.shape[k])
+        mu = like(energy, solid.modulus[k])
+        energy = energy + mu * w
+        by_first, by_second = by_first + mu * first, by_second + mu * second
+    two = like(energy, 2.0)
+    return _add_deviator(mandel, two, _combine(by_first, c, -by_second, inverse)), energy
+
+
+@_inline
+def _isochoric(c, jacobian, solid):
+    """Mandel stress and strain energy of all terms but fibres, from Cbar and J."""
     if solid.sweeps > 0:
-        values, vectors = _eigen(c, solid.sweeps)
-        x, y = log(values[0]), log(values[1])
-        z = zero - x - y  # det Cbar = 1
-        for k in range(solid.mu.size):
-            half = like(zero, 0.5 * solid.alpha[k])
-            first, second = _dyad(exp(half * x), vectors[0]), _dyad(exp(half * y), vectors[1])
-            power = _sum(_sum(first, second), _dyad(exp(half * z), vectors[2]))
-            mandel, energy = _add_term(mandel, energy, power, solid.mu[k], solid.alpha[k])
+        mandel, energy = _by_eigenvalues(c, jacobian, solid)
     else:
-        base, reached = c, 1
-        for k in range(solid.mu.size):
-            n = abs(int(solid.alpha[k])) // 2
-            if n % reached:
-                base, reached = c, 1
-            base = _whole_power(base, n // reached)
-            reached = n
-            power = _adjugate(base) if solid.alpha[k] < 0.0 else base
-            mandel, energy = _add_term(mandel, energy, power, solid.mu[k], solid.alpha[k])
+        mandel, energy = _by_products(c, solid)
+    if solid.first_fibre > solid.first_invariant:
+        mandel, energy = _add_invariant_laws(mandel, energy, c, solid)
     return mandel, energy
 
 
@@ -446,20 +550,30 @@ def _fall_inverse(cofactor, scale, mandel):
 
 
 @_inline
-def _fibres(h, c, scale, solid):
-    """Fibre stress in two parts, mean Mandel stress and nominal stress of (F a) a, and energy.
+def _fibres(c, scale, mandel, energy, solid):
+    """Add fibres to Mandel stress and energy, but for their second Piola-Kirchhoff stress along a.
 
-    S = 2 W' J^(-2/3) (a a - (a . C a) C^-1 / 3) with W' = 2 k1 (I4bar - 1).
+    S = 2 W4 J^(-2/3) (a a - (a . C a) C^-1 / 3), and the stress of W1 as in any law of I1.
     """
-    modulus = like(scale, solid.fibre[0])
-    x, y, z = like(scale, solid.fibre[1]), like(scale, solid.fibre[2]), like(scale, solid.fibre[3])
-    two = like(scale, 2.0)
-    square = c[0] * x * x + c[1] * y * y + c[2] * z * z
-    square = square + two * (c[3] * y * z + c[4] * z * x + c[5] * x * y)
-    strain = square - like(scale, 1.0)
-    pull = two * two * modulus * strain
-    nominal = _push(h, _dyad(pull * scale, (x, y, z)))
-    return like(scale, -1.0 / 3.0) * pull * square, nominal, modulus * strain * strain
+    zero, two = like(scale, 0.0), like(scale, 2.0)
+    along, total, mean = (zero, zero, zero, zero, zero, zero), zero, zero
+    one = like(scale, 1.0)
+    x = c[0] + c[1] + c[2] - like(scale, 3.0)
+    for k in range(solid.first_fibre, solid.modulus.size):
+        direction, mu = solid.direction[k], like(scale, solid.modulus[k])
+        a, b, d = like(scale, direction[0]), like(scale, direction[1]), like(scale, direction[2])
+        square = c[0] * a * a + c[1] * b * b + c[2] * d * d
+        square = square + two * (c[3] * b * d + c[4] * d * a + c[5] * a * b)
+        w, first, fourth = _fibre_law(solid.law[k], (x, square - one), solid.shape[k])
+        pull = two * mu * fourth
+        along = _sum(along, _dyad(pull * scale, (a, b, d)))
+        mean = mean - like(scale, 1.0 / 3.0) * pull * square
+        total, energy = total + mu * first, energy + mu * w
+    mandel = _add_deviator(mandel, two * total, c)
+    mandel = (
+        mandel[0] + mean, mandel[1] + mean, mandel[2] + mean, mandel[3], mandel[4], mandel[5]
+    )  # fmt: skip
+    return mandel, energy, along
 
 
 @_inline
@@ -509,16 +623,13 @@ def _stress(h, elements, solid, relax, viscous, block, lane):
     cofactor, dilatation = _cofactors(h)
     scale = _inverse_square_cube_root(dilatation)
     c = _cauchy_green(h, scale)
-    mandel, energy = _ogden(c, solid)
-    volume = load(elements.volume, (block,), lane)
     jacobian = like(scale, 1.0) + dilatation
-    if solid.fibre[0] != 0.0:
-        mean, nominal, more = _fibres(h, c, scale, solid)
-        mandel = (
-            mandel[0] + mean, mandel[1] + mean, mandel[2] + mean, mandel[3], mandel[4], mandel[5]
-        )  # fmt: skip
+    mandel, energy = _isochoric(c, jacobian, solid)
+    volume = load(elements.volume, (block,), lane)
+    if solid.first_fibre < solid.modulus.size:
+        mandel, energy, along = _fibres(c, scale, mandel, energy, solid)
         stress = _fall_inverse(cofactor, volume / jacobian, mandel)
-        stress, energy = _add_scaled(stress, volume, nominal), energy + more
+        stress = _add_scaled(stress, volume, _push(h, along))
     else:
         stress = _fall_inverse(cofactor, volume / jacobian, mandel)
     if solid.prony.size > 0:

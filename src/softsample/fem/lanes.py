@@ -19,6 +19,8 @@ from numba.core.typing.templates import AbstractTemplate, infer_global, signatur
 from numba.extending import intrinsic, lower_builtin, lower_cast, overload, register_model
 from numba.np.arrayobj import make_array
 
+from softsample.constitutive.functions import exp, expm1, growth, lesser, log, positive
+
 LANES = {np.dtype(np.float32): 16, np.dtype(np.float64): 8}
 """Elements per block: one 512-bit register; narrower machines take several."""
 
@@ -353,16 +355,6 @@ def reciprocal_sqrt(x):
     return 1.0 / math.sqrt(x)
 
 
-def exp(x):
-    """Exponential; on lanes for results in the range of normal numbers."""
-    return math.exp(x)
-
-
-def log(x):
-    """Natural logarithm of normal x > 0."""
-    return math.log(x)
-
-
 class _Code:
     """Code generation on lanes: constants, arithmetic and reinterpretation."""
 
@@ -418,8 +410,8 @@ def _reciprocal_sqrt_code(code, x):
     return y
 
 
-def _exp_code(code, x):
-    """x = k ln 2 + r; Taylor series of exp(r), |r| < 0.35, then the exponent k."""
+def _exp_parts(code, x):
+    """x = k ln 2 + r: r, |r| < 0.35, and 2^k."""
     b = code.builder
     reach = 0.69 * code.bias
     x = code.call(
@@ -429,10 +421,36 @@ def _exp_code(code, x):
     high = 0.693359375  # ln 2 = high + low; k * high is exact
     r = code.multiply_add(k, code.number(-high), x)
     r = code.multiply_add(k, code.number(high - math.log(2.0)), r)
-    degree = 13 if code.double else 7
-    series = code.polynomial(r, [1.0 / math.factorial(n) for n in range(degree, -1, -1)])
     exponent = b.add(b.fptosi(k, code.integers), code.integer(code.bias))
-    return b.fmul(series, code.from_bits(b.shl(exponent, code.integer(code.mantissa_bits))))
+    return r, code.from_bits(b.shl(exponent, code.integer(code.mantissa_bits)))
+
+
+def _taylor(code, r, lowest):
+    """Taylor series of exp(r) over r^lowest, from that power on."""
+    degree = 13 if code.double else 7
+    return code.polynomial(r, [1.0 / math.factorial(n) for n in range(degree, lowest - 1, -1)])
+
+
+def _exp_code(code, x):
+    """Taylor series of exp(r), then the exponent k."""
+    r, scale = _exp_parts(code, x)
+    return code.builder.fmul(_taylor(code, r, 0), scale)
+
+
+def _expm1_code(code, x):
+    """2^k (exp(r) - 1) + (2^k - 1), the first a series without its one."""
+    r, scale = _exp_parts(code, x)
+    less = code.builder.fmul(r, _taylor(code, r, 1))
+    return code.multiply_add(less, scale, code.builder.fsub(scale, code.number(1.0)))
+
+
+def _lesser_code(code, x, limit):
+    return code.call("llvm.minnum", x, limit)
+
+
+def _positive_code(code, x):
+    half = code.number(0.5)
+    return code.builder.fadd(half, code.call("llvm.copysign", half, x))
 
 
 def _log_code(code, x):
@@ -449,9 +467,9 @@ def _log_code(code, x):
     )
 
 
-def _overload(function, generate):
-    """Overload a function of numbers by code on lanes, and by itself on numbers."""
-    unary = function.__code__.co_argcount == 1
+def _overload(function, generate, scalar=None):
+    """Overload a function of numbers by code on lanes, and on numbers by itself or by `scalar`."""
+    unary, plain = function.__code__.co_argcount == 1, scalar or function
 
     @intrinsic
     def one(typing_context, x):
@@ -471,18 +489,22 @@ def _overload(function, generate):
 
         @overload(function, inline="always")
         def choose_one(x):
-            return (lambda x: one(x)) if isinstance(x, Lanes) else function
+            return (lambda x: one(x)) if isinstance(x, Lanes) else plain
     else:
 
         @overload(function, inline="always")
         def choose_two(x, y):
-            return (lambda x, y: two(x, y)) if isinstance(x, Lanes) else function
+            return (lambda x, y: two(x, y)) if isinstance(x, Lanes) else plain
 
 
 _overload(copysign, _copysign_code)
 _overload(reciprocal_sqrt, _reciprocal_sqrt_code)
 _overload(exp, _exp_code)
+_overload(expm1, _expm1_code)
 _overload(log, _log_code)
+_overload(lesser, _lesser_code, lambda x, y: x if x < y else y)
+_overload(positive, _positive_code, lambda x: 1.0 if x > 0.0 else 0.0)
+overload(growth, inline="always")(lambda x: growth)
 
 
 @intrinsic

@@ -77,12 +77,14 @@ def choose(candidates: Sequence[Candidate], errors: Mapping[str, Sequence[float]
     names = [candidate.name for candidate in candidates]
     table = np.array([[log_likelihood(e) for e in errors[name]] for name in names])
     folds = table.shape[1]
-    score = dict(zip(names, table.mean(axis=1).tolist() if folds else [0.0] * len(names), strict=True))
+    score = dict(
+        zip(names, table.mean(axis=1).tolist() if folds else [0.0] * len(names), strict=True)
+    )
     if folds < FEWEST_FOLDS:
         there = "there is nothing to leave out but its last part" if folds else "no fold is left"
         nothing = dict.fromkeys(names, float("nan"))
         return Choice(score, nothing, nothing, (), folds, REFUSED.format(folds=there))
-    gap = table[int(np.argmax(table.mean(axis=1)))] - table
+    gap = table[int(np.argmax(means))] - table
     behind, scatter = gap.mean(axis=1), gap.std(axis=1, ddof=1) / np.sqrt(folds)
     sizes = {candidate.name: candidate.size for candidate in candidates}
     equal = [name for name, b, s in zip(names, behind, scatter, strict=True) if b <= s]

@@ -11,8 +11,6 @@ discrepancy).
 D. A. Harville, J. Am. Stat. Assoc. 72 (1977) 320, doi:10.2307/2286796 (restricted likelihood).
 """
 
-from collections.abc import Sequence
-
 import numpy as np
 from numpy.typing import NDArray
 from scipy.linalg import cho_solve, cholesky, solve_triangular
@@ -103,5 +101,3 @@ class Discrepancy:
             parts = np.split(plain.jacobian(self.fit), np.cumsum(counts)[:-1])
             self._changes = dict(zip((k for k, _ in self.problem.pairs), parts, strict=True))
         return self._changes
-
-

@@ -69,7 +69,12 @@ def intervals(problem: Problem, fit: LawFit, confidence: float) -> dict[str, Int
 
 
 def _end(
-    at: Callable[[float], LawFit], least: float, best: float, step: float, limit: float, level: float
+    at: Callable[[float], LawFit],
+    least: float,
+    best: float,
+    step: float,
+    limit: float,
+    level: float,
 ) -> float | None:
     """Where the signed root of the deviance reaches a level, going from the optimum by steps."""
     inner, below = best, 0.0

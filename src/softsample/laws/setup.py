@@ -1,72 +1,52 @@
 """From the files of a group to tests with their responses."""
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from typing import Any
 
 import numpy as np
 import pandas as pd
 
-from softsample.fem.boundary import ContactSettings, mode_boundary
-from softsample.fem.explicit import SolverSettings
 from softsample.holdout import held_out
 from softsample.laws.candidates import Candidate
 from softsample.laws.response import HomogeneousResponse
 from softsample.laws.simulate import SimulatedResponse
 from softsample.laws.test import LawTest, Response
-from softsample.records import Record, reach
+from softsample.records import Record
 from softsample.response.curves import ResponseCurves
-from softsample.response.pieces import MeshedSample
-from softsample.shapes import IdealShape
-
-Known = tuple[pd.DataFrame, Mapping[str, Any], Mapping[str, Any]]
+from softsample.response.unit import Test
 
 
-def response_of(
-    row: Mapping[str, str],
-    ends: str | float,
-    shape: IdealShape,
-    records: Sequence[Record],
-    known: Known,
-    meshed: Callable[[], MeshedSample] | None,
-    given: Mapping[str, Any],
-) -> Response:
-    """Response of a piece: closed form where it deforms uniformly, else runs of the solver.
+def simulated(
+    test: Test,
+    travel: float,
+    uniform: HomogeneousResponse,
+    alpha: Sequence[float],
+    known: tuple[pd.DataFrame, Mapping[str, Any]],
+    mu1_fraction: float,
+) -> SimulatedResponse:
+    """Response of a piece by runs on a coarse mesh, at the level of the study's mesh.
 
     Parameters
     ----------
-    row : mapping of str
-        Of the study table.
-    ends : str or float
-        What the ends do on the platens.
-    shape : IdealShape
-        Idealised shape.
-    records : sequence of Record
-        Of all samples that share the piece.
+    test : tuple
+        Model of the coarse mesh and what holds it.
+    travel : float
+        Largest displacement of the records [m].
+    uniform : HomogeneousResponse
+        Test of the ideal shape without friction.
+    alpha : sequence of float
+        Exponents of the study.
     known : tuple
-        Response of the study's pair on the study's mesh, the report of it, and the calibration.
-    meshed : callable, optional
-        Makes the coarse mesh; None for the ideal shape of a homogeneous test.
-    given : mapping
-        `material`, `solver` and `contact` of the job.
+        Response at these exponents on the study's mesh, and its report.
+    mu1_fraction : float
+        Calibrated modulus fraction, at which both meshes are compared.
     """
-    uniform = HomogeneousResponse(shape, row["mode"], given["material"]["poisson_ratio"])
-    if meshed is None:
-        return uniform
-    curves, report, fit = known
-    sample = meshed()
-    found = SimulatedResponse(
-        sample.model(SolverSettings(**given["solver"])),
-        mode_boundary(
-            sample.mesh, row["mode"], sample.glued, ContactSettings(**given["contact"]), ends
-        ),
-        report["reached"] * reach(records, row["mode"]),
-        report["loading_time_s"],
-        uniform,
-    )
-    pair, fraction = Candidate.of_pair(given["material"]["alpha"]), fit["mu1_fraction"]
-    coarse = found.run(pair, np.array([fraction]))
-    fine = ResponseCurves.of_table(curves, row["mode"])
-    found.anchor_to(fine.force_per_mu(fraction, found.grid), coarse)
+    curves, report = known
+    reached = report["reached"] * travel
+    found = SimulatedResponse(*test, reached, report["loading_time_s"], uniform)
+    coarse = found.run(Candidate.of_pair(alpha), np.array([mu1_fraction]))
+    fine = ResponseCurves.of_table(curves, uniform.mode)
+    found.anchor_to(fine.force_per_mu(mu1_fraction, found.grid), coarse)
     return found
 
 
@@ -75,7 +55,6 @@ def tests_of(
     records: Sequence[Record],
     responses: Sequence[Response],
     heights: Sequence[float],
-    stated: bool,
     hold_out: Sequence[Mapping[str, Any]],
 ) -> list[LawTest]:
     """Tests of a group.
@@ -84,15 +63,17 @@ def tests_of(
     ----------
     rows, records, responses, heights : sequence
         Of each sample: row with defaults filled in, record, response, height [m].
-    stated : bool
-        Whether dimensions were stated in place of an image or a surface.
     hold_out : sequence of mapping
         Selections of the study's settings.
     """
     return [
         LawTest.of(
-            row, record, np.asarray(held_out(record, row, height, "force", hold_out)), response,
-            height, stated,
+            row,
+            record,
+            np.asarray(held_out(record, row, height, "force", hold_out)),
+            response,
+            height,
+            stated=not (row.get("image") or row.get("surface")),
         )
         for row, record, response, height in zip(rows, records, responses, heights, strict=True)
-    ]  # fmt: skip
+    ]

@@ -56,7 +56,7 @@ class LawTest:
         Largest depth [m] over which an uneven face may meet the platen, and largest error of where
         contact begins, to either side; 0 if contact is known.
     held_out : (n,) bool
-        Points that the study holds out.
+        Points that the study holds out; none by default.
     """
 
     sample: str
@@ -69,6 +69,10 @@ class LawTest:
     contact_depth: float = 0.0
     held_out: Mask = field(default_factory=lambda: np.zeros(0, bool))
     _known: dict[tuple[str, bytes], Array] = field(default_factory=dict, repr=False)
+
+    def __post_init__(self) -> None:
+        if len(self.held_out) != len(self.force):
+            object.__setattr__(self, "held_out", np.zeros(len(self.force), bool))
 
     @classmethod
     def of(

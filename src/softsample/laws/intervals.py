@@ -1,4 +1,4 @@
-"""Intervals of a law's parameters by profile likelihood, and parameters that the data leave open."""
+"""Intervals of a law's parameters by profile likelihood; parameters that the data leave open."""
 
 from collections.abc import Callable
 from dataclasses import dataclass

@@ -77,9 +77,8 @@ def choose(candidates: Sequence[Candidate], errors: Mapping[str, Sequence[float]
     names = [candidate.name for candidate in candidates]
     table = np.array([[log_likelihood(e) for e in errors[name]] for name in names])
     folds = table.shape[1]
-    score = dict(
-        zip(names, table.mean(axis=1).tolist() if folds else [0.0] * len(names), strict=True)
-    )
+    means = table.mean(axis=1) if folds else np.zeros(len(names))
+    score = dict(zip(names, means.tolist(), strict=True))
     if folds < FEWEST_FOLDS:
         there = "there is nothing to leave out but its last part" if folds else "no fold is left"
         nothing = dict.fromkeys(names, float("nan"))

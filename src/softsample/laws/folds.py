@@ -101,7 +101,7 @@ class Fits:
         return self._known[key]
 
     def fold_errors(self, candidate: Candidate, kept: Sequence[Mask]) -> dict[str, float]:
-        """Error on each inner fold of some points, as a part of the peak, of the fit to the rest."""
+        """Error on each inner fold of some points, over the peak, of the fit to the rest."""
         found = {}
         for fold in inner_folds(self.tests, kept):
             rest = [mask & ~out for mask, out in zip(kept, fold.left_out, strict=True)]

@@ -1,14 +1,19 @@
 # Which elastic law the tissue follows. Not part of `rule all`: asked for by `snakemake laws`.
 
 
-def law_pieces(wildcards):
-    """Pieces of a group whose response is simulated."""
+def simulated_laws(group):
+    """Pieces of a group whose response to a law is simulated."""
     return [
         piece
-        for piece in pieces_of(wildcards.group)
+        for piece in pieces_of(group)
         if PLAN.best(piece) == "real"
         or not is_homogeneous(SAMPLES[piece]["mode"], modelled_ends(SAMPLES[piece]))
     ]
+
+
+def law_pieces(wildcards):
+    """Input or params function: these pieces."""
+    return simulated_laws(wildcards.group)
 
 
 def of_law_pieces(pattern):
@@ -22,6 +27,7 @@ rule laws:
     input:
         "<results>/tables/laws.csv",
         expand("<results>/figures/laws.{kind}", kind=FORMATS),
+        [f"<results>/laws/{group}_confirmed.csv" for group in GROUPS if simulated_laws(group)],
     message:
         "Elastic laws compared: {input}"
 
@@ -100,3 +106,37 @@ rule choose_law:
         "Choose the elastic law: {output.table}"
     script:
         "../scripts/choose_law.py"
+
+
+rule confirm_law:
+    input:
+        choice="<results>/laws/choice.json",
+        report="<results>/laws/{group}.json",
+        laws="<results>/laws/{group}.csv",
+        records=of_members("<results>/records/{sample}.csv"),
+        cuboids=of_law_pieces("<results>/cuboid/{sample}.json"),
+        meshes=of_law_pieces("<results>/mesh/{sample}/{geometry}.vtu"),
+        reports=of_law_pieces("<results>/curves/{sample}/{geometry}/ogden2.json"),
+        code=library("workflow/scripts/confirm_law.py"),
+    output:
+        table="<results>/laws/{group}_confirmed.csv",
+    log:
+        "<logs>/confirm_law/{group}.log",
+    benchmark:
+        "<benchmarks>/confirm_law/{group}.tsv"
+    resources:
+        **OF_MESHES,
+    params:
+        samples=lambda wildcards: samples_of(wildcards.group),
+        pieces=lambda wildcards: [piece_of(name) for name in samples_of(wildcards.group)],
+        simulated=law_pieces,
+        modes=lambda wildcards: [SAMPLES[name]["mode"] for name in law_pieces(wildcards)],
+        ends=lambda wildcards: [modelled_ends(SAMPLES[name]) for name in law_pieces(wildcards)],
+        material=config["material"],
+        laws=config["laws"],
+        solver=config["solver"],
+        contact=config["contact"],
+    message:
+        "Run the chosen law on the study's mesh: group {wildcards.group}"
+    script:
+        "../scripts/confirm_law.py"

@@ -4,7 +4,7 @@ from softsample.figures.laws import laws_figure
 from softsample.figures.style import save
 from softsample.io import read_json, read_table, write_json, write_table, written_aside
 from softsample.laws.group import LawSettings
-from softsample.laws.table import best_laws, choices, law_table
+from softsample.laws.table import choices, law_table
 from softsample.workflow import logged_to, provenance
 
 with logged_to(snakemake):
@@ -16,7 +16,7 @@ with logged_to(snakemake):
     write_table(snakemake.output.table, law_table(candidates, reports, chosen))
     write_json(snakemake.output.choice, {"groups": chosen, "provenance": provenance(snakemake)})
     curves = {g: read_table(path) for g, path in zip(given.groups, files.curves, strict=True)}
-    best = {group: best_laws(group, reports, chosen) for group in reports}
+    best = {group: choice["best"] for group, choice in chosen.items()}
     titles = {candidate.name: candidate.title for candidate in candidates}
     figure = laws_figure(curves, best, titles)
     for path in snakemake.output.figures:

@@ -128,7 +128,9 @@ class Candidate:
         ends = [(s.low, s.high) for s in self.shape]
         return np.array(ends, dtype=np.float64).reshape(-1, 2).T
 
-    def material(self, shape: Sequence[float], poisson_ratio: float, modulus: float) -> Material:
+    def material(
+        self, shape: Sequence[float] | Array, poisson_ratio: float, modulus: float
+    ) -> Material:
         """The material of a shear modulus [Pa]; a term without modulus is left out."""
         numbers = [float(x) for x in shape]
         share = numbers.pop(0) if len(self.laws) > 1 else 1.0

@@ -11,6 +11,8 @@ discrepancy).
 D. A. Harville, J. Am. Stat. Assoc. 72 (1977) 320, doi:10.2307/2286796 (restricted likelihood).
 """
 
+from functools import cached_property
+
 import numpy as np
 from numpy.typing import NDArray
 from scipy.linalg import cho_solve, cholesky, solve_triangular
@@ -83,7 +85,8 @@ class Discrepancy:
 
     def _likelihood(self, size: float) -> float:
         """Restricted log likelihood of a size."""
-        total, information = 0.0, 0.0
+        count = self.fit.candidate.size
+        total, information = 0.0, np.zeros((count, count))
         for k, jacobian in self._jacobians.items():
             factor = cholesky(self._covariance(k, size), lower=True)
             white = solve_triangular(factor, self._residual[k], lower=True)
@@ -92,12 +95,10 @@ class Discrepancy:
         shown = np.linalg.eigvalsh(information)
         return total - 0.5 * float(np.log(shown[shown > 1e-9 * shown.max()]).sum())
 
-    @property
+    @cached_property
     def _jacobians(self) -> dict[int, Array]:
         """Changes [N] of the points of each test by the parameters (n, n_parameters)."""
-        if not hasattr(self, "_changes"):
-            plain = Problem(self.problem.tests, self.problem.kept, lambda _, values: values)
-            counts = [int(self.problem.kept[k].sum()) for k, _ in self.problem.pairs]
-            parts = np.split(plain.jacobian(self.fit), np.cumsum(counts)[:-1])
-            self._changes = dict(zip((k for k, _ in self.problem.pairs), parts, strict=True))
-        return self._changes
+        plain = Problem(self.problem.tests, self.problem.kept, lambda _, values: values)
+        counts = [int(self.problem.kept[k].sum()) for k, _ in self.problem.pairs]
+        parts = np.split(plain.jacobian(self.fit), np.cumsum(counts)[:-1])
+        return dict(zip((k for k, _ in self.problem.pairs), parts, strict=True))

@@ -177,7 +177,7 @@ class Problem:
             if len(start):
                 x = least_squares(
                     residual, np.clip(start, 1e-6, 1.0 - 1e-6), bounds=(0.0, 1.0),
-                    diff_step=STEP, xtol=1e-5, ftol=1e-6, max_nfev=30,
+                    diff_step=[STEP], xtol=1e-5, ftol=1e-6, max_nfev=30,
                 ).x  # fmt: skip
             shape, contact = variables.of(x)
             mu, left = self.projected(candidate, shape, contact, y, modulus)

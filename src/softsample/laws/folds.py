@@ -48,7 +48,7 @@ def inner_folds(tests: Sequence[LawTest], kept: Sequence[Mask]) -> list[Fold]:
         Points that the choice may see.
     """
     seen = [k for k, mask in enumerate(kept) if mask.any()]
-    found = []
+    found: list[Fold] = []
     for kind in ("mode", "specimen"):
         values = dict.fromkeys(getattr(tests[k], kind) for k in seen)
         samples = {tuple(k for k in seen if getattr(tests[k], kind) == v): v for v in values}

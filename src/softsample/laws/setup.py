@@ -77,3 +77,43 @@ def tests_of(
         )
         for row, record, response, height in zip(rows, records, responses, heights, strict=True)
     ]
+
+
+def confirmed(
+    response: SimulatedResponse,
+    candidate: Candidate,
+    fitted: Mapping[str, Any],
+    curves: pd.DataFrame,
+) -> list[dict[str, Any]]:
+    """Run a fitted law on the study's mesh and compare with what the fit took for its force.
+
+    Parameters
+    ----------
+    response : SimulatedResponse
+        Of the study's mesh.
+    candidate : Candidate
+    fitted : mapping
+        `law_report` of it.
+    curves : DataFrame
+        `group_report` of the samples that share the piece.
+
+    Returns
+    -------
+    list of dict
+        `sample`, `law`, `difference_percent` (largest, of the peak force), `elements`.
+    """
+    force = fitted["mu_pa"] * response.run(candidate, np.array(list(fitted["shape"].values())))
+    rows = []
+    for sample, table in curves[curves["law"] == candidate.name].groupby("sample", sort=False):
+        way = np.abs(table["displacement_mm"].to_numpy()) * 1e-3
+        there = way <= response.travel * (1.0 + 1e-9)
+        gap = np.abs(table["model_N"].to_numpy()) - np.interp(way, response.grid, force)
+        rows.append(
+            {
+                "sample": sample,
+                "law": candidate.name,
+                "difference_percent": 100.0 * float(np.abs(gap[there]).max() / force.max()),
+                "elements": len(response.model.mesh.hexes),
+            }
+        )
+    return rows

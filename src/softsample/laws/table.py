@@ -50,6 +50,13 @@ def choices(
         `group_report` by group.
     pool : bool
         Whether all groups choose together.
+
+    Returns
+    -------
+    dict
+        By group: `recommended` and `equal` laws, or `refused`; `by` whose folds, their number;
+        `log_likelihood`, `behind`, `standard_error` by law; `held_out` and
+        `by_other_groups`; `best`, the laws that are drawn.
     """
     found = {}
     for group, report in reports.items():
@@ -72,7 +79,7 @@ def choices(
             },
             "by_other_groups": _by_others(candidates, reports, group),
         }
-    return found
+    return {g: {**c, "best": best_laws(g, reports, found)} for g, c in found.items()}
 
 
 def _nested(choice: Choice, report: Mapping[str, Any], part: str) -> dict[str, Any]:

@@ -187,16 +187,18 @@ class Problem:
     def jacobian(self, fit: LawFit) -> Array:
         """Change of the white forces (n, 1 + n_shape) by ln(mu) and by each whole range."""
         low, high = fit.candidate.bounds
-        columns = [fit.mu * self.unit(fit.candidate, fit.shape, fit.contact)]
+        base = fit.mu * self.unit(fit.candidate, fit.shape, fit.contact)
+        columns = [base]
         for k, span in enumerate(high - low):
-            step = 1e-4 * span
-            ends = [fit.shape.copy(), fit.shape.copy()]
-            ends[0][k], ends[1][k] = (
-                max(low[k], fit.shape[k] - step),
-                min(high[k], fit.shape[k] + step),
-            )
-            below, above = (fit.mu * self.unit(fit.candidate, end, fit.contact) for end in ends)
-            columns.append((above - below) * span / (ends[1][k] - ends[0][k]))
+            ends = []
+            for step in (-1e-4 * span, 1e-4 * span):
+                shape = fit.shape.copy()
+                shape[k] = np.clip(shape[k] + step, low[k], high[k])
+                force = fit.mu * self.unit(fit.candidate, shape, fit.contact)
+                there = bool(np.all(np.isfinite(force)))  # beyond may be no equilibrium
+                ends.append((shape[k], force) if there else (fit.shape[k], base))
+            (start, below), (end, above) = ends
+            columns.append((above - below) * span / max(end - start, 1e-9 * span))
         return np.stack(columns, axis=1)
 
 

@@ -44,7 +44,7 @@ def simulated(
     curves, report = known
     reached = report["reached"] * travel
     found = SimulatedResponse(*test, reached, report["loading_time_s"], uniform)
-    coarse = found.run(Candidate.of_pair(alpha), np.array([mu1_fraction]))
+    coarse = found.simulate(Candidate.of_pair(alpha), np.array([mu1_fraction]))
     fine = ResponseCurves.of_table(curves, uniform.mode)
     found.anchor_to(fine.force_per_mu(mu1_fraction, found.grid), coarse)
     return found
@@ -102,7 +102,7 @@ def confirmed(
     list of dict
         `sample`, `law`, `difference_percent` (largest, of the peak force), `elements`.
     """
-    force = fitted["mu_pa"] * response.run(candidate, np.array(list(fitted["shape"].values())))
+    force = fitted["mu_pa"] * response.simulate(candidate, np.array(list(fitted["shape"].values())))
     rows = []
     for sample, table in curves[curves["law"] == candidate.name].groupby("sample", sort=False):
         way = np.abs(table["displacement_mm"].to_numpy()) * 1e-3

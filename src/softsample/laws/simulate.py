@@ -40,6 +40,9 @@ ROUNDS = 4
 MARGIN = 0.1
 """How far beyond its runs a ratio is interpolated, as a part of each range."""
 
+SAME = 1e-3
+"""Distance of two runs, in parts of the ranges, below which the later one stands for both."""
+
 WEAK = 0.01
 """Part of the peak force below which a ratio is that of the next larger force."""
 
@@ -71,8 +74,8 @@ class SimulatedResponse:
     ratios: dict[str, list[Array]] = field(default_factory=dict)
     _between: dict[str, RBFInterpolator] = field(default_factory=dict)
 
-    def run(self, candidate: Candidate, shape: Array) -> Array:
-        """Force per modulus (n,) [m2] at the points of a run, which are then in `grid`."""
+    def simulate(self, candidate: Candidate, shape: Array) -> Array:
+        """Force per modulus (n,) [m2] of a run at its points, which are then in `grid`."""
         modulus = self.model.settings.reference_modulus_pa
         solid = candidate.material(shape, self.homogeneous.poisson_ratio, modulus)
         before = time.process_time()
@@ -84,7 +87,7 @@ class SimulatedResponse:
 
     def add(self, candidate: Candidate, shape: Array) -> float:
         """Run at a shape; returns how far the prediction was off, as a part of the peak."""
-        force = self.run(candidate, shape)
+        force = self.simulate(candidate, shape)
         known = candidate.name in self.places
         expected = self.unit_force(candidate, shape, self.grid) / self.anchor if known else 0.0
         self._keep(candidate, shape, force)
@@ -94,9 +97,16 @@ class SimulatedResponse:
         uniform = self.homogeneous.unit_force(candidate, shape, self.grid)
         strong = np.abs(force) > WEAK * np.abs(force).max()
         ratio = np.interp(self.grid, self.grid[strong], force[strong] / uniform[strong])
-        self.places.setdefault(candidate.name, []).append(_scaled(candidate, shape))
-        self.ratios.setdefault(candidate.name, []).append(ratio)
         self._between.pop(candidate.name, None)
+        place = _scaled(candidate, shape)
+        places, ratios = (d.setdefault(candidate.name, []) for d in (self.places, self.ratios))
+        same = [
+            k for k, known in enumerate(places) if np.abs(known - place).max(initial=0.0) < SAME
+        ]
+        for k in reversed(same):
+            del places[k], ratios[k]
+        places.append(place)
+        ratios.append(ratio)
 
     def unit_force(self, candidate: Candidate, shape: Array, displacement: Array) -> Array:
         """See `Response.unit_force`; of a law without runs that of the homogeneous test."""

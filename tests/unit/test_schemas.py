@@ -93,6 +93,7 @@ def test_settings_of_a_measured_study_are_accepted(name):
         ("family", ResponseSettings, set()),
         ("calibration", CalibrationSettings, set()),
         ("exponents", ExponentSettings, set()),
+        ("laws", LawSettings, set()),
         ("uncertainty", UncertaintySettings, set()),
         ("floor", FloorSettings, set()),
         ("geometry_effects", EffectSettings, {"element_size_mm", "prescribed_strain"}),

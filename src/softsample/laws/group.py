@@ -6,6 +6,7 @@ from typing import Any
 
 import pandas as pd
 
+from softsample.errors import CalibrationError
 from softsample.laws.candidates import Candidate
 from softsample.laws.discrepancy import Discrepancy
 from softsample.laws.fit import LawFit, Problem
@@ -140,6 +141,11 @@ def group_report(
         `law_report` by law, and `skipped`: why a law was left out, by law.
     curves : DataFrame
         `law`, `sample`, `displacement_mm`, `measured_N`, `model_N`.
+
+    Raises
+    ------
+    CalibrationError
+        If no law can be simulated.
     """
     parts, fits = parts_of(tests, folds), Fits(tests)
     laws: dict[str, Any] = {}
@@ -157,6 +163,8 @@ def group_report(
             "curve_error_percent": 100.0 * error,
         }
         curves.append(_curves(fits.of(candidate, parts[ALL]), tests))
+    if not laws:
+        raise CalibrationError(f"no elastic law could be simulated: {skipped}; add neo_hooke")
     return {"laws": laws, "skipped": skipped}, pd.concat(curves)
 
 

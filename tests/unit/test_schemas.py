@@ -17,6 +17,7 @@ from softsample.geometry_effects.variants import EffectSettings
 from softsample.imaging.measure import MeasurementSettings
 from softsample.imaging.segment import SegmentationSettings
 from softsample.io import read_samples, read_yaml
+from softsample.laws.group import LawSettings
 from softsample.meshing.hexahedral import MeshSettings
 from softsample.protocol import MODES
 from softsample.records import RecordSettings

@@ -72,7 +72,7 @@ class Discrepancy:
 
     def whiten(self, k: int, values: Array) -> Array:
         """White values of the points of the k-th test that count."""
-        return np.asarray(solve_triangular(self._factor[k], values, lower=True))
+        return np.asarray(solve_triangular(self._factor[k], values, lower=True, check_finite=False))
 
     @property
     def weighted(self) -> Problem:

@@ -286,3 +286,13 @@ def test_a_law_that_the_solver_cannot_run_is_left_out_with_the_reason():
     tests, laws = [test, loading("shear", of_exponent(-18.0))], ["ogden", "neo_hooke"]
     report, _ = group_report(tests, [Candidate.of(law) for law in laws], {}, 0.003, 0.9)
     assert "crushed" in report["skipped"]["ogden"]
+
+
+def test_runs_that_lie_on_a_line_of_a_plane_are_taken_as_they_are():
+    response, pair = simulated(FakeModel(mode="tension")), Candidate.of("ogden+ogden")
+    for alpha in (-10.0, -6.0, 4.0, 8.0, 12.0):  # of three parameters one moves
+        response.add(pair, np.array([1.0, alpha, 5.0]))
+    shape, way = np.array([1.0, -6.5, 5.0]), SIDE * np.linspace(0.01, 0.1, 5)
+    uniform = response.homogeneous.unit_force(pair, shape, way)
+    ratio = response.unit_force(pair, shape, way) / uniform
+    assert ratio == pytest.approx(FakeModel.factor(-6.0, way / SIDE), rel=5e-3)

@@ -18,11 +18,14 @@ of the range then changes the deviance by less than this."""
 LEADING = 0.5
 """Part of an open direction from which a parameter is named."""
 
-FIRST_STEP = 0.02
-"""First step of a profile, as a part of the range or of the modulus."""
+STEPS = (0.002, 0.25)
+"""Least and largest first step of a profile, as a part of the range or of the modulus."""
 
 REFINED = 3
-"""Corrections of where a profile crosses its level."""
+"""Corrections of where a profile crosses its level, at most."""
+
+NEAR = 0.03
+"""Distance from the level, in the signed root of the deviance, that needs no correction."""
 
 
 @dataclass(frozen=True)
@@ -54,18 +57,31 @@ def intervals(problem: Problem, fit: LawFit, confidence: float) -> dict[str, Int
     def of_modulus(value: float) -> LawFit:
         return problem.fit(fit.candidate, [fit.shape], 1, modulus=float(np.exp(value)))
 
+    steps = np.clip(level * deviations(problem, fit), *STEPS)
     centre = float(np.log(fit.mu))
-    ends = [_end(of_modulus, fit.cost, centre, side * FIRST_STEP, side * np.inf, level)
-            for side in (-1.0, 1.0)]  # fmt: skip
+    ends = [
+        _end(of_modulus, fit.cost, centre, side * steps[0], side * np.inf, level)
+        for side in (-1.0, 1.0)
+    ]
     found = {"mu": Interval(fit.mu, *(None if e is None else float(np.exp(e)) for e in ends))}
     for k, s in enumerate(fit.candidate.shape):
-        step = FIRST_STEP * (s.high - s.low)
+        step = steps[1 + k] * (s.high - s.low)
         found[s.name] = Interval(
             float(fit.shape[k]),
             _end(of_shape(k), fit.cost, float(fit.shape[k]), -step, s.low, level),
             _end(of_shape(k), fit.cost, float(fit.shape[k]), step, s.high, level),
         )
     return found
+
+
+def deviations(problem: Problem, fit: LawFit) -> Array:
+    """Standard deviations (1 + n_shape,) of ln(mu) and of shapes in parts of their ranges.
+
+    Those of the linearised problem, infinite in directions without information.
+    """
+    jacobian = problem.jacobian(fit)
+    values, directions = np.linalg.eigh(jacobian.T @ jacobian)
+    return np.asarray(np.sqrt(directions**2 @ (1.0 / np.maximum(values, 1e-12))))
 
 
 def _end(
@@ -81,6 +97,8 @@ def _end(
     for _ in range(8):
         outer = min(best + step, limit) if step > 0.0 else max(best + step, limit)
         above = float(np.sqrt(max(at(outer).cost - least, 0.0)))
+        if abs(above - level) < NEAR:
+            return outer
         if above >= level:
             break
         if outer == limit:
@@ -91,6 +109,8 @@ def _end(
     for _ in range(REFINED):
         middle = inner + (outer - inner) * (level - below) / (above - below)
         found = float(np.sqrt(max(at(middle).cost - least, 0.0)))
+        if abs(found - level) < NEAR:
+            return middle
         if found >= level:
             outer, above = middle, found
         else:

@@ -119,7 +119,7 @@ class SimulatedResponse:
     def _ratio(self, candidate: Candidate, shape: Array) -> Array:
         """Force over that of the homogeneous test at the points of the runs."""
         places, ratios = self.places[candidate.name], self.ratios[candidate.name]
-        if len(places) < 2 + len(shape) or not len(shape):
+        if not _spans(places):
             near = int(np.argmin([np.abs(p - _scaled(candidate, shape)).sum() for p in places]))
             return ratios[near]
         if candidate.name not in self._between:
@@ -134,6 +134,12 @@ class SimulatedResponse:
         """Take the level of the study's mesh: its force over that of the coarse one, of one law."""
         strong = np.abs(coarse) > WEAK * np.abs(coarse).max()
         self.anchor = np.interp(self.grid, self.grid[strong], fine[strong] / coarse[strong])
+
+
+def _spans(places: Sequence[Array]) -> bool:
+    """Whether runs lie apart along each parameter, so that a plane goes through them."""
+    plane = np.column_stack([np.ones(len(places)), np.array(places)])
+    return plane.shape[1] > 1 and bool(np.linalg.matrix_rank(plane, tol=1e-3) == plane.shape[1])
 
 
 def _scaled(candidate: Candidate, shape: Array) -> Array:

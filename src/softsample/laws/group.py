@@ -67,8 +67,10 @@ def parts_of(tests: Sequence[LawTest], folds: Mapping[str, Sequence[str]]) -> di
 
 def law_report(
     candidate: Candidate, fits: Fits, parts: Mapping[str, Sequence[Mask]], confidence: float
-) -> dict[str, Any]:
+) -> tuple[dict[str, Any], LawFit]:
     """One law on a group: parameters with intervals, what they say, and errors of all parts.
+
+    Parameters are those of the likelihood that the intervals are of; folds are least squares.
 
     Parameters
     ----------
@@ -85,23 +87,24 @@ def law_report(
     problem = Problem(tests, kept)
     found = Discrepancy(problem, fit)
     best = found.weighted.fit(candidate, [fit.shape], 1)
-    return {
+    report = {
         "title": candidate.title,
         "parameters": candidate.size,
-        "mu_pa": fit.mu,
-        "shape": {s.name: float(v) for s, v in zip(candidate.shape, fit.shape, strict=True)},
+        "mu_pa": best.mu,
+        "shape": {s.name: float(v) for s, v in zip(candidate.shape, best.shape, strict=True)},
         "intervals": {
             name: asdict(interval)
             for name, interval in intervals(found.weighted, best, confidence).items()
         } if best.mu > 0.0 else {},
         "open": left_open(found.weighted, best),
-        "at_bound": fit.bounds_met,
+        "at_bound": best.bounds_met,
         "discrepancy_percent": 100.0 * found.size,
-        "contact_mm": {name: [1e3 * x for x in pair] for name, pair in fit.contact.items()},
-        "error_fitted_percent": 100.0 * error_on(fit, tests, kept),
+        "contact_mm": {name: [1e3 * x for x in pair] for name, pair in best.contact.items()},
+        "error_fitted_percent": 100.0 * error_on(best, tests, kept),
         "folds": {name: fits.fold_errors(candidate, part) for name, part in parts.items()},
         "held_out": {name: _held_out_error(candidate, fits, part) for name, part in parts.items()},
     }  # fmt: skip
+    return report, best
 
 
 def _held_out_error(candidate: Candidate, fits: Fits, part: Sequence[Mask]) -> float | None:
@@ -158,11 +161,9 @@ def group_report(
         if error is None:
             skipped[candidate.name] = "elements are crushed where it fits best"
             continue
-        laws[candidate.name] = {
-            **law_report(candidate, fits, parts, confidence),
-            "curve_error_percent": 100.0 * error,
-        }
-        curves.append(_curves(fits.of(candidate, parts[ALL]), tests))
+        found, best = law_report(candidate, fits, parts, confidence)
+        laws[candidate.name] = {**found, "curve_error_percent": 100.0 * error}
+        curves.append(_curves(best, tests))
     if not laws:
         raise CalibrationError(f"no elastic law could be simulated: {skipped}; add neo_hooke")
     return {"laws": laws, "skipped": skipped}, pd.concat(curves)

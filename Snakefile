@@ -19,6 +19,7 @@ include: "workflow/rules/geometry_effects.smk"
 include: "workflow/rules/scoring.smk"
 include: "workflow/rules/reproduction.smk"
 include: "workflow/rules/extended.smk"
+include: "workflow/rules/laws.smk"
 
 
 if "blind" in config:

@@ -37,6 +37,10 @@ ALLOWED = {
     "calibration": {
         "errors", "protocol", "records", "holdout", "constitutive", "fem", "response",
     },
+    "laws": {
+        "calibration", "constitutive", "errors", "fem", "holdout", "protocol", "records",
+        "response", "shapes",
+    },
     "loop": {"constitutive", "fem", "holdout", "protocol", "records", "response"},
     "geometry_effects": {"calibration", "response"} | MECHANICS,
     "checks": {"errors", "fem", "meshing"},

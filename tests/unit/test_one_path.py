@@ -85,6 +85,7 @@ def test_solids_of_unit_modulus_are_run_by_one_function():
     assert callers("unit_runs") == {
         ("blindlab/models.py", "_curves"),
         ("geometry_effects/variants.py", "simulate"),
+        ("laws/simulate.py", "SimulatedResponse.simulate"),
         ("response/exponents.py", "simulate_exponents"),
         ("response/unit.py", "simulated_response"),
     }

@@ -17,6 +17,7 @@ from softsample.geometry_effects.variants import EffectSettings
 from softsample.imaging.measure import MeasurementSettings
 from softsample.imaging.segment import SegmentationSettings
 from softsample.io import read_samples, read_yaml
+from softsample.laws.group import LawSettings
 from softsample.meshing.hexahedral import MeshSettings
 from softsample.protocol import MODES
 from softsample.records import RecordSettings
@@ -93,6 +94,7 @@ def test_settings_of_a_measured_study_are_accepted(name):
         ("family", ResponseSettings, set()),
         ("calibration", CalibrationSettings, set()),
         ("exponents", ExponentSettings, set()),
+        ("laws", LawSettings, set()),
         ("uncertainty", UncertaintySettings, set()),
         ("floor", FloorSettings, set()),
         ("geometry_effects", EffectSettings, {"element_size_mm", "prescribed_strain"}),

@@ -512,6 +512,28 @@ def exports_of(sample):
     ]
 
 
+def simulated_laws(group):
+    """Pieces of a group whose response to a law is simulated."""
+    return [
+        piece
+        for piece in pieces_of(group)
+        if PLAN.best(piece) == "real"
+        or not is_homogeneous(SAMPLES[piece]["mode"], modelled_ends(SAMPLES[piece]))
+    ]
+
+
+def law_pieces(wildcards):
+    """Input or params function: these pieces."""
+    return simulated_laws(wildcards.group)
+
+
+def of_law_pieces(pattern):
+    """Input function: a file for every piece of a group whose response is simulated."""
+    return lambda wildcards: [
+        pattern.format(sample=piece, geometry=PLAN.best(piece)) for piece in law_pieces(wildcards)
+    ]
+
+
 PAPER = [str(ROOT / f"resources/paper/{name}.csv") for name in ("moduli", "summary")]
 PAPERS = TABLE.resolve() == (ROOT / "resources/cohort/samples.tsv").resolve()  # materials are its
 COHORT = "virtual cohort" if PAPERS else f"study {TABLE.resolve().parent.name}"

@@ -174,7 +174,7 @@ def unit_runs(
 ) -> Iterator[tuple[Run, float]]:
     """Runs of several unit-modulus solids in one test, each with its CPU time [s]."""
     for done, solid in enumerate(solids):
-        label = f"run {done + 1} of {len(solids)} (mu1/mu = {solid.mu1_fraction:.3f})"
+        label = f"run {done + 1} of {len(solids)} ({_named(solid)})"
         before = time.process_time()
         try:
             run = model.run(
@@ -187,6 +187,13 @@ def unit_runs(
         except SimulationError as error:
             raise type(error)(f"{label}: {error}") from error
         yield run, time.process_time() - before
+
+
+def _named(solid: Material) -> str:
+    """What tells a solid from the others of a response: the modulus fraction, or its laws."""
+    if solid.mu:
+        return f"mu1/mu = {solid.mu1_fraction:.3f}"
+    return " + ".join(term.law for term in solid.terms)
 
 
 def _part_of(progress: Progress, label: str, done: int, of: int) -> Callable[[float], None]:

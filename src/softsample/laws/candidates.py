@@ -1,0 +1,152 @@
+"""Laws that may be chosen: the dictionary, and sums of at most two of its terms."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from itertools import product
+from typing import Self
+
+import numpy as np
+from numpy.typing import NDArray
+
+from softsample.constitutive.laws import LAWS
+from softsample.constitutive.material import Material, Term
+from softsample.errors import InputError
+
+Array = NDArray[np.float64]
+
+FRACTION = "mu1_fraction"
+"""Part of the shear modulus that is in the first of two terms."""
+
+WIDE = 10.0
+"""A range from 0 to this or more is searched from starts that are evenly spaced in its root."""
+
+
+@dataclass(frozen=True)
+class Shape:
+    """A shape parameter of a candidate.
+
+    Parameters
+    ----------
+    name, unit : str
+        Name in tables, with the number of its term where both have it; unit, `1` for none.
+    low, high : float
+        Range of the search.
+    """
+
+    name: str
+    unit: str
+    low: float
+    high: float
+
+    def starts(self, count: int) -> Array:
+        """Inner points (count,) of the range, in its root where it is wide and begins near zero."""
+        return np.array([self.value((k + 0.5) / count) for k in range(count)])
+
+    @property
+    def power(self) -> float:
+        """Of the part of the range in which the parameter is searched."""
+        return 2.0 if self.low >= 0.0 and self.high >= WIDE else 1.0
+
+    def value(self, part: float) -> float:
+        """The value at a part of the range, from 0 to 1."""
+        inner = float(np.clip(part, 0.0, 1.0)) ** self.power
+        return self.low + inner * (self.high - self.low)
+
+    def part(self, value: float) -> float:
+        """The part of the range at a value."""
+        return float(((value - self.low) / (self.high - self.low)) ** (1.0 / self.power))
+
+
+@dataclass(frozen=True)
+class Candidate:
+    """A law or a sum of two, per shear modulus.
+
+    Parameters
+    ----------
+    laws : tuple of str
+        Names in `softsample.constitutive.laws.LAWS`, joined by `+` in tables.
+    fixed : tuple of tuple of float
+        Shape parameters of the terms that are not fitted; none by default.
+    """
+
+    laws: tuple[str, ...]
+    fixed: tuple[tuple[float, ...], ...] = ()
+
+    @classmethod
+    def of(cls, name: str) -> Self:
+        """From its name in the settings, such as `ogden` or `neo_hooke+ogden`.
+
+        Raises
+        ------
+        InputError
+            If a law is unknown or no solid alone, or there are more than two.
+        """
+        laws = tuple(part.strip() for part in name.split("+"))
+        solids = [law for law in LAWS if law != "fibre"]
+        unknown = [law for law in laws if law not in solids]
+        if unknown or len(laws) > 2:
+            raise InputError(
+                f"laws.candidates: {name!r} is no sum of one or two of {', '.join(solids)}"
+            )
+        return cls(laws)
+
+    @classmethod
+    def of_pair(cls, alpha: Sequence[float]) -> Self:
+        """Two Ogden terms of the study's exponents."""
+        return cls(("ogden",) * len(alpha), tuple((float(a),) for a in alpha))
+
+    @property
+    def name(self) -> str:
+        """Name in tables."""
+        numbers = [f"({', '.join(f'{x:g}' for x in numbers)})" for numbers in self.fixed]
+        return "+".join(map("".join, zip(self.laws, numbers or [""] * 2, strict=False)))
+
+    @property
+    def title(self) -> str:
+        """Name in words."""
+        numbers = [f" ({', '.join(f'{x:g}' for x in numbers)})" for numbers in self.fixed]
+        titles = [LAWS[law].title for law in self.laws]
+        return " + ".join(map("".join, zip(titles, numbers or [""] * 2, strict=False)))
+
+    @property
+    def shape(self) -> tuple[Shape, ...]:
+        """Shape parameters that are fitted: those of the terms, after the first one's share."""
+        found = [Shape(FRACTION, "1", 0.0, 1.0)] if len(self.laws) > 1 else []
+        for number, law in enumerate(() if self.fixed else self.laws, 1):
+            end = str(number) if self.laws.count(law) > 1 else ""
+            found += [Shape(p.name + end, p.unit, p.low, p.high) for p in LAWS[law].shape]
+        return tuple(found)
+
+    @property
+    def size(self) -> int:
+        """Number of parameters, the modulus counted."""
+        return 1 + len(self.shape)
+
+    @property
+    def bounds(self) -> Array:
+        """Ends of the ranges (2, n_shape)."""
+        ends = [(s.low, s.high) for s in self.shape]
+        return np.array(ends, dtype=np.float64).reshape(-1, 2).T
+
+    def material(
+        self, shape: Sequence[float] | Array, poisson_ratio: float, modulus: float
+    ) -> Material:
+        """The material of a shear modulus [Pa]; a term without modulus is left out."""
+        numbers = [float(x) for x in shape]
+        share = numbers.pop(0) if len(self.laws) > 1 else 1.0
+        terms = []
+        for k, (law, part) in enumerate(zip(self.laws, (share, 1.0 - share), strict=False)):
+            count = len(LAWS[law].shape)
+            own = self.fixed[k] if self.fixed else numbers[:count]
+            numbers = numbers if self.fixed else numbers[count:]
+            if part > 0.0:
+                terms.append(Term(law, part * modulus, tuple(own)))
+        return Material(tuple(terms), poisson_ratio)
+
+    def starts(self, count: int) -> list[Array]:
+        """Shapes from which a fit sets out: `count` points of each range, terms in order."""
+        grids = [s.starts(count if s.name != FRACTION else 1) for s in self.shape]
+        points = [np.array(point) for point in product(*grids)]
+        if len(self.laws) == 2 and self.laws[0] == self.laws[1] and not self.fixed:
+            points = [p for p in points if p[1] < p[-1]]
+        return points

@@ -1,0 +1,97 @@
+"""Which law predicts what it has not seen, and which others do as well.
+
+The log likelihood of what a fold leaves out is taken at the error's own size, -ln(error) per
+independent point: how large the model's error is, is estimated, so that no assumed size makes it
+over-sharp. A law is as good as the best if it is worse by one standard error of the difference over
+the folds at most; of these the simplest is recommended.
+
+References
+----------
+L. Breiman, J. H. Friedman, R. A. Olshen, C. J. Stone, Classification and Regression Trees,
+Wadsworth 1984, section 3.4.3 (the one-standard-error rule).
+"""
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from softsample.laws.candidates import Candidate
+from softsample.laws.folds import LEAST_ERROR
+
+Array = NDArray[np.float64]
+
+FEWEST_FOLDS = 2
+"""Folds below which no choice is made."""
+
+REFUSED = "one loading curve of one mode cannot tell laws apart: {folds}; test another mode"
+"""Why no choice is made."""
+
+
+@dataclass(frozen=True)
+class Choice:
+    """Laws compared by their errors on the same folds.
+
+    Parameters
+    ----------
+    score : dict of float
+        Mean held-out log likelihood per independent point, by law.
+    behind, standard_error : dict of float
+        Mean difference to the best law, and its standard error over the folds.
+    equal : tuple of str
+        Laws that are as good as the best, the simplest first.
+    folds : int
+        Number of folds.
+    refused : str
+        Why there is no choice; empty if there is one.
+    """
+
+    score: dict[str, float]
+    behind: dict[str, float]
+    standard_error: dict[str, float]
+    equal: tuple[str, ...]
+    folds: int
+    refused: str = ""
+
+    @property
+    def recommended(self) -> str | None:
+        """The simplest of the laws that are as good as the best; None if refused."""
+        return self.equal[0] if self.equal else None
+
+
+def log_likelihood(error: float) -> float:
+    """Of what was left out, per independent point, at an error given as a part of the peak."""
+    return -0.5 * float(np.log(error**2 + LEAST_ERROR**2))
+
+
+def choose(candidates: Sequence[Candidate], errors: Mapping[str, Sequence[float]]) -> Choice:
+    """Compare laws on folds.
+
+    Parameters
+    ----------
+    candidates : sequence of Candidate
+    errors : mapping
+        Errors on the folds, as parts of the peak, by name of the law; the same folds for all.
+    """
+    names = [candidate.name for candidate in candidates]
+    table = np.array([[log_likelihood(e) for e in errors[name]] for name in names])
+    folds = table.shape[1]
+    means = table.mean(axis=1) if folds else np.zeros(len(names))
+    score = dict(zip(names, means.tolist(), strict=True))
+    if folds < FEWEST_FOLDS:
+        there = "there is nothing to leave out but its last part" if folds else "no fold is left"
+        nothing = dict.fromkeys(names, float("nan"))
+        return Choice(score, nothing, nothing, (), folds, REFUSED.format(folds=there))
+    gap = table[int(np.argmax(means))] - table
+    behind, scatter = gap.mean(axis=1), gap.std(axis=1, ddof=1) / np.sqrt(folds)
+    sizes = {candidate.name: candidate.size for candidate in candidates}
+    equal = [name for name, b, s in zip(names, behind, scatter, strict=True) if b <= s]
+    equal.sort(key=lambda name: (sizes[name], -score[name]))
+    return Choice(
+        score,
+        dict(zip(names, behind.tolist(), strict=True)),
+        dict(zip(names, scatter.tolist(), strict=True)),
+        tuple(equal),
+        folds,
+    )

@@ -1,0 +1,38 @@
+"""Responses of laws: in closed form, or between runs of the solver."""
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from softsample.laws.candidates import Candidate
+from softsample.response.unit import homogeneous_area
+from softsample.shapes import IdealShape
+
+Array = NDArray[np.float64]
+
+
+@dataclass(frozen=True)
+class HomogeneousResponse:
+    """A test that deforms an ideal shape uniformly.
+
+    Parameters
+    ----------
+    shape : IdealShape
+    mode : str
+    poisson_ratio : float
+        Of laws that have none of their own.
+    """
+
+    shape: IdealShape
+    mode: str
+    poisson_ratio: float
+
+    def unit_force(self, candidate: Candidate, shape: Array, displacement: Array) -> Array:
+        """See `Response.unit_force`."""
+        solid = candidate.material(shape, self.poisson_ratio, 1.0)
+        try:
+            with np.errstate(over="ignore", invalid="ignore", divide="ignore"):
+                return homogeneous_area(self.shape, self.mode, displacement, solid)
+        except ArithmeticError:  # no equilibrium at these numbers
+            return np.full(len(displacement), np.nan)

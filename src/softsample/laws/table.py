@@ -1,0 +1,200 @@
+"""The choice of a study's law: of each group, or of all together; its table."""
+
+from collections.abc import Mapping, Sequence
+from typing import Any
+
+import numpy as np
+import pandas as pd
+
+from softsample.laws.candidates import Candidate
+from softsample.laws.choice import Choice, choose
+from softsample.laws.group import ALL
+
+Reports = Mapping[str, Mapping[str, Any]]
+
+
+def compared(candidates: Sequence[Candidate], reports: Reports) -> list[Candidate]:
+    """Laws that were fitted to all of some groups."""
+    return [c for c in candidates if all(c.name in report["laws"] for report in reports.values())]
+
+
+def choice_of(candidates: Sequence[Candidate], reports: Reports, part: str = ALL) -> Choice:
+    """Choice by the folds of some groups together, of what a part of each leaves to be seen.
+
+    Parameters
+    ----------
+    candidates : sequence of Candidate
+    reports : mapping
+        Of each group that is asked (`group_report`).
+    part : str
+        Part of the groups; of one without it everything but what the study holds out.
+    """
+    laws = compared(candidates, reports)
+    errors: dict[str, list[float]] = {c.name: [] for c in laws}
+    for report in reports.values():
+        for c in laws:
+            folds = report["laws"][c.name]["folds"]
+            errors[c.name] += folds.get(part, folds[ALL]).values()
+    return choose(laws, errors)
+
+
+def choices(
+    candidates: Sequence[Candidate], reports: Reports, pool: bool
+) -> dict[str, dict[str, Any]]:
+    """By group: the choice, and the held-out error of what the same choice without it predicts.
+
+    Parameters
+    ----------
+    candidates : sequence of Candidate
+    reports : mapping
+        `group_report` by group.
+    pool : bool
+        Whether all groups choose together.
+
+    Returns
+    -------
+    dict
+        By group: `recommended` and `equal` laws, or `refused`; `by` whose folds, their number;
+        `log_likelihood`, `behind`, `standard_error` by law; `held_out` and
+        `by_other_groups`; `best`, the laws that are drawn.
+    """
+    found = {}
+    for group, report in reports.items():
+        asked = reports if pool else {group: report}
+        choice = choice_of(candidates, asked)
+        parts = next(iter(report["laws"].values()))["held_out"]
+        found[group] = {
+            "recommended": choice.recommended,
+            "equal": list(choice.equal),
+            "refused": choice.refused,
+            "by": "folds of all groups" if pool and len(reports) > 1 else "its own folds",
+            "folds": choice.folds,
+            "log_likelihood": choice.score,
+            "behind": choice.behind,
+            "standard_error": choice.standard_error,
+            "held_out": {
+                part: _nested(choice_of(candidates, asked, part), report, part)
+                for part, error in parts.items()
+                if error is not None
+            },
+            "by_other_groups": _by_others(candidates, reports, group),
+        }
+    return {g: {**c, "best": best_laws(g, reports, found)} for g, c in found.items()}
+
+
+def _nested(choice: Choice, report: Mapping[str, Any], part: str) -> dict[str, Any]:
+    """The law that was chosen without what is left out, and its error on that."""
+    name = choice.recommended
+    error = report["laws"][name]["held_out"][part] if name else None
+    return {"law": name, "error_percent": None if error is None else 100.0 * error}
+
+
+def _by_others(
+    candidates: Sequence[Candidate], reports: Reports, group: str
+) -> dict[str, dict[str, Any]]:
+    """The same if the other groups alone choose, by part that leaves something out."""
+    others = {name: report for name, report in reports.items() if name != group}
+    if not others:
+        return {}
+    choice, report = choice_of(candidates, others), reports[group]
+    parts = next(iter(report["laws"].values()))["held_out"]
+    return {part: _nested(choice, report, part) for part, e in parts.items() if e is not None}
+
+
+def law_table(candidates: Sequence[Candidate], reports: Reports, chosen: Reports) -> pd.DataFrame:
+    """One row a group and law, the best predicted first.
+
+    Parameters
+    ----------
+    candidates : sequence of Candidate
+    reports : mapping
+        `group_report` by group.
+    chosen : mapping
+        `choices`.
+
+    Returns
+    -------
+    DataFrame
+        `group`, `law`, `chosen` (`recommended`, `as good`, `no`, or empty where refused), `by`,
+        `parameters`, `mu_pa`, `mu_low_pa`, `mu_high_pa`, `shape` (values with intervals),
+        `error_fitted_percent`, `error_folds_percent`, `error_held_out_percent`,
+        `behind` and `standard_error` (log likelihood per point), `remark`.
+    """
+    rows = []
+    for group, report in reports.items():
+        choice = chosen[group]
+        known = [c for c in candidates if c.name in report["laws"]]
+        for candidate in sorted(known, key=lambda c: -choice["log_likelihood"].get(c.name, -99.0)):
+            rows.append(_row(group, candidate, report["laws"][candidate.name], choice))
+        for name, reason in report["skipped"].items():
+            rows.append({"group": group, "law": name, "remark": f"not fitted: {reason}"})
+    return pd.DataFrame(rows)
+
+
+def _row(
+    group: str, candidate: Candidate, law: Mapping[str, Any], choice: Mapping[str, Any]
+) -> dict[str, Any]:
+    name = candidate.name
+    folds = list(law["folds"][ALL].values())
+    held_out = [error for error in law["held_out"].values() if error is not None]
+    mu = law["intervals"].get("mu", {"low": None, "high": None})
+    return {
+        "group": group,
+        "law": name,
+        "chosen": _standing(name, choice),
+        "by": choice["by"],
+        "parameters": candidate.size,
+        "mu_pa": law["mu_pa"],
+        "mu_low_pa": mu["low"],
+        "mu_high_pa": mu["high"],
+        "shape": "; ".join(_shape_words(law)),
+        "error_fitted_percent": law["error_fitted_percent"],
+        "error_folds_percent": 100.0 * _root_mean_square(folds),
+        "error_held_out_percent": 100.0 * _root_mean_square(held_out),
+        "behind": choice["behind"].get(name),
+        "standard_error": choice["standard_error"].get(name),
+        "remark": "; ".join(remarks(law, choice)),
+    }
+
+
+def _standing(name: str, choice: Mapping[str, Any]) -> str:
+    if choice["refused"]:
+        return ""
+    if name == choice["recommended"]:
+        return "recommended"
+    return "as good" if name in choice["equal"] else "no"
+
+
+def _shape_words(law: Mapping[str, Any]) -> list[str]:
+    """Shape parameters with their intervals."""
+    return [
+        f"{name} = {value:.3g} ({_end(law, name, 'low')} to {_end(law, name, 'high')})"
+        for name, value in law["shape"].items()
+    ]
+
+
+def _end(law: Mapping[str, Any], name: str, end: str) -> str:
+    value = law["intervals"].get(name, {}).get(end)
+    return "open" if value is None else f"{value:.3g}"
+
+
+def remarks(law: Mapping[str, Any], choice: Mapping[str, Any]) -> list[str]:
+    """What a reader of a fit has to know, in words."""
+    found = [f"these data leave {' and '.join(law['open'])} open"] if law["open"] else []
+    found += [f"these data drive {bound}" for bound in law["at_bound"]]
+    return [*found, choice["refused"]] if choice["refused"] else found
+
+
+def _root_mean_square(errors: Sequence[float]) -> float:
+    return float(np.sqrt(np.mean(np.square(errors)))) if errors else float("nan")
+
+
+def best_laws(group: str, reports: Reports, chosen: Reports, count: int = 3) -> list[str]:
+    """Laws of a group that predict best, the recommended one first."""
+    choice, laws = chosen[group], reports[group]["laws"]
+    score = {name: choice["log_likelihood"].get(name, -99.0) for name in laws}
+    if choice["refused"]:
+        score = {name: -law["error_fitted_percent"] for name, law in laws.items()}
+    first = [name for name in (choice["recommended"],) if name in laws]
+    rest = sorted((name for name in laws if name not in first), key=lambda name: -score[name])
+    return [*first, *rest][:count]

@@ -1,0 +1,120 @@
+# Which elastic law the tissue follows. Not part of `rule all`: asked for by `snakemake laws`.
+
+
+rule laws:
+    input:
+        "<results>/tables/laws.csv",
+        expand("<results>/figures/laws.{kind}", kind=FORMATS),
+        [f"<results>/laws/{group}_confirmed.csv" for group in GROUPS if simulated_laws(group)],
+    message:
+        "Elastic laws compared: {input}"
+
+
+use rule mesh as mesh_laws with:
+    output:
+        mesh="<results>/mesh/{sample}/{geometry}_laws.vtu",
+        surface="<results>/mesh/{sample}/{geometry}_laws.stl",
+        report="<results>/mesh/{sample}/{geometry}_laws.json",
+    log:
+        "<logs>/mesh/{sample}_{geometry}_laws.log",
+    benchmark:
+        "<benchmarks>/mesh/{sample}_{geometry}_laws.tsv"
+    params:
+        mesh={**config["mesh"], "element_size_mm": config["laws"]["element_size_mm"]},
+        coarsening=1,
+        preload_mm=config["protocol"]["preload_mm"],
+    message:
+        "Mesh for elastic laws: {wildcards.sample}, {wildcards.geometry} geometry"
+
+
+rule laws_of_group:
+    input:
+        records=of_members("<results>/records/{sample}.csv"),
+        cuboids=of_pieces("<results>/cuboid/{sample}.json"),
+        meshes=of_law_pieces("<results>/mesh/{sample}/{geometry}_laws.vtu"),
+        curves=of_law_pieces("<results>/curves/{sample}/{geometry}/ogden2.csv"),
+        reports=of_law_pieces("<results>/curves/{sample}/{geometry}/ogden2.json"),
+        fit=lambda wildcards: [
+            calibration_of(piece, PLAN.best(piece), "json") for piece in law_pieces(wildcards)[:1]
+        ],
+        code=library("workflow/scripts/laws.py"),
+    output:
+        report="<results>/laws/{group}.json",
+        curves="<results>/laws/{group}.csv",
+    log:
+        "<logs>/laws/{group}.log",
+    benchmark:
+        "<benchmarks>/laws/{group}.tsv"
+    resources:
+        **OF_MESHES,
+    params:
+        rows=lambda wildcards: rows_of(samples_of(wildcards.group)),
+        pieces=lambda wildcards: [piece_of(name) for name in samples_of(wildcards.group)],
+        simulated=law_pieces,
+        ends=lambda wildcards: [modelled_ends(SAMPLES[name]) for name in law_pieces(wildcards)],
+        folds=lambda wildcards: {} if LEAVE_OUT == "group" else folds_of(wildcards.group),
+        hold_out=HOLD_OUT,
+        laws=config["laws"],
+        confidence=config["uncertainty"]["confidence"],
+        material=config["material"],
+        solver=config["solver"],
+        contact=config["contact"],
+    message:
+        "Fit every elastic law: group {wildcards.group}"
+    script:
+        "../scripts/laws.py"
+
+
+rule choose_law:
+    input:
+        reports=expand("<results>/laws/{group}.json", group=GROUPS),
+        curves=expand("<results>/laws/{group}.csv", group=GROUPS),
+        code=library("workflow/scripts/choose_law.py"),
+    output:
+        table="<results>/tables/laws.csv",
+        choice="<results>/laws/choice.json",
+        figures=expand("<results>/figures/laws.{kind}", kind=FORMATS),
+    log:
+        "<logs>/choose_law.log",
+    params:
+        groups=list(GROUPS),
+        alpha=config["material"]["alpha"],
+        laws=config["laws"],
+    message:
+        "Choose the elastic law: {output.table}"
+    script:
+        "../scripts/choose_law.py"
+
+
+rule confirm_law:
+    input:
+        choice="<results>/laws/choice.json",
+        report="<results>/laws/{group}.json",
+        laws="<results>/laws/{group}.csv",
+        records=of_members("<results>/records/{sample}.csv"),
+        cuboids=of_law_pieces("<results>/cuboid/{sample}.json"),
+        meshes=of_law_pieces("<results>/mesh/{sample}/{geometry}.vtu"),
+        reports=of_law_pieces("<results>/curves/{sample}/{geometry}/ogden2.json"),
+        code=library("workflow/scripts/confirm_law.py"),
+    output:
+        table="<results>/laws/{group}_confirmed.csv",
+    log:
+        "<logs>/confirm_law/{group}.log",
+    benchmark:
+        "<benchmarks>/confirm_law/{group}.tsv"
+    resources:
+        **OF_MESHES,
+    params:
+        samples=lambda wildcards: samples_of(wildcards.group),
+        pieces=lambda wildcards: [piece_of(name) for name in samples_of(wildcards.group)],
+        simulated=law_pieces,
+        modes=lambda wildcards: [SAMPLES[name]["mode"] for name in law_pieces(wildcards)],
+        ends=lambda wildcards: [modelled_ends(SAMPLES[name]) for name in law_pieces(wildcards)],
+        material=config["material"],
+        laws=config["laws"],
+        solver=config["solver"],
+        contact=config["contact"],
+    message:
+        "Run the chosen law on the study's mesh: group {wildcards.group}"
+    script:
+        "../scripts/confirm_law.py"

@@ -139,7 +139,7 @@ def test_from_callipers_and_a_csv_to_a_report_in_three_commands(shape, tmp_path)
 
 @pytest.mark.long
 def test_from_a_closed_surface_to_a_report(tmp_path):
-    """A sharp cuboid on sliding ends as a surface: both geometries give the modulus back."""
+    """A sharp cuboid on sliding ends as a surface; elements of 1 mm round its edges."""
     box = pyvista.Cube(bounds=(-10.0, 10.0, -9.0, 9.0, 0.0, 12.0)).triangulate().subdivide(4)
     box.save(tmp_path / "scan.stl")
     record = exact.uniaxial_record(AREA["cuboid"], 12.0, -0.2)
@@ -151,5 +151,5 @@ def test_from_a_closed_surface_to_a_report(tmp_path):
     run("make", "add-sample", here, f"RECORD={tmp_path / 'test.csv'}", *cells, given=BUILT)
     run("make", "study", here, "CONFIG=config/quick.yaml", given=BUILT)
     assert modulus(lab, "P1", "ideal") == pytest.approx(exact.MODULUS, rel=0.01)
-    assert modulus(lab, "P1", "real") == pytest.approx(exact.MODULUS, rel=0.05)
+    assert exact.MODULUS < modulus(lab, "P1", "real") < 1.12 * exact.MODULUS
     assert (lab / "results/report.html").exists()

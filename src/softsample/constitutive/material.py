@@ -188,8 +188,8 @@ class Material:
 
     @property
     def mu1_fraction(self) -> float:
-        """Part of the shear modulus that is in the first Ogden term."""
-        return self.mu[0] / self.shear_modulus
+        """Part of the shear modulus that is in the first Ogden term, 0 if there is none."""
+        return self.mu[0] / self.shear_modulus if self.mu else 0.0
 
     def plus(self, *terms: Term) -> Self:
         """The material with more terms; its shear modulus is the sum."""

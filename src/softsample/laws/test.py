@@ -21,8 +21,8 @@ APPROACH = 0.01
 """Displacement before contact from which a platen came from above, as a part of the height."""
 
 CONTACT_DEPTH = 0.2
-"""Depth over which a face of stated dimensions may be uneven, as a part of the height. Chosen on the
-six gels of docs/laws.md; 0.3 does as well on three of them, 0.1 less."""
+"""Depth over which a face of stated dimensions may be uneven, as a part of the height. Chosen on
+the six gels of docs/laws.md; 0.3 does as well on three of them, 0.1 less."""
 
 LEVELS = 12
 """Heights that stand for an uneven face."""

@@ -7,7 +7,8 @@ import numpy as np
 import pytest
 
 from softsample.io import read_yaml
-from softsample.report.intervals import FLOOR, FloorSettings, force_terms, interval_table
+from softsample.report.intervals import FLOOR, force_terms, interval_table
+from softsample.response.floor import FloorSettings
 
 ROOT = Path(__file__).resolve().parents[2]
 SETTINGS = FloorSettings(1.0, (0.5, 1.0), {"compression": (4.0, 8.0), "shear": (1.0, 2.0)})

@@ -1,5 +1,6 @@
 """Choice of an elastic law: recovery of known laws, what data leave open, what they cannot tell."""
 
+from dataclasses import replace
 from types import SimpleNamespace
 
 import numpy as np
@@ -204,6 +205,25 @@ def test_intervals_hold_the_exponent_though_the_form_is_wrong_by_a_correlated_er
         ends = intervals(found.weighted, best, 0.9)["alpha"]
         held += ends.low <= -12.0 <= ends.high
     assert held >= 9
+
+
+def test_what_mesh_and_element_leave_open_is_in_the_interval_of_the_modulus():
+    """Two tests with scales of 4 % each: their mean is known to 4 % / sqrt(2)."""
+    noise = {"noise": 1e-3, "rng": np.random.default_rng(2)}
+    stress = of_invariants(lambda x: 0.5 + 0.0 * x, zero)
+    tests = [loading(mode, stress, **noise) for mode in ("tension", "shear")]
+    widths = []
+    for scale in (0.0, 0.04):
+        rough = [replace(test, scale_error=scale) for test in tests]
+        problem = Problem(rough, everything(rough))
+        candidate = Candidate.of("neo_hooke")
+        fit = problem.fit(candidate)
+        weighted = Discrepancy(problem, fit).weighted
+        best = weighted.fit(candidate, [fit.shape], 1)
+        ends = intervals(weighted, best, 0.9)["mu"]
+        widths.append((ends.high - ends.low) / (2.0 * best.mu))
+    assert widths[0] < 0.002
+    assert widths[1] == pytest.approx(1.645 * 0.04 / np.sqrt(2.0), rel=0.1)
 
 
 def test_an_unknown_law_is_refused_with_those_there_are():

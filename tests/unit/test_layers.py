@@ -45,7 +45,7 @@ ALLOWED = {
     "geometry_effects": {"calibration", "response"} | MECHANICS,
     "checks": {"errors", "fem", "meshing"},
     "scoring": {"calibration", "response"},
-    "report": {"errors"},
+    "report": {"errors", "response"},
     "blindlab": {"loop", "phantom", "protocol", "records", "response"} | MECHANICS,
     "export": {"errors", "meshing", "constitutive", "fem", "io"},
     "figures": {"loop", "meshing", "protocol", "report"},

@@ -21,8 +21,8 @@ from softsample.laws.group import LawSettings
 from softsample.meshing.hexahedral import MeshSettings
 from softsample.protocol import MODES
 from softsample.records import RecordSettings
-from softsample.report.intervals import FloorSettings
 from softsample.response.exponents import ExponentSettings
+from softsample.response.floor import FloorSettings
 from softsample.response.unit import ResponseSettings
 from softsample.validation import (
     check_config,

@@ -34,6 +34,7 @@ rule laws_of_group:
         meshes=of_law_pieces("<results>/mesh/{sample}/{geometry}_laws.vtu"),
         curves=of_law_pieces("<results>/curves/{sample}/{geometry}/ogden2.csv"),
         reports=of_law_pieces("<results>/curves/{sample}/{geometry}/ogden2.json"),
+        qualities=of_law_pieces("<results>/mesh/{sample}/{geometry}.json"),
         fit=lambda wildcards: [
             calibration_of(piece, PLAN.best(piece), "json") for piece in law_pieces(wildcards)[:1]
         ],
@@ -59,6 +60,7 @@ rule laws_of_group:
         material=config["material"],
         solver=config["solver"],
         contact=config["contact"],
+        floor=config["floor"],
     message:
         "Fit every elastic law: group {wildcards.group}"
     script:

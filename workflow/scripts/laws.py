@@ -13,6 +13,7 @@ from softsample.laws.group import LawSettings, group_report
 from softsample.laws.response import HomogeneousResponse
 from softsample.laws.setup import simulated, tests_of
 from softsample.records import reach
+from softsample.response.floor import FloorSettings
 from softsample.shapes import IdealShape
 from softsample.workflow import logged_to, progress_bar, provenance
 
@@ -25,10 +26,19 @@ with logged_to(snakemake):
         piece: HomogeneousResponse(shape, row["mode"], material["poisson_ratio"])
         for piece, shape, row in zip(given.pieces, shapes, given.rows, strict=True)
     }
-    for piece, ends, mesh, curves, report in zip(
-        given.simulated, given.ends, files.meshes, files.curves, files.reports, strict=True
+    floor, scale_errors = FloorSettings(**given.floor), dict.fromkeys(given.pieces, 0.0)
+    for piece, ends, mesh, curves, report, quality in zip(
+        given.simulated,
+        given.ends,
+        files.meshes,
+        files.curves,
+        files.reports,
+        files.qualities,
+        strict=True,
     ):
         uniform = responses[piece]
+        size = read_json(quality)["element_size_mm"]
+        scale_errors[piece] = floor.scale_error(uniform.mode, size)
         sections = {name: given[name] for name in ("solver", "contact", "material")}
         own = [r for r, of in zip(records, given.pieces, strict=True) if of == piece]
         responses[piece] = simulated(
@@ -44,6 +54,7 @@ with logged_to(snakemake):
         records,
         [responses[piece] for piece in given.pieces],
         [shape.height for shape in shapes],
+        [scale_errors[piece] for piece in given.pieces],
         given.hold_out,
     )
     found, curves = group_report(

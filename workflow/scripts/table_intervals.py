@@ -1,7 +1,8 @@
 """Intervals of all calibrated moduli, term by term (rule `table_intervals`)."""
 
 from softsample.io import read_json, write_table
-from softsample.report.intervals import FloorSettings, force_terms, interval_table
+from softsample.report.intervals import force_terms, interval_table
+from softsample.response.floor import FloorSettings
 from softsample.workflow import logged_to
 
 with logged_to(snakemake):

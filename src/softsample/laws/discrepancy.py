@@ -2,7 +2,8 @@
 
 A test's residual is white noise, an error that is correlated along the displacement, and an error
 of the scale of the whole test. The last two have one size, which restricted maximum likelihood
-takes from the residuals: it knows that parameters were fitted to them.
+takes from the residuals: it knows that parameters were fitted to them. What mesh and element type
+leave open of the scale of a simulated response comes on top.
 
 References
 ----------
@@ -47,9 +48,10 @@ def covariance(test: LawTest, model: Array, kept: Mask, size: float) -> Array:
     """
     way, peak = test.displacement[kept], test.peak
     apart = np.abs(np.subtract.outer(way, way)) / (LENGTH * test.stroke)
-    form = peak**2 * np.exp(-apart) + np.outer(model, model)
+    scale = np.outer(model, model)
+    error = size**2 * (peak**2 * np.exp(-apart) + scale) + test.scale_error**2 * scale
     noise = test.noise**2 + (JITTER * peak) ** 2
-    return np.asarray(size**2 * form + noise * np.eye(len(way)))
+    return np.asarray(error + noise * np.eye(len(way)))
 
 
 class Discrepancy:

@@ -55,14 +55,16 @@ def tests_of(
     records: Sequence[Record],
     responses: Sequence[Response],
     heights: Sequence[float],
+    scale_errors: Sequence[float],
     hold_out: Sequence[Mapping[str, Any]],
 ) -> list[LawTest]:
     """Tests of a group.
 
     Parameters
     ----------
-    rows, records, responses, heights : sequence
-        Of each sample: row with defaults filled in, record, response, height [m].
+    rows, records, responses, heights, scale_errors : sequence
+        Of each sample: row with defaults filled in, record, response, height [m], standard
+        deviation of the response's scale as a part of it.
     hold_out : sequence of mapping
         Selections of the study's settings.
     """
@@ -74,8 +76,11 @@ def tests_of(
             response,
             height,
             stated=not (row.get("image") or row.get("surface")),
+            scale_error=scale_error,
         )
-        for row, record, response, height in zip(rows, records, responses, heights, strict=True)
+        for row, record, response, height, scale_error in zip(
+            rows, records, responses, heights, scale_errors, strict=True
+        )
     ]
 
 

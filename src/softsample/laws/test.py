@@ -57,6 +57,9 @@ class LawTest:
         contact begins, to either side; 0 if contact is known.
     held_out : (n,) bool
         Points that the study holds out; none by default.
+    scale_error : float
+        Standard deviation of the scale of the response, as a part of it: what mesh and element
+        type leave open.
     """
 
     sample: str
@@ -68,6 +71,7 @@ class LawTest:
     response: Response
     contact_depth: float = 0.0
     held_out: Mask = field(default_factory=lambda: np.zeros(0, bool))
+    scale_error: float = 0.0
     _known: dict[tuple[str, bytes], Array] = field(default_factory=dict, repr=False)
 
     def __post_init__(self) -> None:
@@ -83,6 +87,7 @@ class LawTest:
         response: Response,
         height: float,
         stated: bool,
+        scale_error: float = 0.0,
     ) -> Self:
         """From the calibrated loading of a record.
 
@@ -99,6 +104,8 @@ class LawTest:
         stated : bool
             Whether its dimensions were stated: a platen that came from above the sample then finds
             contact, and how even the face is.
+        scale_error : float
+            Of the response, as a part of it.
         """
         sign, chosen = travel_sign(row["mode"]), record.calibrated.astype(bool)
         way, force = sign * record.displacement[chosen], sign * record.force[chosen]
@@ -107,7 +114,7 @@ class LawTest:
         noise = white_noise(force) / np.sqrt(points[3])
         return cls(
             row["sample"], row["mode"], row["specimen"], points[0], points[1], noise, response,
-            CONTACT_DEPTH * height if found else 0.0, points[2],
+            CONTACT_DEPTH * height if found else 0.0, points[2], scale_error,
         )  # fmt: skip
 
     @property

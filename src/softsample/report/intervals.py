@@ -8,12 +8,14 @@ likelier than another, count as a rectangular distribution, half-width / sqrt(3)
 """
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
 import pandas as pd
 from scipy.special import ndtri
+
+from softsample.response.floor import FloorSettings, rectangular
+from softsample.response.unit import CLOSED_FORM
 
 MEASURED = ("statistics", "geometry", "contact_zero", "time")
 """Terms of record, image and loading time."""
@@ -22,46 +24,8 @@ FLOOR = ("mesh", "hourglass", "element")
 """Terms that the choice of mesh and element leaves open: it is wrong in the same sense in all
 samples, so that their forces keep the sign."""
 
-CLOSED_FORM = "closed form"
-"""`method` of a response that was not simulated."""
-
 COARSE = "elements of twice the size"
 HOURGLASS = ("half the hourglass stiffness", "twice the hourglass stiffness")
-
-
-@dataclass(frozen=True)
-class FloorSettings:
-    """What mesh and element type leave open; mirrors config `floor:`.
-
-    Parameters
-    ----------
-    mesh_order : float
-        Order with which the error of the mesh is taken to fall with the element size.
-    element_size_mm : sequence of float
-        Element sizes [mm], ascending, at which `element_percent` was measured.
-    element_percent : mapping
-        By mode, difference of one-point and three-field hexahedra [% of force] at these sizes.
-    """
-
-    mesh_order: float
-    element_size_mm: Sequence[float]
-    element_percent: Mapping[str, Sequence[float]]
-
-    def element(self, mode: str, size_mm: float) -> float:
-        """Difference of the two elements [% of force] at an element size [mm]."""
-        # ASSUME: the planes along which a pure shear test is bonded strain its elements as those
-        # of a tension test do; confined compression is a homogeneous strain, which both elements
-        # represent exactly. Numbers of their own in the config take precedence.
-        like = {"pure_shear": "tension"}.get(mode, mode)
-        percents = self.element_percent.get(mode, self.element_percent.get(like))
-        if percents is None:
-            return 0.0
-        return float(np.interp(np.log(size_mm), np.log(self.element_size_mm), percents))
-
-
-def rectangular(half_width: float) -> float:
-    """Standard deviation of a value that lies anywhere within limits; keeps the limit's sign."""
-    return half_width / float(np.sqrt(3.0))
 
 
 def force_terms(

@@ -30,6 +30,9 @@ Response = tuple[dict[str, Array], dict[str, Any]]
 HEIGHT = 13e-3
 """Height [m] of the samples that the shortest loading time of the settings is meant for."""
 
+CLOSED_FORM = "closed form"
+"""`method` of a response that was not simulated."""
+
 REACHED = (1.0, 0.9, 0.8, 0.7, 0.6, 0.5)
 """Parts of the platen displacement that are tried, the largest first: elements at the edge of a
 bonded sample invert where the record goes very far."""
@@ -331,7 +334,7 @@ def homogeneous_response(
         normal = homogeneous_area(shape, mode, displacement, solid, normal=True)
         parts.append((np.full(len(force), r), displacement, force, force, -force, normal))
     return dict(zip(COLUMNS, map(np.concatenate, zip(*parts, strict=True)), strict=True)), {
-        "method": "closed form",
+        "method": CLOSED_FORM,
         "error_bound_percent": 0.0,
         "travel_mm": 1e3 * travel,
         "reached": 1.0,

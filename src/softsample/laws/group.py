@@ -1,5 +1,6 @@
 """All laws of the dictionary on the tests of one group, and on what is left of them in turn."""
 
+import time
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import asdict, dataclass
 from typing import Any
@@ -157,12 +158,14 @@ def group_report(
     for done, candidate in enumerate(candidates):
         if progress is not None:
             progress(candidate.title, done / len(candidates))
+        started = time.process_time()
         error = simulate_law(candidate, tests, tolerance, parts[ALL])
         if error is None:
             skipped[candidate.name] = "elements are crushed where it fits best"
             continue
         found, best = law_report(candidate, fits, parts, confidence)
-        laws[candidate.name] = {**found, "curve_error_percent": 100.0 * error}
+        cost = {"cpu_s": round(time.process_time() - started, 2)}
+        laws[candidate.name] = {**found, "curve_error_percent": 100.0 * error, **cost}
         curves.append(_curves(best, tests))
     if not laws:
         raise CalibrationError(f"no elastic law could be simulated: {skipped}; add neo_hooke")

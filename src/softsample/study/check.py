@@ -259,7 +259,7 @@ def _aligned(facts: Mapping[str, Any]) -> Iterator[str]:
     rest = facts["force_offset_N"]
     at_rest = "not known" if rest is None else f"{rest:.4g} N, noise {facts['force_noise_N']:.2g} N"
     begins = {
-        "displacement_mm": f"the ramp begins at {facts['ramp_start_mm']:.4g} mm",
+        "displacement_mm": f"the ramp begins at {facts['ramp_start_mm']:z.4g} mm",
         "force_N": f"the force at rest is {at_rest}",
     }
     for column, state in begins.items():
@@ -283,7 +283,7 @@ def _aligned(facts: Mapping[str, Any]) -> Iterator[str]:
         low, high = (100.0 * strain for strain in facts["strain"])
         bottom, top = (1e-3 * stress for stress in facts["stress_pa"])
         yield (
-            f"nominal strain {low:.3g} to {high:.3g} %, nominal stress {bottom:.3g} to {top:.3g} "
+            f"nominal strain {low:z.3g} to {high:z.3g} %, nominal stress {bottom:.3g} to {top:.3g} "
             "kPa"
         )
     yield from (f"warning: {warning}" for warning in facts["warnings"])

@@ -116,7 +116,7 @@ def test_loading_time_is_as_short_as_the_wanted_error_allows(guess, wanted):
 
 
 def test_loading_too_fast_for_the_law_is_slowed_down():
-    """Below 0.1 s the force is off by a constant, as if it rang: the pilots see no error there."""
+    """Below 0.1 s the force is off by a constant, as if it rang: preliminary runs see no error."""
     ramp = np.linspace(0.0, 1.0, 11)
 
     def run(time):
@@ -160,16 +160,16 @@ def test_errors_that_fall_faster_are_followed():
     assert 0.25 < 4e-4 / pace.loading_time**3 <= 0.5
 
 
-def test_coarse_pilot_finds_a_time_that_is_long_enough(model, boundary):
+def test_coarse_preliminary_run_finds_a_time_that_is_long_enough(model, boundary):
     """The error is judged on the mesh itself, by a run in ten times the time.
 
-    To a quarter of the height: at 30 %, the four elements of the pilot buckle.
+    To a quarter of the height: at 30 %, the four elements of the preliminary run buckle.
     """
     travel = 1.0e-3
     fine = ExplicitModel(mesh_cuboid(5e-3, 4e-3, 4e-3, 0.5e-3), model.settings)
     held = glued_boundary(fine.mesh, "compression", fine.mesh.glued(0.0))
     curves, report = simulated_response(
-        fine, held, travel, [1.0], ALPHA, 0.49, pilot=(model, boundary)
+        fine, held, travel, [1.0], ALPHA, 0.49, preliminary=(model, boundary)
     )
     material, time = OgdenMaterial((1e3,), (-8.0,), 0.49), 10.0 * report["loading_time_s"]
     slow = fine.run(material, held, travel, loading_time=time).force / 1e3

@@ -426,25 +426,26 @@ def records_of_piece(wildcards):
     return [f"<results>/records/{name}.csv" for name in records_of(wildcards.sample)]
 
 
-def has_closed_form(wildcards):
+def has_closed_form(piece, geometry):
     """Whether the piece deforms uniformly, so that its response needs no run."""
-    return wildcards.geometry == "ideal" and is_homogeneous(
-        row_value("mode")(wildcards), row_modelled_ends(wildcards)
-    )
+    row = SAMPLES[piece]
+    return geometry == "ideal" and is_homogeneous(row["mode"], modelled_ends(row))
 
 
 def mesh_of_runs(ending):
     """Input function: a mesh of the piece, none if its response has a closed form."""
     return lambda wildcards: (
         []
-        if has_closed_form(wildcards)
+        if has_closed_form(wildcards.sample, wildcards.geometry)
         else f"<results>/mesh/{wildcards.sample}/{wildcards.geometry}{ending}.vtu"
     )
 
 
 def coarsening(times):
     """Parameter: size of elements over that of the settings; any mesh holds a uniform field."""
-    return lambda wildcards: 2 * times if has_closed_form(wildcards) else times
+    return lambda wildcards: times * (
+        2 if has_closed_form(wildcards.sample, wildcards.geometry) else 1
+    )
 
 
 def diagnosed(wildcards):
@@ -514,12 +515,7 @@ def exports_of(sample):
 
 def simulated_laws(group):
     """Pieces of a group whose response to a law is simulated."""
-    return [
-        piece
-        for piece in pieces_of(group)
-        if PLAN.best(piece) == "real"
-        or not is_homogeneous(SAMPLES[piece]["mode"], modelled_ends(SAMPLES[piece]))
-    ]
+    return [piece for piece in pieces_of(group) if not has_closed_form(piece, PLAN.best(piece))]
 
 
 def law_pieces(wildcards):

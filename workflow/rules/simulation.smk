@@ -14,7 +14,7 @@ OF_RUNS = {
 rule simulate:
     input:
         mesh=mesh_of_runs(""),
-        pilot=mesh_of_runs("_coarse"),
+        preliminary=mesh_of_runs("_coarse"),
         cuboid="<results>/cuboid/{sample}.json",
         records=records_of_piece,
         code=library("workflow/scripts/simulate.py"),

@@ -25,12 +25,12 @@ with logged_to(snakemake):
         found = homogeneous_response(shape, given.mode, travel, *law, given.solver["curve_points"])
     else:
         sections = {name: given[name] for name in ("solver", "contact", "material", "ends")}
-        model, pilot = (
+        model, preliminary = (
             set_up(*read_mesh_with_data(path), given.mode, **sections)
-            for path in (files.mesh, files.pilot)
+            for path in (files.mesh, files.preliminary)
         )
         found = as_far_as_elements_stand(
-            lambda part: simulated_response(*model, part, *law, progress_bar(), pilot), travel
+            lambda part: simulated_response(*model, part, *law, progress_bar(), preliminary), travel
         )
     curves, report = found
     write_table(snakemake.output.curves, response_table(curves, given.mode))

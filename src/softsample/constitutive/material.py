@@ -277,7 +277,7 @@ def stress(gradient: ArrayLike, material: Material) -> Array:
 
     Notes
     -----
-    Verified in ``tests/verification/test_laws.py`` by differences of the energy, against closed
+    Verified in ``tests/verification/test_elastic_laws.py`` by differences of the energy, against closed
     forms and felupe.
     """
     F = np.asarray(gradient, dtype=np.float64)

@@ -11,7 +11,6 @@ J. W. Bandler et al., IEEE Trans. Microw. Theory Tech. 42 (1994) 2536, doi:10.11
 """
 
 import logging
-import time
 from collections.abc import Collection, Sequence
 from dataclasses import dataclass, field
 
@@ -68,8 +67,6 @@ class SimulatedResponse:
     homogeneous: HomogeneousResponse
     grid: Array = field(default_factory=lambda: np.empty(0))
     anchor: Array | float = 1.0
-    cpu_s: float = 0.0
-    element_steps: float = 0.0
     places: dict[str, list[Array]] = field(default_factory=dict)
     ratios: dict[str, list[Array]] = field(default_factory=dict)
     _between: dict[str, RBFInterpolator] = field(default_factory=dict)
@@ -78,10 +75,7 @@ class SimulatedResponse:
         """Force per modulus (n,) [m2] of a run at its points, which are then in `grid`."""
         modulus = self.model.settings.reference_modulus_pa
         solid = candidate.material(shape, self.homogeneous.poisson_ratio, modulus)
-        before = time.process_time()
         ((run, _),) = unit_runs(self.model, self.boundary, self.travel, [solid], self.loading_time)
-        self.cpu_s += time.process_time() - before
-        self.element_steps += float(run.steps) * len(self.model.mesh.hexes)
         self.grid = run.displacement
         return np.asarray(run.force / modulus)
 

@@ -61,9 +61,11 @@ def modulus_fractions(settings: ResponseSettings) -> Array:
 TINY = 1e-9
 """Error [%] below which two curves are the same."""
 
-PILOT_SHARE = 0.6
-"""Part of the wanted error that pilots on a coarser mesh may show. With elements of twice the size
-their errors were 0.6 to 1.4 times those of the mesh (five samples, three modes)."""
+PRELIMINARY_SHARE = 0.6
+"""Part of the wanted error that preliminary runs on a coarser mesh may show.
+
+With elements of twice the size their errors were 0.6 to 1.4 times those of the mesh (five samples,
+three modes)."""
 
 
 @dataclass(frozen=True)
@@ -211,12 +213,12 @@ def simulated_response(
     alpha: Sequence[float],
     poisson_ratio: float,
     progress: Progress | None = None,
-    pilot: Test | None = None,
+    preliminary: Test | None = None,
 ) -> Response:
     """Force per modulus against displacement for each modulus fraction, and how exact it is.
 
     The loading time is found with the middle fraction, at best on a coarser mesh: inertia is that
-    of the shape, and errors were within a factor of `PILOT_SHARE` of those of the mesh itself.
+    of the shape, and errors agree with those of the mesh itself within `PRELIMINARY_SHARE`.
 
     Parameters
     ----------
@@ -230,7 +232,7 @@ def simulated_response(
         Initial Poisson's ratio.
     progress : callable, optional
         Told what is being computed and the finished fraction of all runs.
-    pilot : tuple, optional
+    preliminary : tuple, optional
         Coarser mesh of the same sample and what holds it, on which the loading time is found.
 
     Returns
@@ -248,11 +250,11 @@ def simulated_response(
     SimulationError
         If the loading is too fast at 32 times the first loading time.
     """
-    modulus, part = model.settings.reference_modulus_pa, PILOT_SHARE if pilot else 1.0
+    modulus, part = model.settings.reference_modulus_pa, PRELIMINARY_SHARE if preliminary else 1.0
     solids = [unit_modulus(r, alpha, poisson_ratio, modulus) for r in fractions]
     middle = solids[sorted(range(len(solids)), key=lambda k: fractions[k])[len(solids) // 2]]
     share, started = 3.0 / (3.0 + len(fractions)), time.process_time()
-    searched, held = pilot or (model, boundary)
+    searched, held = preliminary or (model, boundary)
     try:
         pace = find_pace(
             lambda duration: searched.run(

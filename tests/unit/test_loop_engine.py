@@ -11,12 +11,12 @@ from scipy.linalg import block_diag
 import laboratory
 from laboratory import elastic
 from softsample.loop.diagnose import LoopSettings, diagnose, judgement, pose, report
+from softsample.loop.discrepancy import estimated, settled
 from softsample.loop.effects import library
-from softsample.loop.effects.base import Parameter
-from softsample.loop.errors import cross_validated, errors, folds
+from softsample.loop.errors import cross_validated, errors, fold_errors, folds, log_density
 from softsample.loop.fit import Problem
 from softsample.loop.model import Material, Model, Packing, State
-from softsample.loop.noise import Noise, NoiseSettings, Whitener, covariance, measure_noise
+from softsample.loop.noise import Noise, NoiseSettings, Whitener, covariances, measure_noise
 from softsample.loop.page import page
 from softsample.loop.resample import resampled, stretches
 from softsample.loop.screen import family_wise, null_threshold, penalty, signatures
@@ -26,6 +26,11 @@ from softsample.response.curves import ResponseCurves
 from softsample.response.elastic import Elastic
 
 SETTINGS = NoiseSettings()
+
+
+def covariance(specimen, noise, model, settings):
+    known, discrepancy = covariances(specimen, noise, model, settings)
+    return known + sum(discrepancy.values())
 
 
 @pytest.fixture(scope="module")
@@ -180,13 +185,15 @@ def test_a_ratio_as_near_to_the_models_as_it_is_known_is_no_effect(off, known, n
 def test_before_the_platen_moves_there_is_no_floor(perfect):
     specimen = perfect[1]
     noise = measure_noise(specimen, SETTINGS)
-    none = NoiseSettings(floor_percent=0.0, fine_percent=0.0, scale_percent=0.0)
+    none = NoiseSettings(
+        floor_percent=0.0, fine_percent=0.0, history_percent=0.0, scale_percent=0.0
+    )
     nothing = np.zeros(len(specimen.force) // 20)
     with_floor, without = (covariance(specimen, noise, nothing, s) for s in (SETTINGS, none))
     np.testing.assert_allclose(with_floor[:9, :9], without[:9, :9], rtol=1e-2, atol=1e-12)
     hold = np.flatnonzero(blocks((specimen.phase == "hold").astype(float), 20) == 1.0)
     floor = np.sqrt((with_floor - without)[hold[0], hold[0]])
-    assert floor == pytest.approx(0.01 * np.hypot(1.0, 0.3) * specimen.peak, rel=1e-6)
+    assert floor == pytest.approx(0.01 * np.sqrt(1.0 + 0.3**2 + 0.3**2) * specimen.peak, rel=1e-6)
 
 
 def test_grain_is_measured_on_the_curves_and_ends_at_the_next_point(perfect):
@@ -247,7 +254,7 @@ def test_a_rough_curve_has_no_false_minimum_of_the_contact_zero(monkeypatch):
         ]
         if not known:
             monkeypatch.setattr(Elastic, "grain", 0.0)
-        made, _ = pose(specimens, SETTINGS)
+        made, _ = pose(specimens, replace(SETTINGS, fine_percent=0.0, history_percent=0.0))
         plain = made.fit_material()
         others = [replace(plain.state, contact_zero=z) for z in (-0.12, -0.06, 0.06, 0.12)]
         return plain.cost - min(made.fit(Model(), other).cost for other in others)
@@ -258,7 +265,7 @@ def test_a_rough_curve_has_no_false_minimum_of_the_contact_zero(monkeypatch):
 
 def test_an_error_that_begins_with_the_travel_is_a_floor_also_where_it_bends(perfect):
     """Drawn sample by sample, beside little noise: the onset of a mean is not the mean onset."""
-    settings = NoiseSettings(fine_percent=0.0, scale_percent=0.0)
+    settings = NoiseSettings(fine_percent=0.0, history_percent=0.0, scale_percent=0.0)
     for specimen in perfect:
         measured = measure_noise(specimen, settings)
         noise = Noise(0.1 * measured.white, 0.1 * measured.slow, measured.size)
@@ -302,7 +309,7 @@ def test_a_modulus_fraction_stays_within_the_curves_that_were_simulated(perfect)
 
 
 def test_the_plain_model_finds_the_material(problem):
-    fit = problem.fit_material()
+    _, fit = settled(problem, problem.fit_material())
     assert fit.state.material.mu == pytest.approx(laboratory.MU, rel=0.03)
     assert fit.state.material.mu1_fraction == pytest.approx(laboratory.FRACTION, abs=0.05)
     assert 0.7 < fit.cost / len(fit.white) < 1.2
@@ -341,7 +348,7 @@ def test_what_a_fold_leaves_out_stays_unknown_to_it():
     state = replace(state, values={effect.name: effect.neutral()})
     fit = problem.fit(Model((effect,)), state)
     assert fit.state.values["force_offset"]["tension_mN"] == pytest.approx(20.0, abs=0.5)
-    error = cross_validated(problem, fit, [0.0, 0.0])
+    error = fold_errors(problem, cross_validated(problem, fit), [0.0, 0.0])
     assert error["leave_out_tension"]["tension"].rms > 15e-3
     assert error["after_ramp"]["tension"].rms < 5e-3  # the rest before the ramp shows it
 
@@ -351,19 +358,26 @@ def test_what_a_fold_leaves_out_stays_unknown_to_it():
     start = replace(problem.fit_material().state, values={effect.name: {"play_mm": 0.05}})
     fit = problem.fit(Model((effect,)), start)
     assert fit.state.values["backlash"]["play_mm"] == pytest.approx(0.1, abs=0.01)
-    before = cross_validated(problem, problem.fit_material(), [0.0, 0.0])["after_ramp"]["shear"]
-    after = cross_validated(problem, fit, [0.0, 0.0])["after_ramp"]["shear"]
+    before, after = (
+        fold_errors(problem, cross_validated(problem, of), [0.0, 0.0])["after_ramp"]["shear"]
+        for of in (problem.fit_material(), fit)
+    )
     assert after.rms == pytest.approx(before.rms, rel=0.3)
 
 
 def test_folds_allow_for_errors_of_form_as_the_final_fit_does(found):
-    doubting, posed = found.selection.problem, found.problem
+    doubting, posed = found.selection.problem, found.selection.plain
     for more, less in zip(doubting.whiteners, posed.whiteners, strict=True):
-        assert more.log_determinant > less.log_determinant
+        assert np.all(np.diag(more.known - less.known) >= 0.0)
+        assert np.trace(more.known) > np.trace(less.known)
     spread = [noise.block for noise in found.noises]
-    assert found.selected.folds == cross_validated(doubting, found.selection.final, spread)
-    assert found.before.folds == cross_validated(posed, found.selection.base, spread)
-    assert found.selected.folds != cross_validated(posed, found.selection.final, spread)
+
+    def of_folds(problem, fit):
+        return fold_errors(problem, cross_validated(problem, fit), spread)
+
+    assert found.selected.folds == of_folds(doubting, found.selection.final)
+    assert found.before.folds == of_folds(posed, found.selection.base)
+    assert found.selected.folds != of_folds(posed, found.selection.final)
 
 
 def test_signatures_are_what_no_change_of_the_material_imitates(problem):
@@ -443,55 +457,77 @@ def test_what_the_model_is_known_to_leave_out_comes_before_what_fits_better():
         for name, effect in library().items()
         if name in ("late_contact", "real_geometry")
     ]
-    selection = diagnose(real_shapes(), LoopSettings(), known).selection
+    stated = LoopSettings(replace(SETTINGS, spread=1.0))  # a free scale leaves less to explain
+    selection = diagnose(real_shapes(), stated, known).selection
     best, chosen = selection.steps[0].candidates[0], selection.steps[0].chosen
     assert (best.name, chosen.name) == ("real_geometry", "late_contact")
     assert selection.classes["late_contact"] == ["late_contact", "real_geometry"]
 
 
-@pytest.mark.parametrize(("scale", "spoils"), [(1.01, False), (1.1, True)])
-def test_a_fit_further_off_than_the_records_are_doubted_spoils_them(problem, scale, spoils):
-    """Noise and floor allow 1 % of the peak, and 2 % of the force."""
-    plain = problem.fit_material()
-    material = replace(plain.state.material, mu=scale * plain.state.material.mu)
-    other = replace(plain, state=replace(plain.state, material=material))
-    assert problem.spoiled(plain, other) is spoils
-    assert not problem.spoiled(other, plain)
+def drawn(specimens, settings, sizes, seed):
+    """The same with errors of the settings' forms and of other sizes, drawn for each test."""
+    rng, made = np.random.default_rng(seed), []
+    for specimen in specimens:
+        model = Model().predict(specimen, State(Material(laboratory.MU, laboratory.FRACTION)))
+        one = replace(settings, block_s=1e-9)
+        few = specimen.reduced(20)
+        _, parts = covariances(few, Noise(0.0, 0.0, 1), blocks(model, 20), one)
+        total = sum(sizes[name] ** 2 * part for name, part in parts.items())
+        error = np.linalg.cholesky(total + 1e-12 * np.eye(len(total))) @ rng.normal(size=len(total))
+        made.append(replace(specimen, force=specimen.force + np.interp(
+            specimen.time, few.time, error)))  # fmt: skip
+    return made
 
 
-@pytest.mark.parametrize(("off", "kept"), [(0.02, True), (0.25, False)])
-def test_a_detail_is_not_bought_with_the_scale_of_a_test(off, kept):
-    """A slow wave in the hold of compression, and an effect that makes it and scales that test."""
+def test_sizes_of_the_discrepancy_are_estimated_from_the_records(perfect):
+    """Six tests of errors three times as smooth and a third as rough as the settings expect."""
+    sizes = {"smooth": 3.0, "rough": 0.3, "history": 1.0, "scale": 1.0}
+    found = []
+    for seed in range(4):
+        problem, _ = pose(drawn(perfect, SETTINGS, sizes, seed), SETTINGS)
+        found.append(settled(problem, problem.fit_material())[0].variances)
+    middle = {name: np.sqrt(np.median([v[name] for v in found])) for name in sizes}
+    assert 2.0 < middle["smooth"] < 4.0
+    assert 0.2 < middle["rough"] < 0.6
+    assert 0.5 < middle["scale"] < 2.0
 
-    def wave(specimen):
-        hold = (specimen.mode == "compression") & (specimen.phase == "hold")
-        return 2e-3 * hold * np.sin(0.8 * specimen.time)
 
-    def instrument(specimen, force, travel, values):
-        scale = off if specimen.mode == "compression" else 0.0
-        return force + values["share"] * (scale * force + wave(specimen))
+def test_without_spread_sizes_are_those_of_the_settings(perfect):
+    problem, _ = pose(perfect, replace(SETTINGS, spread=1.0))
+    assert estimated(problem, problem.fit_material()) is problem
 
-    offset = library()["force_offset"]
-    ripple = replace(
-        offset,
-        name="ripple",
-        parameters=(Parameter("share", "1", 0.0, 2.0, 1.0),),
-        instrument=instrument,
+
+def test_what_folds_leave_out_is_as_likely_as_the_normal_distribution_says(problem):
+    """Of a linear model: the conditional density of one part given the other, one fold by hand."""
+    fit = problem.fit_material()
+    fold = {"after_ramp": cross_validated(problem, fit)["after_ramp"]}
+    found = log_density(problem, fit, fold)
+    masks, jitter = fold["after_ramp"].masks, 1e-3
+    slopes = problem.coloured(fit.jacobian[:-1])
+    covariance = block_diag(*[
+        w.kept(w.known) + sum(map(w.kept, w.discrepancy.values())) for w in problem.whiteners
+    ])  # fmt: skip
+    common = np.concatenate(
+        [w.blocks(c) for w, c in zip(problem.whiteners, problem.common, strict=True)]
     )
-    specimens = [
-        replace(s, force=s.force + wave(s)) for s in laboratory.PLANTED["force_offset"].specimens()
-    ]
-    found = diagnose(specimens, LoopSettings(), [offset, ripple])
-    assert "ripple" in [step.chosen.name for step in found.selection.steps if step.chosen]
-    names = ("force_offset", "ripple") if kept else ("force_offset",)
-    assert sorted(found.final.model.names) == sorted(names)
-    assert set(found.selection.classes) == set(names)
-    worst = max(parts["all"].rms / parts["all"].peak for parts in found.after.fitted.values())
-    assert worst < 0.05
+    prior = np.diag([1.0 / jitter, 1.0 / jitter, problem.contact_zero_mm**2])
+    j = np.concatenate(slopes)
+    covariance += np.outer(common, common) + j @ prior @ j.T
+    residual = np.concatenate(problem.coloured(fit.white[:-1]))
+    residual += j[:, 2] * fit.state.contact_zero  # about the prior's mean
+    out = np.concatenate(masks)
+
+    def density(chosen):
+        part = covariance[np.ix_(chosen, chosen)]
+        return -0.5 * (
+            residual[chosen] @ np.linalg.solve(part, residual[chosen]) + np.linalg.slogdet(part)[1]
+        )
+
+    assert found == pytest.approx(density(np.ones(len(out), bool)) - density(~out), rel=1e-3)
 
 
 def test_an_effect_that_was_exchanged_does_not_come_back(monkeypatch):
-    """A, B and C were chosen, D is better than A; taken back are D, then C."""
+    """A, B and C were chosen, D is better than A."""
 
     def fit(*names):
         effects = tuple(SimpleNamespace(name=name) for name in names)
@@ -509,19 +545,17 @@ def test_an_effect_that_was_exchanged_does_not_come_back(monkeypatch):
         def _doubted(self, problem, fit):
             return problem
 
-    spoiling = SimpleNamespace(fit=lambda model, state: fit(*model.names), spoiled=lambda *_: True)
+    posed = SimpleNamespace(fit=lambda model, state: fit(*model.names), spread=1.0)
     monkeypatch.setattr("softsample.loop.select._pruned", lambda problem, fit, settings: fit)
-    search = Search(spoiling, [], LoopSettings().selection, 12.0, spoiling, fit())
+    search = Search(posed, [], LoopSettings().selection, 12.0, posed, fit())
     for names in ("A", "AB", "ABC"):
         search._take(
-            spoiling, search.current, Candidate(names[-1], fit(*names), 1.0, 1.0), [names[-1]]
+            posed, search.current, Candidate(names[-1], fit(*names), 1.0, 1.0), [names[-1]]
         )
     assert search.current.model.names == ("A", "B", "C")
     assert search.exchange()
     assert search.current.model.names == ("B", "C", "D")
-    search.retract()
-    assert search.current.model.names == ("B", "C")
-    assert list(search.classes) == ["B", "C"]
+    assert list(search.classes) == ["B", "C", "D"]
 
 
 def test_a_size_that_cannot_be_negative_gains_nothing_from_the_opposite(problem):

@@ -53,12 +53,13 @@ class Resolution:
     ----------
     floor_percent : float
         Smooth error [% of peak], beside the floor of the experiment.
-    fine_percent, scale_percent, contact_zero_mm : float
+    fine_percent, history_percent, scale_percent, contact_zero_mm : float
         As of `NoiseSettings`.
     """
 
     floor_percent: float = 0.1
     fine_percent: float = 0.1
+    history_percent: float = 0.1
     scale_percent: float = 0.2
     contact_zero_mm: float = 0.01
 
@@ -68,6 +69,7 @@ class Resolution:
             loop.noise,
             floor_percent=float(np.hypot(self.floor_percent, floor_percent)),
             fine_percent=self.fine_percent,
+            history_percent=self.history_percent,
             scale_percent=self.scale_percent,
             contact_zero_mm=self.contact_zero_mm,
         )

@@ -277,8 +277,8 @@ def stress(gradient: ArrayLike, material: Material) -> Array:
 
     Notes
     -----
-    Verified in ``tests/verification/test_elastic_laws.py`` by differences of the energy, against closed
-    forms and felupe.
+    Verified in ``tests/verification/test_elastic_laws.py`` by differences of the energy, against
+    closed forms and felupe.
     """
     F = np.asarray(gradient, dtype=np.float64)
     stretch, direction, J = isochoric_stretches(F)

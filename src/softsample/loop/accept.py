@@ -6,8 +6,8 @@ from dataclasses import dataclass
 import numpy as np
 
 from softsample.loop.errors import Error
-from softsample.loop.fit import Fit
-from softsample.loop.select import Selection, SelectionSettings
+from softsample.loop.noise import NoiseSettings
+from softsample.loop.select import Selection, SelectionSettings, driven_to_an_end
 
 Errors = Mapping[str, Mapping[str, Error]]
 
@@ -27,56 +27,48 @@ class Judged:
         Cross-validated error by fold and test, within what is fitted.
     held_out : dict
         Error by test of what the study holds out.
+    density : float
+        Logarithm of the predictive density of what the folds leave out, summed over them.
     """
 
     fitted: Errors
     folds: Errors
     held_out: Mapping[str, Error]
+    density: float
+
+
+def left_over(selection: Selection, noise: NoiseSettings) -> float:
+    """Size of what is left of the forms of the records [% of peak], beside scale and noise."""
+    sizes = noise.sizes(selection.problem.variances)
+    return float(np.sqrt(sum(size**2 for name, size in sizes.items() if name != "scale")))
 
 
 def objection_to(
-    selection: Selection, before: Judged, after: Judged, rules: SelectionSettings
+    selection: Selection,
+    before: Judged,
+    after: Judged,
+    rules: SelectionSettings,
+    noise: NoiseSettings,
 ) -> str:
     """Why a selection is no explanation; empty if it is one.
 
-    The same for every study: what is left is within what the discrepancy allows, no test got
-    worse, no size was driven to the end of its range, the modulus stays known, and the folds of
-    the fitted records are predicted no worse with the effects than without.
+    The same for every study: what is left is not far above the floor, no size was driven to the
+    end of its range, the modulus stays known, and what folds leave out of the fitted records is no
+    less likely with the effects than without.
     """
-    n = len(selection.final.white)
-    left, plain = selection.final.cost, selection.base.cost
-    if left / n > rules.unknown_ratio and left - n > rules.unknown_share * (plain - n):
-        return f"a reduced chi-square of {left / n:.3g} is left that no effect explains"
-    if selection.problem.spoiled(selection.base, selection.final):
-        return "the residual of the records grows"
-    if selection.unserved and left / n > rules.unserved_ratio:
-        return "the records ask for more than any effect explains"
-    if not selection.final.model.effects:
+    refused, named = selection.steps[-1].refused, bool(selection.final.model.effects)
+    if refused and not named:
+        return f"{driven_to_an_end(refused.fit)} lies at the end of its range"
+    left = left_over(selection, noise)
+    if left > rules.unknown_ratio * noise.floor_percent:
+        return f"an error of {left:.3g} % of the peak is left that no effect explains"
+    if not named:
         return ""
     if at_end := driven_to_an_end(selection.final):
         return f"{at_end} lies at the end of its range"
     if np.sqrt(selection.final.covariance[0, 0]) > OPEN_MODULUS:
         return "the modulus is open with these effects"
-    ratio = fold_ratio(before.folds, after.folds)
-    if ratio > rules.fold_ratio:
-        return f"cross-validated errors are {ratio:.3g} times those without the effects"
-    return ""
-
-
-def fold_ratio(before: Errors, after: Errors) -> float:
-    """Cross-validated error with effects over that without: RMS over folds and tests."""
-    squares = [
-        sum((e.structured / e.peak) ** 2 for tests in found.values() for e in tests.values())
-        for found in (after, before)
-    ]
-    return float(np.sqrt(squares[0] / squares[1])) if squares[1] > 0.0 else 1.0
-
-
-def driven_to_an_end(fit: Fit) -> str:
-    """A size that lies at an end of its range at which it is not absent; empty if there is none."""
-    for effect, p in fit.model.parameters:
-        away = abs(fit.state.values[effect.name][p.name] - p.neutral)
-        name = f"{effect.name}.{p.name}"
-        if p.is_size and not p.physical and name in fit.at_bound and away > 0.01 * (p.high - p.low):
-            return name
+    if after.density < before.density:
+        less = before.density - after.density
+        return f"what folds leave out is exp({less:.3g}) times less likely with the effects"
     return ""

@@ -1,16 +1,23 @@
 """From the tests of one group to a verdict."""
 
 from collections.abc import Mapping, Sequence
-from dataclasses import asdict, dataclass, field
+from dataclasses import asdict, dataclass, field, replace
 from typing import Any, Self
 
 import numpy as np
 from numpy.typing import NDArray
 
 from softsample.loop.accept import Errors, Judged, objection_to
+from softsample.loop.discrepancy import settled
 from softsample.loop.effects import library
 from softsample.loop.effects.base import Effect
-from softsample.loop.errors import cross_validated, errors, held_out_errors
+from softsample.loop.errors import (
+    cross_validated,
+    errors,
+    fold_errors,
+    held_out_errors,
+    log_density,
+)
 from softsample.loop.fit import Fit, Problem
 from softsample.loop.limits import detection_limits
 from softsample.loop.model import FIXED
@@ -19,12 +26,12 @@ from softsample.loop.noise import (
     NoiseSettings,
     Whitener,
     block_size,
-    covariance,
+    covariances,
     measure_noise,
     shared,
 )
 from softsample.loop.resample import confidence
-from softsample.loop.select import Selection, SelectionSettings, select
+from softsample.loop.select import Selection, SelectionSettings, driven_to_an_end, select
 from softsample.loop.specimen import Specimen, blocks
 
 Array = NDArray[np.float64]
@@ -76,6 +83,8 @@ class Diagnosis:
         Errors of the plain model.
     selected : Judged
         Errors with the selected effects, whether or not they are given.
+    refused : Judged or None
+        Errors with what the records ask for next, if a size of it lies at the end of its range.
     """
 
     problem: Problem
@@ -84,6 +93,7 @@ class Diagnosis:
     objection: str
     before: Judged
     selected: Judged
+    refused: Judged | None = None
 
     @property
     def verdict(self) -> str:
@@ -136,7 +146,10 @@ def pose(specimens: Sequence[Specimen], settings: NoiseSettings) -> tuple[Proble
         )
         for s, travel in zip(specimens, travels, strict=True)
     ]
-    return Problem(specimens, whiteners, settings.contact_zero_mm, material, lower), noises
+    posed = Problem(
+        specimens, whiteners, settings.contact_zero_mm, material, lower, settings.spread
+    )
+    return posed, noises
 
 
 def _is_fitted(specimen: Specimen, settings: NoiseSettings) -> bool:
@@ -153,14 +166,12 @@ def _whiteners(
 ) -> list[Whitener]:
     """Whitener of every test, its scale by what a model predicts per sample [N]."""
     sizes = [block_size(s.time, settings) for s in specimens]
-    return [
-        Whitener(
-            covariance(s, noise, blocks(model, size), settings),
-            size,
-            blocks(s.held_out.astype(float), size) == 0.0,
-        )
-        for s, noise, model, size in zip(specimens, noises, models, sizes, strict=True)
-    ]
+    found = []
+    for s, noise, model, size in zip(specimens, noises, models, sizes, strict=True):
+        known, discrepancy = covariances(s, noise, blocks(model, size), settings)
+        kept = blocks(s.held_out.astype(float), size) == 0.0
+        found.append(Whitener(known, size, kept, discrepancy))
+    return found
 
 
 def diagnose(
@@ -183,21 +194,36 @@ def diagnose(
     known = list(library().values()) if effects is None else list(effects)
     selection = select(problem, known, settings.selection)
     spread = [noise.block for noise in noises]
-    before, after = (
-        Judged(
+
+    def judged(posed: Problem, fit: Fit) -> Judged:
+        found = cross_validated(posed, fit)
+        return Judged(
             errors(problem, fit, spread),
-            cross_validated(posed, fit, spread),
+            fold_errors(posed, found, spread),
             held_out_errors(fit, specimens, noises[0].white),
+            log_density(posed, fit, found),
         )
-        for posed, fit in ((problem, selection.base), (selection.problem, selection.final))
-    )
-    objection = objection_to(selection, before, after, settings.selection)
-    return Diagnosis(problem, noises, selection, objection, before, after)
+
+    before = judged(selection.plain, selection.base)
+    after = before
+    if selection.classes:  # the forms of effects may be right, or as wrong as is doubted
+        doubted, exact = (
+            judged(*posed)
+            for posed in (
+                (selection.problem, selection.final),
+                settled(selection.plain, selection.final),
+            )
+        )
+        after = replace(doubted, density=max(doubted.density, exact.density))
+    refused = selection.steps[-1].refused
+    next_one = judged(selection.problem, refused.fit) if refused else None
+    objection = objection_to(selection, before, after, settings.selection, settings.noise)
+    return Diagnosis(problem, noises, selection, objection, before, after, next_one)
 
 
 def report(diagnosis: Diagnosis, settings: LoopSettings) -> dict[str, Any]:
     """What `verdict.json` holds."""
-    limits = detection_limits(diagnosis.problem, diagnosis.selection)
+    limits = detection_limits(diagnosis.selection)
     found = judgement(diagnosis, settings)
     unseen = {e.name for e in diagnosis.selection.library} - set(limits)
     return {
@@ -248,6 +274,10 @@ def judgement(diagnosis: Diagnosis, settings: LoopSettings) -> dict[str, Any]:
             )
         },
         "floor": asdict(settings.noise),
+        "discrepancy_percent": {
+            when: settings.noise.sizes(posed.variances)
+            for when, posed in (("before", selection.plain), ("after", selection.problem))
+        },
         "reduced_chi_square": {
             "before": selection.base.cost / len(selection.base.white),
             "after": final.cost / len(final.white),
@@ -281,18 +311,33 @@ def _declared(judged: Judged) -> dict[str, Any]:
 
 
 def _withheld(diagnosis: Diagnosis, settings: LoopSettings) -> list[dict[str, Any]]:
-    """Effects that were selected and are not given, with the reason and what they would do."""
-    if not diagnosis.objection:
-        return []
-    selection = diagnosis.selection
-    return [
-        {
-            **_effect_report(effect, selection, settings.selection.form_doubt),
-            "reason": diagnosis.objection,
-            "held_out_if_given": _declared(diagnosis.selected),
-        }
-        for effect in selection.final.model.effects
-    ]
+    """Effects that the records ask for and are not given, why, and what they would do."""
+    selection, found = diagnosis.selection, []
+    if diagnosis.objection:
+        found = [
+            {
+                **_effect_report(effect, selection, settings.selection.form_doubt),
+                "reason": diagnosis.objection,
+                "held_out_if_given": _declared(diagnosis.selected),
+            }
+            for effect in selection.final.model.effects
+        ]
+    refused = selection.steps[-1].refused
+    if refused and diagnosis.refused:
+        effect = refused.fit.model.effects[-1]
+        values = refused.fit.state.values[effect.name]
+        found.append(
+            {
+                "name": effect.name,
+                "parameters": {
+                    p.name: {"value": values[p.name], "unit": p.unit} for p in effect.parameters
+                },
+                "evidence": refused.evidence,
+                "reason": f"{driven_to_an_end(refused.fit)} lies at the end of its range",
+                "held_out_if_given": _declared(diagnosis.refused),
+            }
+        )
+    return found
 
 
 def error_report(found: Errors) -> dict[str, Any]:

@@ -1,6 +1,6 @@
 """Error of a model on the records: per mode and phase, and held out."""
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -13,6 +13,10 @@ from softsample.loop.specimen import Specimen, blocks
 
 Array = NDArray[np.float64]
 Mask = NDArray[np.bool_]
+
+
+FLAT, TINY = 12.0, 1e-9
+"""Precision of a flat prior over a range of one, and of none."""
 
 
 @dataclass(frozen=True)
@@ -95,19 +99,48 @@ def folds(problem: Problem) -> dict[str, list[Mask]]:
     return found
 
 
-def cross_validated(
-    problem: Problem, fit: Fit, noises: Sequence[float]
-) -> dict[str, dict[str, Error]]:
-    """Error on what a fold leaves out, by fold and mode, of the model fitted to the rest.
+@dataclass(frozen=True)
+class Fold:
+    """A model fitted to what a fold leaves.
 
-    The noise of `problem` has to allow for errors in the form of the fit's effects. Sizes that the
-    rest does not show are neutral, so that nothing of what was left out is known.
+    Parameters
+    ----------
+    masks : list of (n_blocks,) bool
+        What it leaves out of each test.
+    problem : Problem
+        The records without that.
+    fit : Fit
+        To these.
     """
-    report = {}
+
+    masks: list[Mask]
+    problem: Problem
+    fit: Fit
+
+
+def cross_validated(problem: Problem, fit: Fit) -> dict[str, Fold]:
+    """The model of a fit, fitted to what each fold leaves.
+
+    The noise of `problem` has to allow for errors in the form of the fit's effects.
+    """
+    found = {}
     for name, masks in folds(problem).items():
         kept = [w.on(w.keep & ~mask) for w, mask in zip(problem.whiteners, masks, strict=True)]
-        fitted = problem.with_whiteners(kept).fit(fit.model, fit.state)
-        parts = residuals(fit.model, problem.specimens, informed(fitted))
+        rest = problem.with_whiteners(kept)
+        found[name] = Fold(masks, rest, rest.fit(fit.model, fit.state))
+    return found
+
+
+def fold_errors(
+    problem: Problem, found: Mapping[str, Fold], noises: Sequence[float]
+) -> dict[str, dict[str, Error]]:
+    """Error on what each fold leaves out, by fold and test.
+
+    Sizes that the rest does not show are neutral, so that nothing of what was left out is known.
+    """
+    report = {}
+    for name, fold in found.items():
+        parts = residuals(fold.fit.model, problem.specimens, informed(fold.fit))
         report[name] = {
             label: error_of(blocks(part, w.size)[mask], noise, specimen.peak)
             for label, specimen, part, w, mask, noise in zip(
@@ -115,13 +148,31 @@ def cross_validated(
                 problem.specimens,
                 parts,
                 problem.whiteners,
-                masks,
+                fold.masks,
                 noises,
                 strict=True,
             )
             if mask.any()
         }
     return report
+
+
+def log_density(problem: Problem, fit: Fit, found: Mapping[str, Fold]) -> float:
+    """Logarithm of the predictive density of what the folds leave out, summed over them.
+
+    Of what is left out given the rest: the evidence of all over that of the rest, each by
+    Laplace's approximation. Parameters of effects have flat priors over their ranges.
+    """
+    every = _evidence(problem, fit)
+    return sum(every - _evidence(fold.problem, fold.fit) for fold in found.values())
+
+
+def _evidence(problem: Problem, fit: Fit) -> float:
+    """Logarithm of the evidence of a model, up to a constant of the model."""
+    information = fit.jacobian.T @ fit.jacobian
+    information += np.diag([FLAT if k >= FIXED else TINY for k in range(len(information))])
+    _, determinant = np.linalg.slogdet(information)
+    return -0.5 * (problem.misfit(fit) + float(determinant))
 
 
 def held_out_errors(fit: Fit, specimens: Sequence[Specimen], noise: float) -> dict[str, Error]:

@@ -81,6 +81,9 @@ class Problem:
         From which fits of the plain model set out too.
     common : sequence of (n,) float64, optional
         One standard deviation, per sample of every test [N], of an error that all tests share.
+    spread : float
+        Factor by which the sizes of the discrepancy may differ from those of the settings; 1 if
+        they are as stated.
     """
 
     def __init__(
@@ -90,8 +93,10 @@ class Problem:
         contact_zero_mm: float,
         start: Material | None = None,
         common: Sequence[Array] = (),
+        spread: float = 1.0,
     ) -> None:
         self.specimens, self.whiteners = list(specimens), list(whiteners)
+        self.spread = spread
         self.contact_zero_mm = contact_zero_mm
         self.start = start
         self.common = list(common) or [np.zeros_like(s.force) for s in self.specimens]
@@ -112,11 +117,16 @@ class Problem:
     def with_forces(self, forces: Sequence[Array]) -> "Problem":
         """The same tests and noise with other forces (n,) [N], one per test."""
         specimens = [replace(s, force=f) for s, f in zip(self.specimens, forces, strict=True)]
-        return Problem(specimens, self.whiteners, self.contact_zero_mm, self.start, self.common)
+        return self._changed(specimens, self.whiteners)
 
     def with_whiteners(self, whiteners: Sequence[Whitener]) -> "Problem":
         """The same tests with other noise of each, or without some of their blocks."""
-        return Problem(self.specimens, whiteners, self.contact_zero_mm, self.start, self.common)
+        return self._changed(self.specimens, whiteners)
+
+    def _changed(self, specimens: Sequence[Specimen], whiteners: Sequence[Whitener]) -> "Problem":
+        return Problem(
+            specimens, whiteners, self.contact_zero_mm, self.start, self.common, self.spread
+        )
 
     def white(self, parts: Sequence[Array]) -> Array:
         """White residual (n, ...) of all tests from one (n_samples, ...) per test."""
@@ -125,9 +135,9 @@ class Problem:
         return np.asarray(own - np.multiply.outer(self._shared, less @ own))
 
     def coloured(self, white: Array) -> list[Array]:
-        """Block means [N] of every test with this noise from independent unit noise (n,)."""
+        """Block means [N] of every test with this noise from independent unit noise (n, ...)."""
         more = self._shared / (1.0 + np.sqrt(self._variance))
-        own = white + self._shared * float(more @ white)
+        own = white + np.multiply.outer(self._shared, more @ white)
         return [w.coloured(part) for w, part in zip(self.whiteners, self.by_test(own), strict=True)]
 
     def by_test(self, white: Array) -> list[Array]:
@@ -137,22 +147,6 @@ class Problem:
     def _own_white(self, parts: Sequence[Array]) -> Array:
         """The same if tests shared nothing."""
         return np.concatenate([w(part) for w, part in zip(self.whiteners, parts, strict=True)])
-
-    def spoiled(self, before: Fit, after: Fit) -> bool:
-        """Whether one fit is further off the records than another, by more than is doubted.
-
-        A wrong scale of a whole test is one degree of freedom among hundreds: the likelihood puts
-        up with it for the sake of a detail. So the residuals are compared as they are, with the
-        variance that noise, floor, doubt of form and what the tests share let one expect.
-        """
-        left = [residuals(fit.model, self.specimens, fit.state) for fit in (before, after)]
-        excess = 0.0
-        for specimen, whitener, *parts in zip(
-            self.specimens, self.whiteners, *left, self.common, strict=True
-        ):
-            then, now, shared = (float(np.mean(whitener.blocks(part) ** 2)) for part in parts)
-            excess += (now - then - shared - whitener.variance) / specimen.peak**2
-        return excess > 0.0
 
     def predicted(self, model: Model, state: State) -> list[Array]:
         """Predicted force of every test [N]."""
@@ -166,11 +160,21 @@ class Problem:
         ]
         return np.concatenate([self.white(changes), np.zeros((1, len(there)))])
 
+    @property
+    def variances(self) -> dict[str, float]:
+        """Sizes squared of the discrepancy over those of the settings, by part."""
+        return self.whiteners[0].variances
+
     def misfit(self, fit: Fit) -> float:
-        """Twice the negative logarithm of the likelihood of a fit, up to a constant."""
+        """Twice the negative logarithm of the likelihood of a fit, up to a constant.
+
+        With the prior of the sizes of the discrepancy.
+        """
         white = self.residual(fit.model, fit.state)
         own = sum(w.log_determinant for w in self.whiteners)
-        return float(white @ white + own + np.log(self._variance))
+        sizes = np.log(np.array(list(self.variances.values()) if self.spread > 1.0 else [1.0]))
+        prior = np.sum((0.5 * sizes / np.log(max(self.spread, 1.0 + 1e-9))) ** 2)
+        return float(white @ white + own + np.log(self._variance) + prior)
 
     def residual(self, model: Model, state: State) -> Array:
         """White residual of a state, its last entry that of the prior of the contact zero."""

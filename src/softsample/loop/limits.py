@@ -20,7 +20,7 @@ ZEROS = (-2.0, -1.0, 1.0, 2.0, 4.0)
 """Contact zeros from which the fit to a shifted travel sets out too, in standard deviations."""
 
 
-def detection_limits(problem: Problem, selection: Selection) -> dict[str, float]:
+def detection_limits(selection: Selection) -> dict[str, float]:
     """Multiples of nominal sizes at which an effect alone would just pass the first threshold.
 
     What the material and the effect predict is taken for a record and fitted by the plain model:
@@ -29,10 +29,8 @@ def detection_limits(problem: Problem, selection: Selection) -> dict[str, float]
 
     Parameters
     ----------
-    problem : Problem
-        Records and noise as posed; their forces are not used.
     selection : Selection
-        What was found in them.
+        What was found in the records.
 
     Returns
     -------
@@ -42,7 +40,7 @@ def detection_limits(problem: Problem, selection: Selection) -> dict[str, float]
     plain = State(selection.final.state.material)
     threshold, n = selection.steps[0].threshold, len(selection.base.white)
     limits = {
-        name: _limit(problem, plain, signature, threshold + penalty(signature.effect, n))
+        name: _limit(selection.plain, plain, signature, threshold + penalty(signature.effect, n))
         for name, signature in selection.strongest.items()
         if name not in selection.weak
     }

@@ -1,6 +1,6 @@
 """How far a force record can be trusted: noise of the cell, and what the model cannot resolve."""
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -37,7 +37,11 @@ class NoiseSettings:
     floor_length : float
         Its correlation length, as a part of the stroke.
     fine_percent, fine_length : float
-        The same for error of the size of elements.
+        The same for error that is rough, as that of the size of elements or of a platen that
+        sticks and slips.
+    history_percent : float
+        The same for error that changes in the course of a test too, so that loading and unloading
+        differ; its correlation time is a quarter of the record.
     scale_percent : float
         Standard deviation of the scale of each test [%]: element type, volume, glued area.
     contact_zero_mm : float
@@ -45,6 +49,9 @@ class NoiseSettings:
         fitted with this prior, so that only a gap beyond it counts as an effect.
     poisson_ratio : float
         Standard deviation of the Poisson's ratio about that of the model; all tests share it.
+    spread : float
+        Factor by which floor, rough error, history and scale may differ from the sizes above, one
+        standard deviation: they are estimated from the records. 1 takes them as they are.
     """
 
     block_s: float = 0.2
@@ -53,9 +60,21 @@ class NoiseSettings:
     floor_length: float = 0.25
     fine_percent: float = 0.3
     fine_length: float = 0.05
+    history_percent: float = 0.3
     scale_percent: float = 2.0
     contact_zero_mm: float = 0.06
     poisson_ratio: float = 0.0005
+    spread: float = 2.0
+
+    def sizes(self, variances: Mapping[str, float]) -> dict[str, float]:
+        """Sizes of the parts of the discrepancy [%], of factors of their variances."""
+        stated = {
+            "smooth": self.floor_percent,
+            "rough": self.fine_percent,
+            "history": self.history_percent,
+            "scale": self.scale_percent,
+        }
+        return {name: float(stated[name] * np.sqrt(v)) for name, v in variances.items()}
 
 
 @dataclass(frozen=True)
@@ -148,8 +167,10 @@ def shared(noises: Sequence[Noise]) -> list[Noise]:
     return [Noise(white, slow, noise.size) for noise in noises]
 
 
-def covariance(specimen: Specimen, noise: Noise, model: Array, settings: NoiseSettings) -> Array:
-    """Covariance (n, n) [N2] of the block means of one test.
+def covariances(
+    specimen: Specimen, noise: Noise, model: Array, settings: NoiseSettings
+) -> tuple[Array, dict[str, Array]]:
+    """Covariances (n, n) [N2] of the block means of one test.
 
     Parameters
     ----------
@@ -163,25 +184,35 @@ def covariance(specimen: Specimen, noise: Noise, model: Array, settings: NoiseSe
         What the model does not resolve, beside the grain of its curves. Its smooth error goes
         with the travel, so that loading and unloading share it, and is nothing before the platen
         moves.
+
+    Returns
+    -------
+    known : (n, n) float64
+        Of the cell's noise and the grain.
+    discrepancy : dict of (n, n) float64
+        Of what the model does not resolve, by part, at the sizes of the settings.
     """
     size = block_size(specimen.time, settings)
     time, travel = blocks(specimen.time, size), blocks(specimen.travel, size)
     lag = np.abs(np.subtract.outer(time, time))
-    total = noise.white**2 / noise.size * np.eye(len(time))
-    total += noise.slow**2 * np.exp(-lag / settings.correlation_s)
     apart = np.subtract.outer(travel, travel) / specimen.reach
     onset = np.clip(np.abs(specimen.travel) / (0.02 * specimen.reach), 0.0, 1.0)
     moved = 0.01 * specimen.peak * blocks(onset, size)
-    for percent, length in (
-        (settings.floor_percent, settings.floor_length),
-        (settings.fine_percent, settings.fine_length),
-        (100.0 * specimen.elastic.grain, GRAIN_LENGTH),
-    ):
-        error = percent**2 * np.exp(-0.5 * (apart / length) ** 2)
-        total += np.outer(moved, moved) * error
+
+    def along(percent: float, alike: Array) -> Array:
+        return np.asarray(percent**2 * np.outer(moved, moved) * alike)
+
+    known = noise.white**2 / noise.size * np.eye(len(time))
+    known += noise.slow**2 * np.exp(-lag / settings.correlation_s)
+    known += along(100.0 * specimen.elastic.grain, np.exp(-0.5 * (apart / GRAIN_LENGTH) ** 2))
     scale = 0.01 * settings.scale_percent * model
-    total += np.outer(scale, scale)
-    return np.asarray(total)
+    smooth = np.exp(-0.5 * (apart / settings.floor_length) ** 2)
+    return known, {
+        "smooth": along(settings.floor_percent, smooth),
+        "rough": along(settings.fine_percent, np.exp(-np.abs(apart) / settings.fine_length)),
+        "history": along(settings.history_percent, smooth * np.exp(-4.0 * lag / lag.max())),
+        "scale": np.outer(scale, scale),
+    }
 
 
 class Whitener:
@@ -189,33 +220,44 @@ class Whitener:
 
     Parameters
     ----------
-    matrix : (n, n) float64
-        Covariance of the blocks [N2].
+    known : (n, n) float64
+        Covariance of the blocks whose size is known [N2].
     size : int
         Samples in a block.
     keep : (n,) bool, optional
         Blocks that count; the others are left out (folds).
+    discrepancy : mapping of (n, n) float64, optional
+        Covariances [N2] of what the model does not resolve, by part.
+    variances : mapping of float, optional
+        Factors of these; 1 by default.
     """
 
-    def __init__(self, matrix: Array, size: int, keep: NDArray[np.bool_] | None = None) -> None:
+    def __init__(
+        self,
+        known: Array,
+        size: int,
+        keep: NDArray[np.bool_] | None = None,
+        discrepancy: Mapping[str, Array] | None = None,
+        variances: Mapping[str, float] | None = None,
+    ) -> None:
         self.size = size
-        self.keep = np.ones(len(matrix), bool) if keep is None else keep
-        self._matrix = matrix
-        part = matrix[np.ix_(self.keep, self.keep)]
-        jitter = 1e-12 * np.trace(part) / max(len(part), 1)
-        self._factor = cholesky(
-            part + jitter * np.eye(len(part)), lower=True, overwrite_a=True, check_finite=False
-        )
+        self.keep = np.ones(len(known), bool) if keep is None else keep
+        self.known, self.discrepancy = known, dict(discrepancy or {})
+        self.variances = dict.fromkeys(self.discrepancy, 1.0) | dict(variances or {})
+        part = self.kept(known)
+        for name, matrix in self.discrepancy.items():
+            part += self.variances[name] * self.kept(matrix)
+        part += 1e-12 * np.trace(part) / max(len(part), 1) * np.eye(len(part))
+        self._factor = cholesky(part, lower=True, overwrite_a=True, check_finite=False)
+
+    def kept(self, matrix: Array) -> Array:
+        """Part of a matrix (n, n) that is of the blocks that count, as a copy."""
+        return np.array(matrix[np.ix_(self.keep, self.keep)])
 
     @property
     def log_determinant(self) -> float:
         """Of the covariance of the blocks that count."""
         return float(2.0 * np.log(np.diag(self._factor)).sum())
-
-    @property
-    def variance(self) -> float:
-        """Of the blocks that count [N2], in the mean."""
-        return float(np.mean(np.diag(self._matrix)[self.keep]))
 
     def blocks(self, residual: Array) -> Array:
         """Block means of a residual per sample, of the blocks that count."""
@@ -228,13 +270,19 @@ class Whitener:
         )
 
     def coloured(self, white: Array) -> Array:
-        """Block means with this covariance from independent unit noise (n_blocks,) [N]."""
+        """Block means with this covariance from independent unit noise (n_blocks, ...) [N]."""
         return np.asarray(self._factor @ white)
 
     def with_more(self, covariance: Array) -> "Whitener":
-        """The same with more noise [N2]."""
-        return Whitener(self._matrix + covariance, self.size, self.keep)
+        """The same with more noise of known size [N2]."""
+        return Whitener(
+            self.known + covariance, self.size, self.keep, self.discrepancy, self.variances
+        )
+
+    def with_variances(self, variances: Mapping[str, float]) -> "Whitener":
+        """The same with other sizes of the discrepancy."""
+        return Whitener(self.known, self.size, self.keep, self.discrepancy, variances)
 
     def on(self, keep: NDArray[np.bool_]) -> "Whitener":
         """The same with other blocks."""
-        return Whitener(self._matrix, self.size, keep)
+        return Whitener(self.known, self.size, keep, self.discrepancy, self.variances)

@@ -7,6 +7,7 @@ from itertools import product
 import numpy as np
 from numpy.typing import NDArray
 
+from softsample.loop.discrepancy import settled
 from softsample.loop.effects.base import Effect
 from softsample.loop.fit import STARTS, Fit, Problem
 from softsample.loop.model import Model
@@ -49,15 +50,8 @@ class SelectionSettings:
     form_doubt, form_time_s : float
         Error in the form of an effect that has been chosen, as a part of its contribution, and
         its correlation time [s]; what comes after has to explain more than that.
-    unserved_ratio : float
-        White mean square above which evidence for more that no effect serves is called unknown.
-    unknown_ratio, unknown_share : float
-        The rest is called unknown if its white mean square is above the first and more than the
-        second of the sum of squares beyond noise is left. Below the first, an effect need not
-        take a third of it.
-    fold_ratio : float
-        Cross-validated error with the selected effects over that without, above which they are
-        withheld.
+    unknown_ratio : float
+        Error that is left over the floor of the settings, above which it is called unknown.
     """
 
     most_effects: int = 3
@@ -69,10 +63,7 @@ class SelectionSettings:
     class_cosine: float = 0.95
     form_doubt: float = 0.05
     form_time_s: float = 20.0
-    unserved_ratio: float = 2.0
-    unknown_ratio: float = 1.25
-    unknown_share: float = 0.3
-    fold_ratio: float = 1.1
+    unknown_ratio: float = 3.0
 
 
 @dataclass(frozen=True)
@@ -88,8 +79,9 @@ class Candidate:
     gain : float
         Fall of the sum of squares.
     evidence : float
-        Fall of twice the negative logarithm of the likelihood, less the penalty for the
-        parameters; that of a form that may be wrong as the settings say, if it is more.
+        Fall of twice the negative logarithm of the likelihood, each model with its own sizes of
+        the discrepancy, less the penalty for the parameters; that of a form that may be wrong as
+        the settings say, if it is more.
     cosine : float
         Between its explanation and that of the best candidate.
     """
@@ -103,12 +95,27 @@ class Candidate:
 
 @dataclass(frozen=True)
 class Step:
-    """One round of the selection."""
+    """One round of the selection.
+
+    Parameters
+    ----------
+    threshold : float
+        Evidence that counts.
+    candidates : list of Candidate
+        The best first.
+    chosen : Candidate or None
+        What was added.
+    members : list of str
+        Its class.
+    refused : Candidate or None
+        What the records ask for most, if a size of it lies at the end of its range.
+    """
 
     threshold: float
     candidates: list[Candidate]
     chosen: Candidate | None
     members: list[str] = field(default_factory=list)
+    refused: Candidate | None = None
 
 
 @dataclass(frozen=True)
@@ -118,7 +125,10 @@ class Selection:
     Parameters
     ----------
     problem : Problem
-        The records, with room for error in the form of what was chosen.
+        The records, with room for error in the form of what was chosen and sizes of the
+        discrepancy about it.
+    plain : Problem
+        The records with sizes of the discrepancy about the plain model.
     library : list of Effect
         What was chosen from.
     base, final : Fit
@@ -134,6 +144,7 @@ class Selection:
     """
 
     problem: Problem
+    plain: Problem
     library: list[Effect]
     base: Fit
     final: Fit
@@ -142,16 +153,10 @@ class Selection:
     weak: list[str]
     strongest: dict[str, Signature]
 
-    @property
-    def unserved(self) -> bool:
-        """Whether the last round had evidence for more, and no effect that could be accepted."""
-        last = self.steps[-1]
-        return last.chosen is None and any(c.evidence >= last.threshold for c in last.candidates)
-
 
 def select(problem: Problem, effects: Sequence[Effect], settings: SelectionSettings) -> Selection:
     """Find the effects that the records ask for."""
-    base = problem.fit_material()
+    problem, base = settled(problem, problem.fit_material())
     library = [e for e in effects if e.identifiable]
     found = signatures(problem, base, library)
     strongest = {
@@ -165,9 +170,9 @@ def select(problem: Problem, effects: Sequence[Effect], settings: SelectionSetti
     search.forward(found)
     if search.exchange():
         search.forward()
-    search.retract()
     return Selection(
         search.doubting,
+        problem,
         library,
         base,
         search.current,
@@ -180,10 +185,7 @@ def select(problem: Problem, effects: Sequence[Effect], settings: SelectionSetti
 
 @dataclass
 class _Search:
-    """State of a selection: what has been chosen, and the noise with the doubt of its form.
-
-    `earlier` holds what `doubting`, `current` and `classes` would be without each choice.
-    """
+    """State of a selection: what has been chosen, and the noise with the doubt of its form."""
 
     problem: Problem
     library: list[Effect]
@@ -193,7 +195,6 @@ class _Search:
     current: Fit
     steps: list[Step] = field(default_factory=list)
     classes: dict[str, list[str]] = field(default_factory=dict)
-    earlier: list[tuple[Problem, Fit, dict[str, list[str]]]] = field(default_factory=list)
 
     def forward(self, found: Sequence[Signature] | None = None) -> None:
         """One effect after the other, until no more are asked for."""
@@ -216,20 +217,9 @@ class _Search:
             if step.chosen is not None and step.chosen.name != effect.name:
                 self.steps.append(step)
                 del self.classes[effect.name]
-                self.earlier.clear()
                 self._take(problem, others, step.chosen, step.members)
                 return True
         return False
-
-    def retract(self) -> None:
-        """Take back what came last, if the records do without it and it spoils them."""
-        while self.earlier and len(self.current.model.effects) > 1:
-            problem, fit, classes = self.earlier.pop()
-            if fit.cost > self.settings.unknown_ratio * len(fit.white):
-                break
-            if not self.doubting.spoiled(fit, self.current):
-                break
-            self.doubting, self.current, self.classes = problem, fit, classes
 
     def _round(
         self, problem: Problem, current: Fit, found: Sequence[Signature] | None = None
@@ -241,10 +231,8 @@ class _Search:
 
     def _take(self, problem: Problem, current: Fit, chosen: Candidate, members: list[str]) -> None:
         """Add what was chosen, doubt its form, and drop what it has made superfluous."""
-        self.earlier.append((problem, current, dict(self.classes)))
         self.classes[chosen.name] = members
-        self.doubting = self._doubted(problem, chosen.fit)
-        fit = self.doubting.fit(chosen.fit.model, chosen.fit.state)
+        self.doubting, fit = settled(self._doubted(problem, chosen.fit), chosen.fit)
         self.current = _pruned(self.doubting, fit, self.settings)
         self.classes = {name: self.classes[name] for name in self.current.model.names}
 
@@ -260,7 +248,17 @@ class _Search:
             known = {e.name: values[e.name] for e in model.effects}
             fit = problem.fit(model, replace(self.current.state, values=known))
             problem = self._doubted(problem, fit)
-        return problem, problem.fit(model, fit.state)
+        return settled(problem, problem.fit(model, fit.state))
+
+
+def driven_to_an_end(fit: Fit) -> str:
+    """A size that lies at an end of its range at which it is not absent; empty if there is none."""
+    for effect, p in fit.model.parameters:
+        away = abs(fit.state.values[effect.name][p.name] - p.neutral)
+        name = f"{effect.name}.{p.name}"
+        if p.is_size and not p.physical and name in fit.at_bound and away > 0.01 * (p.high - p.low):
+            return name
+    return ""
 
 
 def _round(
@@ -277,7 +275,7 @@ def _round(
         key=lambda pair: pair[0] - penalty(pair[1].effect, n),
         reverse=True,
     )
-    candidates = []
+    candidates, before = [], problem.misfit(current)
     best_gain = max((gain for gain, _ in ranked), default=0.0)
     for place, (gain, signature) in enumerate(ranked):
         promising = place < settings.refits and gain >= PROMISING * max(best_gain, threshold)
@@ -286,15 +284,18 @@ def _round(
             continue
         fit = _joint(problem, current, signature)
         doubting = problem.doubting(fit, settings.form_doubt, settings.form_time_s)
-        gain = current.cost - fit.cost
-        likelier = max(gain, problem.misfit(current) - doubting.misfit(fit))
-        evidence = likelier - penalty(signature.effect, n)
+        models = (settled(problem, fit), settled(doubting, fit))
+        left = min(posed.misfit(own) for posed, own in models)
+        gain, evidence = current.cost - fit.cost, before - left - penalty(signature.effect, n)
         candidates.append(Candidate(signature.effect.name, fit, gain, evidence))
     candidates.sort(key=lambda c: c.evidence, reverse=True)
-    acceptable = [c for c in candidates if _acceptable(c, current, threshold, settings)]
+    acceptable = [c for c in candidates if c.evidence >= threshold]
     if not acceptable:
         return Step(threshold, candidates, None)
-    best = min(acceptable, key=lambda c: not c.fit.model.effects[-1].idealised)
+    inside = [c for c in acceptable if not driven_to_an_end(c.fit)]
+    if not inside or inside[0].evidence < acceptable[0].evidence - settings.class_gain:
+        return Step(threshold, candidates, None, refused=acceptable[0])
+    best = min(inside, key=lambda c: not c.fit.model.effects[-1].idealised)
     candidates = [
         Candidate(c.name, c.fit, c.gain, c.evidence, explained_alike(current, c.fit, best.fit))
         for c in candidates
@@ -310,16 +311,6 @@ def _round(
         )
     ]
     return Step(threshold, candidates, best, members)
-
-
-def _acceptable(
-    candidate: Candidate, current: Fit, threshold: float, settings: SelectionSettings
-) -> bool:
-    """Whether a candidate passes the threshold and, of a rest that is unknown, takes a third."""
-    noise = len(current.white)
-    unknown = current.cost > settings.unknown_ratio * noise
-    enough = not unknown or candidate.gain > (current.cost - noise) / 3.0
-    return enough and candidate.evidence >= threshold
 
 
 def _joint(problem: Problem, current: Fit, signature: Signature) -> Fit:

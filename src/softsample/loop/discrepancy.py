@@ -1,0 +1,144 @@
+"""How large the error is that a model leaves: variances estimated from the records.
+
+The residual of a fit is a sum of the cell's noise and of errors whose correlation is known and
+whose size is not. The sizes have log-normal priors about those of the settings; the most likely
+ones are those of the restricted likelihood, which allows for what the fit has taken away.
+
+References
+----------
+H. D. Patterson, R. Thompson, Biometrika 58 (1971) 545, doi:10.1093/biomet/58.3.545.
+"""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.linalg import cho_factor, cho_solve
+from scipy.optimize import minimize
+
+from softsample.loop.fit import Fit, Problem
+from softsample.loop.model import CONTACT_ZERO
+
+Array = NDArray[np.float64]
+
+ROUNDS = 2
+"""Of estimating sizes about a fit, and fitting with these."""
+
+MOST_GROUPS = 150
+"""Means of blocks of a test from which sizes are estimated, about as many at most."""
+
+SHORTEST = 0.02
+"""Part of the stroke over which blocks are averaged at least: where the platen rests, into one."""
+
+FURTHEST = 4.0
+"""Standard deviations of its prior that a size is sought from its median."""
+
+NOTHING = 1e-12
+"""Precision of a parameter without prior, as a part of that of the records."""
+
+
+@dataclass(frozen=True)
+class _Test:
+    """Means of one test: residual (n,) [N], slopes (n, p), covariances (n, n) [N2]."""
+
+    residual: Array
+    slopes: Array
+    known: Array
+    parts: list[Array]
+
+
+def estimated(problem: Problem, fit: Fit) -> Problem:
+    """The same records with the most likely sizes of the discrepancy about a fit.
+
+    Parameters
+    ----------
+    problem : Problem
+        Records whose whiteners share the parts of their discrepancy.
+    fit : Fit
+        Of a model to them.
+    """
+    names = list(problem.whiteners[0].discrepancy)
+    if not names or problem.spread <= 1.0:
+        return problem
+    tests = _tests(problem, fit, names)
+    prior = np.full(fit.jacobian.shape[1] + 1, NOTHING)
+    prior[CONTACT_ZERO] += problem.contact_zero_mm**-2
+    prior[-1] = 1.0  # of what the tests share
+    width = np.log(problem.spread)
+    here = problem.whiteners[0].variances
+    start = [0.5 * np.log(here[name]) for name in names]
+    found = minimize(
+        _restricted, start, (tests, prior, width), jac=True, method="L-BFGS-B",
+        bounds=[(-FURTHEST * width, FURTHEST * width)] * len(names),
+        options={"maxiter": 30, "ftol": 1e-6},
+    )  # fmt: skip
+    variances = dict(zip(names, np.exp(2.0 * found.x).tolist(), strict=True))
+    return problem.with_whiteners([w.with_variances(variances) for w in problem.whiteners])
+
+
+def settled(problem: Problem, fit: Fit) -> tuple[Problem, Fit]:
+    """Sizes of the discrepancy about a fit, and the fit with these."""
+    for _ in range(ROUNDS if problem.spread > 1.0 else 0):
+        problem = estimated(problem, fit)
+        fit = problem.fit(fit.model, fit.state)
+    return problem, fit
+
+
+def _tests(problem: Problem, fit: Fit, names: Sequence[str]) -> list[_Test]:
+    """Means of groups of blocks of every test."""
+    residual, slopes = problem.coloured(fit.white[:-1]), problem.coloured(fit.jacobian[:-1])
+    found = []
+    for specimen, r, j, common, w in zip(
+        problem.specimens, residual, slopes, problem.common, problem.whiteners, strict=True
+    ):
+        if not len(r):
+            continue
+        to = _averaging(w.blocks(specimen.travel) / specimen.reach)
+        parts = [to @ w.kept(w.discrepancy[name]) @ to.T for name in names]
+        columns = np.column_stack([j, w.blocks(common)])
+        found.append(_Test(to @ r, to @ columns, to @ w.kept(w.known) @ to.T, parts))
+    return found
+
+
+def _averaging(travel: Array) -> Array:
+    """Matrix (m, n) that takes means of neighbours at travels (n,) [parts of the stroke]."""
+    path = np.cumsum(np.abs(np.diff(travel, prepend=travel[0])))
+    step = max(SHORTEST, float(path[-1]) / MOST_GROUPS)
+    _, place, count = np.unique(np.floor(path / step), return_inverse=True, return_counts=True)
+    return np.asarray((place == np.arange(len(count))[:, None]) / count[:, None])
+
+
+def _restricted(
+    x: Array, tests: Sequence[_Test], prior: Array, width: float
+) -> tuple[float, Array]:
+    """Negative logarithm of the restricted posterior of log sizes (k,), and its slope."""
+    variances = np.exp(2.0 * x)
+    value, information, score = 0.0, np.diag(prior), np.zeros(len(prior))
+    inverses, weighted = [], []
+    for test in tests:
+        total = test.known + sum(v * part for v, part in zip(variances, test.parts, strict=True))
+        total += 1e-10 * np.trace(total) / len(total) * np.eye(len(total))
+        factor = cho_factor(total, lower=True, check_finite=False)
+        value += float(np.log(np.diag(factor[0])).sum())
+        inverses.append(cho_solve(factor, np.eye(len(total)), check_finite=False))
+        weighted.append(inverses[-1] @ test.slopes)
+        information += test.slopes.T @ weighted[-1]
+        score += weighted[-1].T @ test.residual
+        value += 0.5 * float(test.residual @ inverses[-1] @ test.residual)
+    scale = 1.0 / np.sqrt(np.diag(information))
+    inner = cho_factor(
+        information * np.outer(scale, scale) + NOTHING * np.eye(len(scale)), lower=True
+    )
+    value += float(np.log(np.diag(inner[0]) / scale).sum())
+    moved = scale * cho_solve(inner, scale * score)
+    value -= 0.5 * float(score @ moved)
+    slope = np.zeros(len(x))
+    for test, inverse, own in zip(tests, inverses, weighted, strict=True):
+        left = inverse @ test.residual - own @ moved
+        taken = own @ (scale[:, None] * cho_solve(inner, scale[:, None] * own.T))
+        for k, part in enumerate(test.parts):
+            felt = np.sum((inverse - taken) * part) - left @ part @ left
+            slope[k] += variances[k] * float(felt)
+    prior_part = x / width
+    return value + 0.5 * float(prior_part @ prior_part), slope + prior_part / width

@@ -22,7 +22,9 @@ reference values. *Shapes* (times, onsets) enter nonlinearly and are fitted from
 Ranges of lengths and forces hold for samples 6.5 to 26 mm high and peak forces of 0.2 to 5 N;
 beyond these they are scaled with height and peak force (`softsample.loop.candidates`).
 Pure shear counts as tension, confined compression as compression.
-Records without time have no effects of time among their candidates.
+Records without time have no effects of time among their candidates. Times of relaxation are those
+of a usual study here; they follow the clock of the records. `specimen_stiffness` has one size,
+named after the sample, for every sample but the first of its mode.
 """
 
 

@@ -13,7 +13,7 @@ from softsample.loop.effects import library
 from softsample.loop.effects.base import MODES, SOLID
 from softsample.loop.history import drained, followed, relaxed
 from softsample.loop.model import Material, Model, State
-from softsample.loop.specimen import Specimen
+from softsample.loop.specimen import NORMAL, Specimen
 from softsample.response.curves import ResponseCurves
 from softsample.response.elastic import Elastic
 
@@ -24,7 +24,8 @@ NAMES = set(
 poroelastic_drainage dehydration displacement_zero late_contact platen_tilt real_geometry
 partial_bond bond_peel platen_slip machine_compliance poisson_ratio boundary_shift ogden_exponents
 tension_compression_asymmetry anisotropy self_weight adhesion ends force_offset force_drift
-channel_lag backlash mains_pickup gain""".split()  # noqa: SIM905 - the list as the design has it
+channel_lag backlash mains_pickup gain uneven_contact unloading_loss permanent_set slack
+channel_crosstalk specimen_stiffness mode_ratio""".split()  # noqa: SIM905 - the list as the design has it
 )
 UNITS = {"1", "mm", "mN", "mN/s", "ms", "s", "mm/N", "deg", "mu"}
 
@@ -36,7 +37,23 @@ def specimens():
         curves = specimen.elastic.curves
         force = curves.force_per_mu(0.7, curves.displacement)
         specimen.elastic.perturbations.update(real_geometry=-0.1 * force, ends_sliding=-0.2 * force)
-    return found
+    return [*found, *(replace(s, name=f"{s.name}_again") for s in found), with_normal(found[2])]
+
+
+def with_normal(shear):
+    """The normal force of a test of shear, a tenth of the other and the same to both sides."""
+    own = shear.elastic.curves
+    forces = np.stack([0.1 * own.curve(r) for r in own.fractions])
+    curves = ResponseCurves(own.fractions, own.displacement, forces, "even")
+    elastic = Elastic(curves, {})
+    force = 0.1 * shear.force
+    return replace(shear, elastic=elastic, force=force, channel=NORMAL, partner=shear)
+
+
+@pytest.fixture(scope="module")
+def known(specimens):
+    """The library for these tests."""
+    return library(SOLID, specimens)
 
 
 def predicted(specimen, effect, values):
@@ -48,8 +65,11 @@ def test_the_library_holds_the_names_of_the_design_and_no_others():
     assert set(EFFECTS) == NAMES
 
 
-@pytest.mark.parametrize("effect", EFFECTS.values(), ids=EFFECTS)
-def test_an_effect_is_absent_at_its_neutral_values_wherever_else_its_shape_lies(effect, specimens):
+@pytest.mark.parametrize("name", EFFECTS)
+def test_an_effect_is_absent_at_its_neutral_values_wherever_else_its_shape_lies(
+    name, specimens, known
+):
+    effect = known[name]
     for specimen in specimens:
         plain = Model().predict(specimen, State(Material(1000.0, 0.7)))
         for last in (0, -1):
@@ -58,8 +78,9 @@ def test_an_effect_is_absent_at_its_neutral_values_wherever_else_its_shape_lies(
             np.testing.assert_allclose(force, plain, atol=1e-12)
 
 
-@pytest.mark.parametrize("effect", EFFECTS.values(), ids=EFFECTS)
-def test_an_effect_changes_the_modes_it_names_and_no_others(effect, specimens):
+@pytest.mark.parametrize("name", EFFECTS)
+def test_an_effect_changes_the_modes_it_names_and_no_others(name, specimens, known):
+    effect = known[name]
     high = {p.name: p.high if p.is_size else p.grid[0] for p in effect.parameters}
     changed = set()
     for specimen in specimens:
@@ -172,7 +193,7 @@ def test_a_bulk_modulus_that_stays_is_felt_as_in_a_strip_between_walls(bulk, g):
     time = np.arange(0.0, 40.0, 0.02)
     strain = np.interp(time, [0.0, 10.0, 30.0, 40.0], [0.0, 1.0, 1.0, 0.0])
     specimen = strip(nu, time, strain)
-    values = {"g1": g, "tau1_s": tau, "g2": 0.0, "tau2_s": 60.0, "bulk": bulk}
+    values = {"g1": g, "tau1_s": tau, "g2": 0.0, "g3": 0.0, "tau3_s": 60.0, "bulk": bulk}
     effect = EFFECTS["viscoelastic_relaxation"]
     force = Model((effect,)).predict(specimen, State(Material(1.0, 0.5), {effect.name: values}))
     spared, relaxing = (relaxing_strip(time, strain, nu, g, tau, way) for way in (False, True))
@@ -190,8 +211,8 @@ def test_play_is_used_up_at_each_reversal():
     np.testing.assert_allclose(reached, 1e-3 * np.array(expected))
 
 
-def test_an_effect_does_not_depend_on_when_the_clock_was_started(specimens):
-    for effect in EFFECTS.values():
+def test_an_effect_does_not_depend_on_when_the_clock_was_started(specimens, known):
+    for effect in known.values():
         high = {p.name: p.high if p.is_size else p.grid[0] for p in effect.parameters}
         for specimen in specimens:
             later = replace(specimen, time=specimen.time + 5000.0)

@@ -184,7 +184,7 @@ def test_relaxation_that_spares_the_bulk_is_made_of_runs_with_other_ratios(mode,
 
     def off(bulk):
         """Greatest error of the effect as a part of the peak."""
-        values = {"g1": g, "tau1_s": tau, "g2": 0.0, "tau2_s": 60.0, "bulk": bulk}
+        values = {"g1": g, "tau1_s": tau, "g2": 0.0, "g3": 0.0, "tau3_s": 60.0, "bulk": bulk}
         state = State(Material(1.0, 0.5), {RELAXATION.name: values})
         found = Model((RELAXATION,)).predict(specimen, state)
         return np.abs(np.interp(own.time, time, found) - own.force).max() / own.force.max()

@@ -34,6 +34,9 @@ SHOWN = {
 }
 
 
+ON_UNLOADING = [["mullins_softening", "unloading_loss"]]
+"""Which of the two it is, only a second loading can tell."""
+
 TWO = ("viscoelastic_relaxation", "force_drift", "backlash", "channel_lag")
 """Effects that act alike in all tests, of which two are enough."""
 
@@ -95,13 +98,13 @@ def test_softening_of_another_form_is_named():
     """Ogden and Roxburgh's function of the energy; the library's is linear in the travel."""
     one = LoopSettings(selection=SelectionSettings(most_effects=1))
     found = diagnose(PLANTED["mullins_softening"].specimens(), one)
-    assert classes(found) == [["mullins_softening"]]
+    assert classes(found) == ON_UNLOADING
 
 
 def test_softening_of_another_form_draws_in_no_further_effects():
     found = diagnose(PLANTED["mullins_softening"].specimens(), SETTINGS)
     assert overall(found.selected.fitted) < overall(found.before.fitted)
-    assert found.verdict == "unknown" or classes(found) == [["mullins_softening"]]
+    assert found.verdict == "unknown" or classes(found) == ON_UNLOADING
 
 
 @pytest.mark.parametrize("name", HIDDEN)

@@ -48,7 +48,7 @@ def candidates(specimens: Sequence[Specimen], height: float, solid: Material) ->
     absent = {name for name, present in there.items() if not present}
     return [
         _scaled(effect, scales)
-        for effect in library(solid).values()
+        for effect in library(solid, specimens).values()
         if (timed or not effect.of_time) and effect.name not in absent
     ]
 

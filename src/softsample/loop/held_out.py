@@ -1,6 +1,7 @@
 """The channels of a record as tests of the diagnosis, with what the study holds out of them."""
 
 from collections.abc import Mapping, Sequence
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
@@ -37,9 +38,10 @@ def specimens_of(
     hold_out : sequence of mapping
         Selections of the study's settings.
     """
+    tests: list[Specimen] = []
     has_normal = row["mode"] == "shear" and record.force_normal is not None
-    return [
-        Specimen.of_record(
+    for channel in (FORCE, NORMAL) if has_normal else (FORCE,):
+        test = Specimen.of_record(
             row["sample"],
             row["mode"],
             record,
@@ -47,8 +49,8 @@ def specimens_of(
             channel,
             np.asarray(held_out(record, row, height, channel, hold_out)),
         )
-        for channel in ((FORCE, NORMAL) if has_normal else (FORCE,))
-    ]
+        tests.append(replace(test, partner=tests[0]) if tests else test)
+    return tests
 
 
 def tests_of(

@@ -51,6 +51,13 @@ def drained(time: Array, force: Array, g: float, tau: float) -> Array:
     return np.asarray((1.0 - g) * force + g * np.sum(kept, axis=0))
 
 
+def turned(travel: Array) -> Array:
+    """Displacement (n,) that was the largest either way so far, with its sign."""
+    largest = np.maximum.accumulate(np.abs(travel))
+    at = np.where(np.abs(travel) >= largest, np.arange(len(travel)), 0)
+    return np.asarray(travel[np.maximum.accumulate(at)])
+
+
 @njit(cache=True)
 def followed(travel: Array, play: float) -> Array:
     """Travel of what is driven with play [as `travel`]: it stays until the play is used up."""

@@ -66,7 +66,17 @@ class Model:
         The one function that predicts a record.
         """
         travel, force = self._loading(specimen, state)
-        return self.reading(specimen, force, travel, state.values)
+        return self.reading(specimen, force, travel, state.values) + self._crosstalk(
+            specimen, state
+        )
+
+    def _crosstalk(self, specimen: Specimen, state: "State") -> Array | float:
+        """What a normal force reads of the predicted force along the displacement (n,) [N]."""
+        crossing = [effect for effect in self.effects if effect.crosses]
+        if specimen.partner is None or not crossing:
+            return 0.0
+        _, along = self._loading(specimen.partner, state)
+        return np.asarray(sum(e.crosstalk(specimen, along, state.values[e.name]) for e in crossing))
 
     def _loading(self, specimen: Specimen, state: "State") -> tuple[Array, Array]:
         """Travel that reaches the sample (n,) [m], and the force on it (n,) [N].
@@ -105,6 +115,8 @@ class Model:
         force = material.mu * per_mu
         for effect in self.effects:
             force = effect.tissue(specimen, force, travel, values[effect.name])
+        for effect in self.effects:
+            force = effect.contact(specimen, force, travel, values[effect.name])
         if specimen.elastic.contact:  # the platen leaves a sample that would have to pull on it
             force = np.maximum(force, 0.0)
         return force

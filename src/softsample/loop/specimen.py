@@ -51,6 +51,8 @@ class Specimen:
         Whether time was recorded.
     held_out : (n,) bool
         Samples that nothing is fitted to; none by default.
+    partner : Specimen, optional
+        Of a normal force, the force along the displacement of the same test.
     """
 
     name: str
@@ -63,6 +65,7 @@ class Specimen:
     channel: str = FORCE
     timed: bool = True
     held_out: Mask = field(default_factory=lambda: np.zeros(0, bool))
+    partner: Self | None = None
 
     def __post_init__(self) -> None:
         if len(self.held_out) != len(self.force):
@@ -107,12 +110,22 @@ class Specimen:
             force=blocks(self.force, size),
             phase=self.phase[first],
             held_out=blocks(self.held_out.astype(float), size) > 0.0,
+            partner=self.partner and self.partner.reduced(size),
         )
 
     @property
     def clock(self) -> Array:
         """Time since the record began (n,) [s]."""
         return self.time - self.time[0]
+
+    @property
+    def loading_time(self) -> float:
+        """Time that the platen takes to its largest displacement at its usual speed [s].
+
+        That is the mean over what it travels, to which holds add nothing.
+        """
+        steps = np.abs(np.diff(self.travel))
+        return float(self.reach * steps.sum() / np.sum(steps**2 / np.diff(self.time)))
 
     @property
     def stretches(self) -> list[slice]:

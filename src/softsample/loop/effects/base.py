@@ -71,12 +71,17 @@ def _force(specimen: Specimen, force: Array, travel: Array, values: Values) -> A
     return force
 
 
+def _uncrossed(specimen: Specimen, along: Array, values: Values) -> Array:
+    return np.zeros_like(along)
+
+
 @dataclass(frozen=True)
 class Effect:
     """A physical or instrumental effect.
 
-    A prediction goes through four stages, each by all active effects: the travel that reaches the
-    sample, the elastic force per modulus, the tissue's history, the instrument.
+    A prediction goes through five stages, each by all active effects: the travel that reaches the
+    sample, the elastic force per modulus, the tissue's history, what platen and grips pass on of
+    its force, the instrument.
 
     Parameters
     ----------
@@ -104,9 +109,10 @@ class Effect:
         Whether it acts by the clock, so that records without time cannot show it.
     idealised : bool
         Whether the model is known to leave it out: it comes before physics if records ask for it.
-    travel, compliance, elastic, tissue, instrument : callable
+    travel, compliance, elastic, tissue, contact, instrument, crosstalk : callable
         See the functions above for their arguments; defaults do nothing. `compliance` is that of
-        what holds the sample [m/N].
+        what holds the sample [m/N]; `crosstalk` is what the reading of a normal force has of the
+        force along the displacement [N].
     """
 
     name: str
@@ -125,7 +131,9 @@ class Effect:
     compliance: Callable[[Specimen, Values], float] = field(default=_rigid)
     elastic: Callable[[Specimen, float, Array, Values], Array] = field(default=_none)
     tissue: Callable[[Specimen, Array, Array, Values], Array] = field(default=_force)
+    contact: Callable[[Specimen, Array, Array, Values], Array] = field(default=_force)
     instrument: Callable[[Specimen, Array, Array, Values], Array] = field(default=_force)
+    crosstalk: Callable[[Specimen, Array, Values], Array] = field(default=_uncrossed)
 
     @property
     def shifts_travel(self) -> bool:
@@ -135,7 +143,13 @@ class Effect:
     @property
     def only_instrument(self) -> bool:
         """Whether it acts on the instrument alone, not on the sample."""
-        return not self.shifts_travel and self.elastic is _none and self.tissue is _force
+        on_sample = self.tissue is not _force or self.contact is not _force
+        return not (self.shifts_travel or on_sample or self.crosses) and self.elastic is _none
+
+    @property
+    def crosses(self) -> bool:
+        """Whether the force along the displacement acts on the reading of the normal force."""
+        return self.crosstalk is not _uncrossed
 
     @property
     def acts_on_channel(self) -> bool:

@@ -7,8 +7,9 @@ from softsample.loop.specimen import Specimen
 
 
 def _tissue(specimen: Specimen, force: Array, travel: Array, values: Values) -> Array:
-    furthest = np.maximum.accumulate(np.maximum(travel, 0.0))
-    reached = np.clip(travel, 0.0, None) / np.maximum(furthest, 1e-9)
+    """Below the largest displacement so far, either way; on the virgin curve from there on."""
+    out = np.abs(travel)
+    reached = out / np.maximum(np.maximum.accumulate(out), 1e-9)
     return force * (1.0 - values["d"] * (1.0 - reached ** values["power"]))
 
 

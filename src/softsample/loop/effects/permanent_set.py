@@ -1,0 +1,30 @@
+"""After its first loading the sample does not come back to its length."""
+
+import numpy as np
+
+from softsample.loop.effects.base import Array, Effect, Parameter, Values
+from softsample.loop.history import turned
+from softsample.loop.specimen import Specimen
+
+
+def _travel(specimen: Specimen, travel: Array, values: Values) -> Array:
+    """It pulls or presses nothing at `set` of its largest displacement, the way back being
+    stretched in between; a loading as far to the other side takes the set back.
+    """
+    furthest = turned(travel)
+    off = values["set"] / (1.0 - values["set"])
+    return travel - off * np.sign(furthest) * (np.abs(furthest) - np.abs(travel))
+
+
+EFFECT = Effect(
+    name="permanent_set",
+    title="Permanent set",
+    parameters=(Parameter("set", "1", 0.0, 0.6, 0.05),),
+    tier="P",
+    source="residual strain after unloading: Dorfmann, Ogden, Int. J. Solids Struct. 41 (2004) "
+    "1855, doi:10.1016/j.ijsolstr.2003.11.014",
+    signature="ramp untouched, unloading reaches no force early, the next loading begins there",
+    confused_with=("mullins_softening", "unloading_loss", "displacement_zero", "backlash"),
+    experiment="measure the sample before and after; a second cycle after a long rest",
+    travel=_travel,
+)

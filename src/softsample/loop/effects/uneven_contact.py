@@ -1,0 +1,34 @@
+"""The platen meets a rough or uneven face bit by bit: compression only."""
+
+import numpy as np
+
+from softsample.loop.effects.base import Array, Effect, Parameter, Values
+from softsample.loop.specimen import Specimen
+
+PLACES, WEIGHTS = np.polynomial.legendre.leggauss(8)
+
+
+def _elastic(specimen: Specimen, fraction: float, travel: Array, values: Values) -> Array:
+    """Columns side by side, their tops spread evenly over the depth below the highest one."""
+    if specimen.kind != "compression":
+        return np.zeros_like(travel)
+    force, depth = specimen.elastic.force_per_mu, 1e-3 * values["depth_mm"]
+    below = 0.5 * depth * (1.0 + PLACES)
+    columns = force(fraction, np.subtract.outer(travel, below).ravel())
+    mean = columns.reshape(len(travel), -1) @ (0.5 * WEIGHTS)
+    return np.asarray(mean - force(fraction, travel))
+
+
+EFFECT = Effect(
+    name="uneven_contact",
+    title="Rough or uneven face",
+    parameters=(Parameter("depth_mm", "mm", 0.0, 2.0, 0.3),),
+    tier="P",
+    source="a bed of columns: Johnson, Contact Mechanics, Cambridge 1985, "
+    "doi:10.1017/CBO9781139171731",
+    signature="compression only: a toe as long as the depth, then the curve shifted by half of it",
+    confused_with=("late_contact", "platen_tilt", "real_geometry"),
+    experiment="scan the face; cut it anew; pressure film",
+    modes=("compression",),
+    elastic=_elastic,
+)

@@ -1,0 +1,32 @@
+"""The tissue bears less on the way back, whatever the pace, and all of it when loaded again."""
+
+import numpy as np
+
+from softsample.loop.effects.base import Array, Effect, Parameter, Values
+from softsample.loop.history import followed
+from softsample.loop.specimen import Specimen
+
+
+def _tissue(specimen: Specimen, force: Array, travel: Array, values: Values) -> Array:
+    """The loss grows along a parabola over its reach back from a turn, and goes the same way."""
+    reach, out = values["reach"] * specimen.reach, np.abs(travel)
+    back = (followed(out, reach) - out) / reach
+    return force * (1.0 - values["loss"] * back * (2.0 - back))
+
+
+EFFECT = Effect(
+    name="unloading_loss",
+    title="Loss of force on unloading",
+    parameters=(
+        Parameter("loss", "1", 0.0, 0.9, 0.1),
+        Parameter("reach", "1", 0.02, 1.0, 0.2, grid=(0.1, 0.4)),
+    ),
+    tier="P",
+    source="a play operator: Visintin, Differential Models of Hysteresis, Springer 1994; measured "
+    "cryogels lose 19 %",
+    signature="ramp and hold untouched, unloading low by one part of the force from soon after "
+    "the turn on; a second loading has all of it",
+    confused_with=("mullins_softening", "viscoelastic_relaxation", "permanent_set", "backlash"),
+    experiment="a second cycle: its loading is low after softening; a second rate",
+    tissue=_tissue,
+)

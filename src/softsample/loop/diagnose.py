@@ -191,7 +191,7 @@ def diagnose(
         Library to choose from; all by default.
     """
     problem, noises = pose([s for s in specimens if _is_fitted(s, settings.noise)], settings.noise)
-    known = list(library().values()) if effects is None else list(effects)
+    known = list(library(tests=specimens).values()) if effects is None else list(effects)
     selection = select(problem, known, settings.selection)
     spread = [noise.block for noise in noises]
 

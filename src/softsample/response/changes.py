@@ -26,6 +26,9 @@ NORMAL = "_normal"
 ENDINGS = {"force": "_mm2", "force_normal": f"{NORMAL}_mm2"}
 """How columns of changes end, by the force that they are of."""
 
+LAW = "law_"
+"""How names of forces of single Ogden terms begin, before the exponent: no changes."""
+
 PRESSED, PRESSED_ELSEWHERE = "pressed", "pressed_elsewhere"
 """Shear of a sample that was compressed before, at the others' fraction and at another one."""
 
@@ -45,6 +48,13 @@ def read_changes(
         for name in table.columns
         if name.endswith(ending) and not name.endswith(others)
     }
+
+
+def split_laws(changes: Mapping[str, Array]) -> tuple[dict[str, Array], dict[float, Array]]:
+    """Changes by name, and forces of single terms by their exponent."""
+    laws = {name: force for name, force in changes.items() if name.startswith(LAW)}
+    others = {name: change for name, change in changes.items() if name not in laws}
+    return others, {float(name.removeprefix(LAW)): force for name, force in laws.items()}
 
 
 def table_of_changes(

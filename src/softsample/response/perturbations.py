@@ -9,13 +9,15 @@ from numpy.typing import NDArray
 
 from softsample.constitutive.material import Material
 from softsample.constitutive.ogden import Fibres, OgdenMaterial, unit_modulus
+from softsample.errors import CrushedError
 from softsample.fem.boundary import Boundary, mode_boundary, platen_boundary
 from softsample.fem.explicit import ExplicitModel, Run
 from softsample.meshing.bond import partial_bond
 from softsample.protocol import DIRECTIONS, History
-from softsample.response.changes import NORMAL, PRESSED, PRESSED_ELSEWHERE, elsewhere
+from softsample.response.changes import LAW, NORMAL, PRESSED, PRESSED_ELSEWHERE, elsewhere
 from softsample.response.pieces import MechanicalTest, MeshedSample, PerturbationSettings
 from softsample.response.unit import (
+    REACHED,
     Pace,
     find_pace,
     homogeneous_area,
@@ -42,6 +44,9 @@ FIBRES = {
 }
 """Directions of fibres; shear goes along x. It does nothing to those that lie in it, and in an
 axial test both diagonals are alike, so that each test has three of these runs."""
+
+EXPONENTS, APART = (-30.0, -20.0, 2.0, 8.0, 25.0), 3.0
+"""Exponents of the runs of single terms; those as near as that to one of the model's tell no more."""
 
 ENDS = "ends_sliding"
 """Perturbation that replaces bonded ends by sliding ones."""
@@ -122,6 +127,7 @@ def simulate_perturbations(
         use them, with `_normal` behind them those of the force along z, if the test has it.
         Where a setting is the step, they are for its default, which the effects know.
         `platen_friction_0.15_loop` is what the force with this friction is more on unloading.
+        `law_2` is no change, but the force of a single term of exponent 2, see `_law_runs`.
     """
     material = test.material
     sample, larger = mesh_shifted(0.0), mesh_shifted(1e-3 * test.steps.shift_mm)
@@ -149,6 +155,7 @@ def simulate_perturbations(
         changes |= _friction_changes(model, sample, test, pace, turn or reach)
     if test.mode == "shear":
         changes |= _pressed_changes(model, test, boundary, pace)
+    changes |= _law_runs(model, test, boundary, pace)
     return pace.run.displacement, _by_channel(
         {name: change * _to_default(name, test.steps) for name, change in changes.items()}
     )
@@ -215,6 +222,31 @@ def _to_default(perturbation: str, settings: PerturbationSettings) -> float:
     """Default step of a perturbation over that of the settings."""
     step = STEPS.get(perturbation)
     return getattr(PerturbationSettings, step) / getattr(settings, step) if step else 1.0
+
+
+def _law_runs(
+    model: ExplicitModel, test: MechanicalTest, boundary: Boundary, pace: Pace
+) -> dict[str, Array]:
+    """Forces per modulus of single terms as far as elements stand them, not finite from there on.
+
+    One that crushes them in half of the displacement is left out.
+    """
+    material, grid, found = test.material, pace.run.displacement, {}
+    modulus, nu = material.shear_modulus, material.poisson_ratio
+    for alpha in EXPONENTS:
+        if min(abs(alpha - a) for a in material.alpha) < APART:
+            continue
+        solid = OgdenMaterial((modulus,), (alpha,), nu)
+        for part in REACHED:
+            try:
+                run = model.run(solid, boundary, part * grid[-1], loading_time=pace.loading_time)
+            except CrushedError:
+                continue
+            columns = (_forces(run, test) / modulus).T
+            there = [np.interp(grid, run.displacement, force, right=np.nan) for force in columns]
+            found[f"{LAW}{alpha:g}"] = np.stack(there, axis=1)
+            break
+    return found
 
 
 def _pressed_changes(

@@ -81,7 +81,7 @@ class Model:
             excess = travel + compliance * force - reported
             if np.abs(excess).max() < CLOSE * specimen.reach:
                 break
-            travel = travel - excess / (1.0 + compliance * _slope(specimen, state, travel))
+            travel = travel - excess / (1.0 + compliance * self._slope(specimen, state, travel))
             force = self._force(specimen, state, travel)
         return travel, force
 
@@ -94,15 +94,24 @@ class Model:
             travel = effect.travel(specimen, travel, state.values[effect.name])
         return travel
 
+    def _elastic(self, specimen: Specimen, state: "State", travel: Array) -> Array:
+        """Elastic force (n,) [N], without history."""
+        fraction = state.material.mu1_fraction
+        per_mu = specimen.elastic.force_per_mu(fraction, travel)
+        for effect in self.effects:
+            values = state.values[effect.name]
+            per_mu = per_mu + effect.elastic(specimen, fraction, travel, values)
+        return np.asarray(state.material.mu * per_mu)
+
+    def _slope(self, specimen: Specimen, state: "State", travel: Array) -> Array:
+        """Slope of that force (n,) [N/m], not negative."""
+        step = STEP * specimen.reach
+        ahead, here = (self._elastic(specimen, state, x) for x in (travel + step, travel))
+        return np.asarray(np.maximum((ahead - here) / step, 0.0))
+
     def _force(self, specimen: Specimen, state: "State", travel: Array) -> Array:
         """Force on the sample (n,) [N] for a travel that reaches it."""
-        material, values = state.material, state.values
-        per_mu = specimen.elastic.force_per_mu(material.mu1_fraction, travel)
-        for effect in self.effects:
-            per_mu = per_mu + effect.elastic(
-                specimen, material.mu1_fraction, travel, values[effect.name]
-            )
-        force = material.mu * per_mu
+        force, values = self._elastic(specimen, state, travel), state.values
         for effect in self.effects:
             force = effect.tissue(specimen, force, travel, values[effect.name])
         if specimen.elastic.contact:  # the platen leaves a sample that would have to pull on it
@@ -188,13 +197,6 @@ class Packing:
 
 def _unit(parameter: Parameter) -> float:
     return parameter.high - parameter.low
-
-
-def _slope(specimen: Specimen, state: State, travel: Array) -> Array:
-    """Slope of the elastic force (n,) [N/m], not negative."""
-    step, fraction = STEP * specimen.reach, state.material.mu1_fraction
-    ahead, here = (specimen.elastic.force_per_mu(fraction, x) for x in (travel + step, travel))
-    return np.asarray(np.maximum(state.material.mu * (ahead - here) / step, 0.0))
 
 
 def residuals(model: Model, specimens: Sequence[Specimen], state: State) -> list[Array]:

@@ -326,7 +326,7 @@ def _joint(problem: Problem, current: Fit, signature: Signature) -> Fit:
     """Joint fit from the linear estimate of the sizes.
 
     Small sizes and the other points of the grid are tried until one fit earns what the linear
-    estimate promises.
+    estimate promises; starts of the effect's own are all tried, at an even mixture.
     """
     effect = signature.effect
     sizes, *_ = np.linalg.lstsq(signature.columns, current.white, rcond=None)
@@ -346,6 +346,11 @@ def _joint(problem: Problem, current: Fit, signature: Signature) -> Fit:
         replace(current.state, values={**current.state.values, effect.name: values})
         for values in starts
     ]
+    even = replace(current.state.material, mu1_fraction=0.5)
+    own = [
+        replace(states[0], material=even, values={**states[0].values, effect.name: {**start}})
+        for start in effect.starts
+    ]
     if effect.idealised:  # a change so large that the material found without it says little
         states = [replace(states[0], material=m) for m in (current.state.material, *STARTS)]
         promised = -np.inf
@@ -354,7 +359,7 @@ def _joint(problem: Problem, current: Fit, signature: Signature) -> Fit:
         if best.cost < promised:
             break
         best = min(best, problem.fit(model, state), key=lambda fit: fit.cost)
-    return best
+    return min([best, *(problem.fit(model, state) for state in own)], key=lambda fit: fit.cost)
 
 
 def _small(effect: Effect) -> dict[str, float]:

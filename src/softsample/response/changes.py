@@ -84,10 +84,10 @@ def for_all_fractions(
 ) -> dict[str, ResponseCurves]:
     """Changes that were simulated at one fraction, carried to all, without the grain of the mesh.
 
-    A changed term of the solid goes with its part of the modulus, and fibres are beside it; what
-    changes shape, boundary or compressibility changes the force by the same part of it. That part
-    is smooth along the travel, while nodes of a coarse mesh meet the platen one by one. Of a sample
-    that was compressed before, it is taken to be linear in the fraction.
+    Fibres are beside the solid; what changes shape, boundary or compressibility changes the force by
+    the same part of it. That part is smooth along the travel, while nodes of a coarse mesh meet the
+    platen one by one. Of a sample that was compressed before, it is taken to be linear in the
+    fraction.
 
     Parameters
     ----------
@@ -101,8 +101,6 @@ def for_all_fractions(
     r, there = curves.fractions, curves.curve(fraction)
     forces = np.stack([curves.curve(x) for x in r])
     follows = {
-        "alpha1": np.outer(r / fraction, there),
-        "alpha2": np.outer((1.0 - r) / (1.0 - fraction), there),
         **{name: np.tile(there, (len(r), 1)) for name in changes if name.startswith(FIBRES)},
     }
     parts = {

@@ -4,7 +4,7 @@ The tests are those of `softsample.constitutive.homogeneous`, of any law, which 
 milliseconds a curve; here derivatives are written out, and a foam needs no iteration.
 """
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from functools import cached_property, lru_cache
 
@@ -95,7 +95,7 @@ class ClosedForm:
         return np.stack([none, none, np.log1p(sign * strain)])
 
     @cached_property
-    def _ogden(self):  # type: ignore[no-untyped-def]
+    def _ogden(self) -> Callable[[Terms], Array]:
         return lru_cache(KEPT)(self._solved)
 
     def _solved(self, terms: Terms) -> Array:

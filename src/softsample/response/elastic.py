@@ -82,18 +82,17 @@ class Elastic:
         perturbations: dict[str, ResponseCurves | Array] = {}
         runs: dict[float, Array] = {}
         for table in changes:
-            simulated, laws = split_laws(read_changes(table, found, mode, channel))
+            simulated, single = split_laws(read_changes(table, found, mode, channel))
             fraction = float(table["mu1_fraction"][0])
             perturbations |= for_all_fractions(simulated, found, fraction)
-            runs |= laws
+            runs |= single
         if real is not None:
             difference = ResponseCurves.of_table(real, mode, channel).minus(found)
             perturbations["real_geometry"] = difference
         pressed, nu = mode in PRESSED_MODES and channel == "force", solid.poisson_ratio
-        known = shape and LawResponse(
-            found, shape, mode, tuple(solid.alpha), nu, channel != "force", runs
-        )
-        return cls(found, perturbations, pressed, nu, known)
+        across = channel != "force"
+        laws = LawResponse(found, shape, mode, solid.alpha, nu, across, runs) if shape else None
+        return cls(found, perturbations, pressed, nu, laws)
 
     @cached_property
     def grain(self) -> float:
@@ -139,11 +138,16 @@ class Elastic:
             return np.zeros_like(displacement)
         return self.laws.ogden_change(fraction, displacement, alpha)
 
+    @property
+    def knows_foams(self) -> bool:
+        """Whether the force of a foam is known."""
+        return self.laws is not None and self.laws.knows_foams
+
     def foam_change_per_mu(
         self, fraction: float, displacement: Array, alpha: float, nu: float
     ) -> Array:
         """Change of that force [m2] by a foam in place of the model; none if it is not known."""
-        if self.laws is None or not self.laws.knows_foams:
+        if self.laws is None or not self.knows_foams:
             return np.zeros_like(displacement)
         return self.laws.foam_change(fraction, displacement, alpha, nu)
 

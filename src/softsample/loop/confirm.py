@@ -1,7 +1,7 @@
 """Confirmation: the best effects, run in the solver at the sizes that were found.
 
 A verdict scales the change of one run per effect linearly, or takes a law between runs. Here the
-changed model itself is run, its force takes the place of that one, and the material is fitted again.
+changed model itself is run, its force takes its place, and the material is fitted again.
 """
 
 from collections.abc import Callable, Mapping, Sequence

@@ -282,7 +282,8 @@ def _round(
     for place, (gain, signature) in enumerate(ranked):
         promising = place < settings.refits and gain >= PROMISING * max(best_gain, threshold)
         shown = signature.strength >= LEAST_SIGNATURE
-        if not shown or not (promising or signature.effect.idealised):
+        far = signature.effect.idealised or signature.effect.starts  # a linear gain says little
+        if not shown or not (promising or far):
             continue
         fit = _joint(problem, current, signature)
         doubting = problem.doubting(fit, settings.form_doubt, settings.form_time_s)

@@ -103,7 +103,8 @@ class Effect:
     of_time : bool
         Whether it acts by the clock, so that records without time cannot show it.
     starts : tuple of dict
-        Values of sizes from which a fit sets out too, where it has more than one minimum.
+        Values of sizes from which a fit sets out too, where it has more than one minimum. Such an
+        effect is fitted whatever its linear estimate promises.
     idealised : bool
         Whether the model is known to leave it out: it comes before physics if records ask for it.
     travel, compliance, elastic, tissue, instrument : callable

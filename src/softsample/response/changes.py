@@ -84,9 +84,9 @@ def for_all_fractions(
 ) -> dict[str, ResponseCurves]:
     """Changes that were simulated at one fraction, carried to all, without the grain of the mesh.
 
-    Fibres are beside the solid; what changes shape, boundary or compressibility changes the force by
-    the same part of it. That part is smooth along the travel, while nodes of a coarse mesh meet the
-    platen one by one. Of a sample that was compressed before, it is taken to be linear in the
+    Fibres are beside the solid; what changes shape, boundary or compressibility changes the force
+    by the same part of it. That part is smooth along the travel, while nodes of a coarse mesh meet
+    the platen one by one. Of a sample that was compressed before, it is taken to be linear in the
     fraction.
 
     Parameters

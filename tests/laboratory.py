@@ -10,16 +10,26 @@ import pandas as pd
 from scipy.signal import fftconvolve
 from scipy.special import erf
 
+from softsample.constitutive.ogden import unit_modulus
 from softsample.loop.specimen import Specimen
 from softsample.records import Record
 from softsample.response.curves import ResponseCurves, before_zero
 from softsample.response.elastic import Elastic
-from softsample.response.unit import ResponseSettings, modulus_fractions
+from softsample.response.law_response import LawResponse
+from softsample.response.unit import (
+    ResponseSettings,
+    homogeneous_response,
+    modulus_fractions,
+    response_table,
+)
+from softsample.shapes import IdealShape
 
 MODES = ("tension", "compression", "shear")
 SIGN = {"tension": 1.0, "compression": -1.0, "shear": 1.0}
 STROKE = {"tension": 3.5, "compression": 3.0, "shear": 6.5}  # mm
 HEIGHT, AREA = 13.0, 460.0  # mm, mm2
+SHAPE = IdealShape("cuboid", 23e-3, 20e-3, 1e-3 * HEIGHT)
+ALPHA = (-8.0, 16.0)
 SPEED, RATE = 0.3, 100.0  # mm/s, Hz
 REST, HOLD = 2.0, 60.0  # s
 WHITE, SLOW, SLOW_TIME, READING = 1.0e-3, 0.5e-3, 1.0, 1e-3  # N, N, s, mm
@@ -53,8 +63,6 @@ CHANGES = {  # of the force over the modulus: factor of strain e, for the modes 
         "compression": (0.15, 0.7),
         "shear": (0.0, 0.02),
     },
-    "alpha1": {"tension": (0.0, 0.3), "compression": (0.0, 0.6), "shear": (0.0, 0.2)},
-    "alpha2": {"tension": (0.0, -0.5), "compression": (0.0, -0.1), "shear": (0.0, -0.3)},
     "fibres_x": {"tension": (-0.05, 0.0), "compression": (-0.05, -0.1), "shear": (-0.2, 0.1)},
     "fibres_z": {"tension": (-0.2, -0.2), "compression": (-0.15, 0.3), "shear": (0.0, -0.3)},
     "fibres_ahead": {"tension": (-0.03, 0.0), "compression": (-0.03, 0.0), "shear": (-0.3, -0.4)},
@@ -93,7 +101,18 @@ def elastic(mode):
         for name, of in CHANGES.items()
         if mode in of
     }
-    return Elastic(curves, changes, contact=mode == "compression")
+    laws = LawResponse(curves, SHAPE, mode, ALPHA, 0.49)
+    return Elastic(curves, changes, contact=mode == "compression", laws=laws)
+
+
+def exact(mode, shape=SHAPE, reach=None, nu=0.49):
+    """The model of a specimen with sliding ends, in closed form, to a strain."""
+    travel = (reach or 1e-3 * STROKE[mode] / shape.height) * shape.height
+    fractions = modulus_fractions(ResponseSettings())
+    columns, _ = homogeneous_response(shape, mode, travel, fractions, ALPHA, nu, 120)
+    solid = unit_modulus(0.5, ALPHA, nu, 1.0)
+    table = pd.DataFrame(response_table(columns, mode))
+    return Elastic.of_tables(mode, table, [], solid, shape=shape)
 
 
 def clock(mode):

@@ -138,9 +138,7 @@ def check_config(config: Mapping[str, Any], schema: Schema, source: str) -> None
 def _contradictions(config: Mapping[str, Any]) -> Iterator[tuple[str, str]]:
     """Places of values that are right each for itself, but not beside another one."""
     yield from _of_accuracy(config["floor"], config["mesh"], config["solver"], config["checks"])
-    yield from _of_material(
-        config["material"]["alpha"], config["loop"]["perturbations"]["exponent"]
-    )
+    yield from _of_material(config["material"]["alpha"])
     ranges = {
         "calibration.mu_pa_min": [config["calibration"][f"mu_pa_{end}"] for end in ("min", "max")],
         **{f"exponents.{name}": config["exponents"][name] for name in ("alpha1", "alpha2")},
@@ -181,16 +179,9 @@ def _of_accuracy(
         )
 
 
-def _of_material(alpha: Sequence[float], step: float) -> Iterator[tuple[str, str]]:
+def _of_material(alpha: Sequence[float]) -> Iterator[tuple[str, str]]:
     if alpha[0] == alpha[1]:
         yield "material.alpha", f"{alpha} is one term twice; its shares cannot be told apart"
-    for k, exponent in enumerate(alpha):
-        if exponent + step == 0.0:
-            yield (
-                f"material.alpha.{k}",
-                f"{exponent} + {step}, the step of loop.perturbations.exponent, is the exponent 0 "
-                "in a run of the loop; give another step",
-            )
 
 
 @dataclass(frozen=True)

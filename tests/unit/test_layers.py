@@ -41,7 +41,7 @@ ALLOWED = {
         "calibration", "constitutive", "errors", "fem", "holdout", "protocol", "records",
         "response", "shapes",
     },
-    "loop": {"constitutive", "fem", "holdout", "protocol", "records", "response"},
+    "loop": {"constitutive", "fem", "holdout", "protocol", "records", "response", "shapes"},
     "geometry_effects": {"calibration", "response"} | MECHANICS,
     "checks": {"errors", "fem", "meshing"},
     "scoring": {"calibration", "response"},

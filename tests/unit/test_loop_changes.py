@@ -42,16 +42,10 @@ def test_a_change_that_is_a_part_of_the_force_stays_that_part(curves):
     assert np.abs(part * (another - there)).max() > 0.05 * np.abs(part * there).max()
 
 
-def test_terms_of_the_solid_go_with_their_part_of_the_modulus_and_fibres_stay(curves):
+def test_fibres_stay_beside_the_solid(curves):
     change = 0.1 * curves.curve(THERE)
-    for name, factor in {
-        "alpha1": ANOTHER / THERE,
-        "alpha2": (1.0 - ANOTHER) / (1.0 - THERE),
-        "fibres_z": 1.0,
-    }.items():
-        np.testing.assert_allclose(
-            carried(curves, change, name), factor * change, atol=1e-9 * change.max()
-        )
+    found = carried(curves, change, "fibres_z")
+    np.testing.assert_allclose(found, change, atol=1e-9 * change.max())
 
 
 def test_shear_of_a_compressed_sample_is_linear_in_the_fraction(curves):

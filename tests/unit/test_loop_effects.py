@@ -25,7 +25,7 @@ poroelastic_drainage dehydration displacement_zero late_contact platen_tilt real
 partial_bond bond_peel platen_slip machine_compliance poisson_ratio boundary_shift ogden_exponents
 tension_compression_asymmetry anisotropy self_weight adhesion ends force_offset force_drift
 channel_lag backlash mains_pickup gain uneven_contact unloading_loss permanent_set slack
-channel_crosstalk specimen_stiffness mode_ratio""".split()  # noqa: SIM905 - the list as the design has it
+channel_crosstalk specimen_stiffness mode_ratio compressible_foam elastic_law""".split()  # noqa: SIM905 - the list as the design has it
 )
 UNITS = {"1", "mm", "mN", "mN/s", "ms", "s", "mm/N", "deg", "mu"}
 
@@ -56,6 +56,12 @@ def known(specimens):
     return library(SOLID, specimens)
 
 
+def homogeneous():
+    """Specimens in the place of the others whose response is that of sliding ends."""
+    found = laboratory.Lab().specimens()
+    return [replace(s, elastic=laboratory.exact(s.mode)) for s in found]
+
+
 def predicted(specimen, effect, values):
     model = Model((effect,))
     return model.predict(specimen, State(Material(1000.0, 0.7), {effect.name: values}))
@@ -81,6 +87,8 @@ def test_an_effect_is_absent_at_its_neutral_values_wherever_else_its_shape_lies(
 @pytest.mark.parametrize("name", EFFECTS)
 def test_an_effect_changes_the_modes_it_names_and_no_others(name, specimens, known):
     effect = known[name]
+    if name == "compressible_foam":  # not known of curves that are so far from any law
+        specimens = homogeneous()
     high = {p.name: p.high if p.is_size else p.grid[0] for p in effect.parameters}
     changed = set()
     for specimen in specimens:
@@ -228,13 +236,13 @@ def test_effects_on_constants_depart_from_those_of_the_model(nu, specimens):
     assert [p.neutral for p in exponents.parameters] == [-4.0, 10.0]
     assert set(known) == set(EFFECTS)
     steps = {
-        "alpha1": (exponents, {"alpha1": -2.0, "alpha2": 10.0}),
-        "alpha2": (exponents, {"alpha1": -4.0, "alpha2": 12.0}),
         "poisson_0.02_less": (ratio, {"nu": nu - 0.02}),
         "poisson_0.04_less": (ratio, {"nu": nu - 0.04}),
     }
     for specimen in specimens:
-        specimen = replace(specimen, elastic=replace(specimen.elastic, poisson_ratio=nu))
+        laws = replace(specimen.elastic.laws, alpha=solid.alpha, poisson_ratio=nu)
+        elastic = replace(specimen.elastic, poisson_ratio=nu, laws=laws)
+        specimen = replace(specimen, elastic=elastic)
         for variant, (effect, values) in steps.items():
             change = effect.elastic(specimen, 0.6, specimen.travel, values)
             own = specimen.elastic.change_per_mu(variant, 0.6, specimen.travel)

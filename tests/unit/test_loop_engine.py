@@ -535,7 +535,7 @@ def test_an_effect_that_was_exchanged_does_not_come_back(monkeypatch):
 
     class Search(_Search):
         def _round(self, problem, current, found=None):
-            chosen = Candidate("D", fit(*current.model.names, "D"), 1.0, 1.0)
+            chosen = Candidate("D", *2 * [fit(*current.model.names, "D")], 1.0, 1.0)
             return Step(12.0, [chosen], chosen, ["D"])
 
         def _doubting_others(self, name):
@@ -550,7 +550,7 @@ def test_an_effect_that_was_exchanged_does_not_come_back(monkeypatch):
     search = Search(posed, [], LoopSettings().selection, 12.0, posed, fit())
     for names in ("A", "AB", "ABC"):
         search._take(
-            posed, search.current, Candidate(names[-1], fit(*names), 1.0, 1.0), [names[-1]]
+            posed, search.current, Candidate(names[-1], *2 * [fit(*names)], 1.0, 1.0), [names[-1]]
         )
     assert search.current.model.names == ("A", "B", "C")
     assert search.exchange()

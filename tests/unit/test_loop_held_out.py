@@ -26,6 +26,7 @@ SETTINGS = LoopSettings()
 OFFSET = {"tension": 7.0, "compression": -5.0, "shear": 4.0}
 EFFECTS = [library()[name] for name in ("force_offset", "channel_lag", "machine_compliance")]
 HEIGHT = 1e-3 * laboratory.HEIGHT
+SHAPE = IdealShape("cuboid", 20e-3, 23e-3, HEIGHT)
 
 
 def spoiled(specimen):
@@ -251,8 +252,8 @@ def test_tests_of_a_sample_have_the_samples_that_the_study_holds_out():
     normal = replace(one, force_normal=-0.1 * np.abs(one.force))
     row, selections = {**ROW, "mode": "shear"}, [{"strain_above": LIMIT, "channel": "force"}]
     tables = response_tables()
-    (plain,) = specimens_of(row, one, tables, HEIGHT, selections)
-    force, other = specimens_of(row, normal, tables, HEIGHT, selections)
+    (plain,) = specimens_of(row, one, tables, SHAPE, selections)
+    force, other = specimens_of(row, normal, tables, SHAPE, selections)
     assert [s.channel for s in (plain, force, other)] == [FORCE, FORCE, NORMAL]
     np.testing.assert_array_equal(force.held_out, np.abs(one.displacement) > LIMIT * HEIGHT)
     np.testing.assert_array_equal(plain.held_out, force.held_out)
@@ -265,7 +266,6 @@ def test_tests_of_a_sample_have_the_samples_that_the_study_holds_out():
 
 def response_tables():
     """Response of a cuboid in shear in closed form, without changes."""
-    shape = IdealShape("cuboid", 20e-3, 23e-3, HEIGHT)
     law = (np.array([0.0, 0.5, 1.0]), SOLID.alpha, SOLID.poisson_ratio)
-    curves, _ = homogeneous_response(shape, "shear", 0.5 * HEIGHT, *law, 30)
-    return pd.DataFrame(response_table(curves, "shear")), [], SOLID.poisson_ratio, None
+    curves, _ = homogeneous_response(SHAPE, "shear", 0.5 * HEIGHT, *law, 30)
+    return pd.DataFrame(response_table(curves, "shear")), [], SOLID, None

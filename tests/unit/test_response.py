@@ -19,6 +19,7 @@ from softsample.response.unit import (
 from softsample.shapes import IdealShape
 
 ALPHA, RATIO = (-8.0, 16.0), 0.47
+SOLID = unit_modulus(0.5, ALPHA, RATIO, 1.0)
 SHAPE = IdealShape("cylinder", 20e-3, 20e-3, 10e-3)
 REACH = 3e-3
 TRAVEL = np.linspace(0.0, REACH, 41)
@@ -110,18 +111,18 @@ def test_changes_of_a_file_are_those_of_their_channel():
     curves, fraction = response("shear"), 0.6
     grid = np.linspace(0.0, 1.05 * REACH, 64)
     force, normal = (exact("shear", c, fraction, grid) for c in ("force", "force_normal"))
-    changes = {"alpha1": -0.1 * force, "alpha1_normal": 0.3 * normal}
+    changes = {"fibres_z": -0.1 * force, "fibres_z_normal": 0.3 * normal}
     table = table_of_changes("shear", fraction, grid, changes)
     assert list(table) == [
-        "mu1_fraction", "displacement_mm", "alpha1_mm2", "alpha1_normal_mm2"
+        "mu1_fraction", "displacement_mm", "fibres_z_mm2", "fibres_z_normal_mm2"
     ]  # fmt: skip
     for channel, part in (("force", -0.1), ("force_normal", 0.3)):
-        elastic = Elastic.of_tables("shear", curves, [table], RATIO, channel=channel)
-        assert set(elastic.perturbations) == {"alpha1"}
+        elastic = Elastic.of_tables("shear", curves, [table], SOLID, channel=channel)
+        assert set(elastic.perturbations) == {"fibres_z"}
         assert not elastic.contact
         for there in (TRAVEL[1:], -TRAVEL[1:]):
             wanted = part * elastic.force_per_mu(fraction, there)
-            found = elastic.change_per_mu("alpha1", fraction, there)
+            found = elastic.change_per_mu("fibres_z", fraction, there)
             np.testing.assert_allclose(found, wanted, atol=2e-3 * np.abs(wanted).max())
 
 
@@ -130,7 +131,7 @@ def test_a_pressed_sample_bears_nothing_before_contact_whatever_is_changed():
     grid = np.linspace(0.0, 1.05 * REACH, 64)
     change = 0.2 * exact("compression", "force", 0.6, grid)
     changes = table_of_changes("compression", 0.6, grid, {"poisson_0.02_less": change})
-    elastic = Elastic.of_tables("compression", table, [changes], RATIO)
+    elastic = Elastic.of_tables("compression", table, [changes], SOLID)
     assert elastic.contact
     gone = np.array([-1e-3, -1e-6])
     smallest = 1e-12 * elastic.force_per_mu(0.6, np.array([REACH]))[0]

@@ -136,10 +136,6 @@ BAD_CONFIGS = {
         "mesh.element_size_mm: 0.0 is less than the minimum of 0.1; expected: edge length",
     ),
     "one exponent": (("material", "alpha", [-8.0]), "material.alpha: .* is too short"),
-    "an exponent that the loop would make zero": (
-        ("material", "alpha", [-2.0, 16.0]),
-        "material.alpha.0: -2.0 . 2.0, the step of loop.perturbations.exponent, is the exponent 0",
-    ),
     "a base that no wall can touch": (
         ("contact", "side_walls", False),
         "contact.base_platen: true without side_walls",

@@ -7,7 +7,7 @@ import pytest
 
 from softsample.blindlab.curves import planted_curves
 from softsample.blindlab.judge import Resolution, answer, elastics
-from softsample.blindlab.models import calibrated, model_curves
+from softsample.blindlab.models import model_curves
 from softsample.blindlab.plan import Benches, Experiment
 from softsample.blindlab.score import Case, score
 from softsample.fem.explicit import SolverSettings
@@ -26,7 +26,7 @@ def bench():
     (body,) = BENCHES.bodies(imperfect=False)
     curves = planted_curves(body, (1.0,), 2.0, SOLVER)
     table = model_curves(body, 2.4, SOLVER, PerturbationSettings())
-    return body, curves, elastics(table, calibrated(body))
+    return body, curves, elastics(table, body)
 
 
 def judged(bench, kind, names=(), size=1.0, seed=31):

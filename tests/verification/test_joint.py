@@ -74,7 +74,7 @@ def tables(mode):
     grid, changes = perturbations_of("ideal", BLOCK, mesh_shifted, test)
     assert ENDS in changes
     response = pd.DataFrame(response_table(curves, mode))
-    return response, [table_of_changes(mode, FRACTION, grid, changes)], nu, None
+    return response, [table_of_changes(mode, FRACTION, grid, changes)], solid, None
 
 
 def record_of(mode, displacement, force, normal=None):
@@ -106,7 +106,7 @@ def specimens(ends):
             run = ExplicitModel(sample.mesh, SOLVER).run(solid, held, reach, loading_time=1.0)
             force = np.interp(displacement, run.displacement, run.force)
         record = record_of(mode, displacement, force)
-        found += specimens_of(row(mode), record, tables(mode), BLOCK.height, [])
+        found += specimens_of(row(mode), record, tables(mode), BLOCK, [])
     return found
 
 
@@ -174,9 +174,10 @@ def two_channels(selections=(), offset=0.0):
     along, across = (DISC.area * stress for stress in sheared(displacement / DISC.height))
     record = record_of("shear", displacement, along + offset, across)
     law = (modulus_fractions(ResponseSettings()), ALPHA, NEARLY)
+    solid = unit_modulus(FRACTION, ALPHA, NEARLY, 1.0)
     curves, _ = homogeneous_response(DISC, "shear", 0.5 * DISC.height, *law, 60)
-    response = pd.DataFrame(response_table(curves, "shear")), [], NEARLY, None
-    return specimens_of(row("shear"), record, response, DISC.height, selections)
+    response = pd.DataFrame(response_table(curves, "shear")), [], solid, None
+    return specimens_of(row("shear"), record, response, DISC, selections)
 
 
 def test_both_channels_of_a_shear_are_predicted_to_either_side():

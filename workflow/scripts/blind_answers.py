@@ -2,7 +2,6 @@
 
 from softsample.blindlab.bodies import Body
 from softsample.blindlab.judge import Resolution, answer, elastics
-from softsample.blindlab.models import calibrated
 from softsample.blindlab.plan import Benches, Extent, plan
 from softsample.io import read_table, write_json
 from softsample.loop.diagnose import LoopSettings
@@ -12,7 +11,7 @@ with logged_to(snakemake):
     given, files = snakemake.params, snakemake.input
     curves = dict(zip(given.names, map(read_table, files.curves), strict=True))
     models = {
-        name: elastics(read_table(file), calibrated(Body.named(name)))
+        name: elastics(read_table(file), Body.named(name))
         for name, file in zip(given.names, files.models, strict=True)
     }
     loop = LoopSettings.of_config(given.loop)

@@ -14,18 +14,18 @@ with logged_to(snakemake):
     verdict = read_json(files.verdict)
     solid = of_fit(read_json(files.fit))
     responses = [
-        (read_table(curves), [*map(read_table, changes)], solid.poisson_ratio, None)
+        (read_table(curves), [*map(read_table, changes)], solid, None)
         for curves, *changes in zip(files.curves, files.perturbations, files.runs, strict=True)
     ]
     records = [read_record(path) for path in files.records]
-    heights = [IdealShape.of_report(read_json(path)).height for path in files.cuboids]
-    tests = tests_of(given.rows, records, responses, heights, given.hold_out)
+    shapes = [IdealShape.of_report(read_json(path)) for path in files.cuboids]
+    tests = tests_of(given.rows, records, responses, shapes, given.hold_out)
     table = confirmations(
         tests,
         sizes_to_confirm(verdict),
         verdict["path"][0]["threshold"],
         LoopSettings.of_config(given.loop),
-        {effect.name: effect for effect in candidates(tests, heights[0], solid)},
+        {effect.name: effect for effect in candidates(tests, shapes[0].height, solid)},
     )
     table.insert(0, "geometry", snakemake.wildcards.geometry)
     table.insert(0, "group", snakemake.wildcards.group)

@@ -18,14 +18,14 @@ with logged_to(snakemake):
     settings, solid = LoopSettings.of_config(given.loop), of_fit(read_json(files.fit))
     real = [read_table(path) for path in files.get("real", [])] or [None] * len(given.rows)
     responses = [
-        (read_table(curves), [read_table(changes)], solid.poisson_ratio, of_real)
+        (read_table(curves), [read_table(changes)], solid, of_real)
         for curves, changes, of_real in zip(files.curves, files.perturbations, real, strict=True)
     ]
     records = [read_record(path) for path in files.records]
-    heights = [IdealShape.of_report(read_json(path)).height for path in files.cuboids]
-    tests = tests_of(given.rows, records, responses, heights, given.hold_out)
+    shapes = [IdealShape.of_report(read_json(path)) for path in files.cuboids]
+    tests = tests_of(given.rows, records, responses, shapes, given.hold_out)
     own = [test for test in tests if test.name in given.samples]
-    effects = candidates(own, heights[0], solid)
+    effects = candidates(own, shapes[0].height, solid)
     found = diagnose(own, settings, effects)
     left_out = left_out_errors(tests, given.folds, settings, effects, progress_bar())
     rule = hold_out_text(given.hold_out, given.leave_out)

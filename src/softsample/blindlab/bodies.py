@@ -6,6 +6,9 @@ from typing import Self
 import numpy as np
 
 from softsample.phantom.draw import random_cuboid
+from softsample.shapes import IdealShape
+
+MM = 1e-3
 
 MODES = ("tension", "compression", "shear")
 
@@ -68,6 +71,11 @@ class Body:
     def name(self) -> str:
         """Name of its files."""
         return f"{'shape' if self.imperfect else 'cuboid'}_{self.number}"
+
+    @property
+    def shape(self) -> IdealShape:
+        """Its cuboid [m]."""
+        return IdealShape("cuboid", MM * self.length, MM * self.width, MM * self.height)
 
     @property
     def volume(self) -> float:

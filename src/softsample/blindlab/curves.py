@@ -8,7 +8,7 @@ import numpy as np
 import pandas as pd
 from numpy.typing import NDArray
 
-from softsample.blindlab.bodies import ALPHA, MODES, POISSON, PRESSED, Body
+from softsample.blindlab.bodies import ALPHA, MM, MODES, POISSON, PRESSED, Body
 from softsample.constitutive.material import Material
 from softsample.constitutive.ogden import Fibres, OgdenMaterial, unit_modulus
 from softsample.fem.boundary import Boundary, ContactSettings, mode_boundary, platen_boundary
@@ -18,12 +18,10 @@ from softsample.meshing.sample import SampleMesh, mesh_ideal, mesh_real
 from softsample.phantom.draw import random_cuboid
 from softsample.phantom.shapes import signed_distance
 from softsample.protocol import History
-from softsample.shapes import IdealShape
 
 Array = NDArray[np.float64]
 Curve = tuple[str, float, str, Array, Array]
 
-MM = 1e-3
 MODULUS = 1000.0  # Pa, of the runs
 MARGIN = 1.08  # runs go on beyond the stroke, for shifts of the travel
 SLOWER = 4.0  # a run that comes back, for its loop is a small difference
@@ -44,8 +42,7 @@ def imperfect_mesh(body: Body, size_mm: float, bumps: float = 1.0) -> SampleMesh
 
 def cuboid_mesh(body: Body, size_mm: float, shift_mm: float = 0.0) -> SampleMesh:
     """Mesh of a cuboid, its free faces moved out by a length; the base stays."""
-    shape = IdealShape("cuboid", MM * body.length, MM * body.width, MM * body.height)
-    return mesh_ideal(shape.grown(MM * shift_mm), MM * size_mm)
+    return mesh_ideal(body.shape.grown(MM * shift_mm), MM * size_mm)
 
 
 def tissue(body: Body) -> Material:

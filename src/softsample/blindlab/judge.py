@@ -11,21 +11,22 @@ from typing import Any
 import numpy as np
 import pandas as pd
 
-from softsample.blindlab.bodies import POISSON
-from softsample.blindlab.curves import MM
+from softsample.blindlab.bodies import ALPHA, MM, POISSON, Body
+from softsample.blindlab.models import calibrated
 from softsample.blindlab.records import Record as Written
 from softsample.loop.diagnose import LoopSettings, diagnose, judgement
 from softsample.loop.specimen import Specimen
 from softsample.records import Record
-from softsample.response.changes import for_all_fractions
+from softsample.response.changes import for_all_fractions, split_laws
 from softsample.response.curves import ResponseCurves, before_zero
 from softsample.response.elastic import Elastic
+from softsample.response.law_response import LawResponse
 
 WHEN = ("before", "after")
 
 
-def elastics(table: pd.DataFrame, fraction: float) -> dict[str, Elastic]:
-    """The loop's model by mode, from `model_curves`, whose changes were simulated at a fraction."""
+def elastics(table: pd.DataFrame, body: Body) -> dict[str, Elastic]:
+    """The loop's model of a body by mode, from `model_curves`."""
     found = {}
     for mode, of_mode in table.groupby("mode"):
         travel = MM * np.unique(of_mode["displacement_mm"])
@@ -40,8 +41,10 @@ def elastics(table: pd.DataFrame, fraction: float) -> dict[str, Elastic]:
             np.stack([curves.pop(r) for r in fractions]),
             before_zero(str(mode)),
         )
-        changes = for_all_fractions(curves, response, fraction)
-        found[str(mode)] = Elastic(response, changes, mode == "compression", POISSON)
+        simulated, runs = split_laws(curves)
+        laws = LawResponse(response, body.shape, str(mode), ALPHA, POISSON, runs=runs)
+        changes = for_all_fractions(simulated, response, calibrated(body))
+        found[str(mode)] = Elastic(response, changes, mode == "compression", POISSON, laws)
     return found
 
 

@@ -5,8 +5,8 @@ from collections.abc import Sequence
 import numpy as np
 import pandas as pd
 
-from softsample.blindlab.bodies import ALPHA, MODES, POISSON, Body
-from softsample.blindlab.curves import MM, MODULUS, cuboid_mesh, glued, imperfect_mesh
+from softsample.blindlab.bodies import ALPHA, MM, MODES, POISSON, Body
+from softsample.blindlab.curves import MODULUS, cuboid_mesh, glued, imperfect_mesh
 from softsample.constitutive.ogden import unit_modulus
 from softsample.fem.boundary import ContactSettings, mode_boundary
 from softsample.fem.explicit import ExplicitModel, SolverSettings

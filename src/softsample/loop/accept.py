@@ -37,10 +37,10 @@ class Judged:
     density: float
 
 
-def left_over(selection: Selection, noise: NoiseSettings) -> float:
-    """Size of what is left of the forms of the records [% of peak], beside scale and noise."""
-    sizes = noise.sizes(selection.problem.variances)
-    return float(np.sqrt(sum(size**2 for name, size in sizes.items() if name != "scale")))
+def left_over(errors: Errors) -> float:
+    """Root mean square of the errors of all tests but the cell's noise [% of peak]."""
+    parts = [tests["all"].structured / tests["all"].peak for tests in errors.values()]
+    return float(100.0 * np.sqrt(np.mean(np.square(parts))))
 
 
 def objection_to(
@@ -58,8 +58,8 @@ def objection_to(
     """
     refused, named = selection.steps[-1].refused, bool(selection.final.model.effects)
     if refused and not named:
-        return f"{driven_to_an_end(refused.fit)} lies at the end of its range"
-    left = left_over(selection, noise)
+        return f"{driven_to_an_end(refused.settled)} lies at the end of its range"
+    left = left_over(after.fitted)
     if left > rules.unknown_ratio * noise.floor_percent:
         return f"an error of {left:.3g} % of the peak is left that no effect explains"
     if not named:

@@ -44,7 +44,13 @@ def candidates(specimens: Sequence[Specimen], height: float, solid: Material) ->
     peaks = [s.peak for s in specimens if not s.held_out.all()]
     force = _beyond(float(np.median(peaks)), PEAKS)
     scales = {"mm": length, "mN": force, "mN/s": force, "mm/N": length / force}
-    there = {RIPPLE: rippled, "ends": _open_ends(specimens)}
+    there = {
+        RIPPLE: rippled,
+        "ends": _open_ends(specimens),
+        "elastic_law": all(s.elastic.laws is not None for s in specimens),
+        "ogden_exponents": all(s.elastic.laws is not None for s in specimens),
+        "compressible_foam": all(s.elastic.knows_foams for s in specimens),
+    }
     absent = {name for name, present in there.items() if not present}
     return [
         _scaled(effect, scales)

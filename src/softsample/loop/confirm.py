@@ -1,7 +1,7 @@
 """Confirmation: the best effects, run in the solver at the sizes that were found.
 
-A verdict scales the change of one run per effect linearly. Here the changed model itself is run,
-its force takes the place of the scaled one, and the material is fitted again.
+A verdict scales the change of one run per effect linearly, or takes a law between runs. Here the
+changed model itself is run, its force takes its place, and the material is fitted again.
 """
 
 from collections.abc import Callable, Mapping, Sequence
@@ -12,7 +12,7 @@ import numpy as np
 import pandas as pd
 from numpy.typing import NDArray
 
-from softsample.constitutive.material import Material
+from softsample.constitutive.material import Material, Term
 from softsample.constitutive.ogden import Fibres, OgdenMaterial
 from softsample.fem.boundary import Boundary, platen_boundary
 from softsample.loop.diagnose import LoopSettings, pose
@@ -33,8 +33,8 @@ MOST = 3
 """Effects that are confirmed."""
 
 SIMULATED = (
-    "poisson_ratio", "ogden_exponents", "anisotropy", "boundary_shift", "partial_bond",
-    "platen_tilt",
+    "poisson_ratio", "elastic_law", "ogden_exponents", "compressible_foam", "anisotropy",
+    "boundary_shift", "partial_bond", "platen_tilt",
 )  # fmt: skip
 """Effects whose sizes are those of a model. Slip is a share of a run that there is already."""
 
@@ -108,6 +108,12 @@ def _runs(
     if name == "ogden_exponents":
         alpha = values["alpha1"], values["alpha2"]
         return [(1.0, OgdenMaterial(material.mu, alpha, material.poisson_ratio), held)]
+    if name == "elastic_law":
+        one = OgdenMaterial((material.shear_modulus,), (values["alpha"],), material.poisson_ratio)
+        return [(values["share"], one, held)]
+    if name == "compressible_foam":
+        foam = Term("foam", material.shear_modulus, (values["alpha"], values["nu"]))
+        return [(values["share"], Material((foam,), values["nu"]), held)]
     if name == "anisotropy":
         angle = np.radians(values["angle_deg"])
         along = float(np.sin(angle)), 0.0, float(np.cos(angle))

@@ -147,8 +147,9 @@ def pose(specimens: Sequence[Specimen], settings: NoiseSettings) -> tuple[Proble
         for s, travel in zip(specimens, travels, strict=True)
     ]
     posed = Problem(
-        specimens, whiteners, settings.contact_zero_mm, material, lower, settings.spread
-    )
+        specimens, whiteners, settings.contact_zero_mm, material, lower, settings.spread,
+        0.01 * settings.scale_percent,
+    )  # fmt: skip
     return posed, noises
 
 
@@ -216,7 +217,7 @@ def diagnose(
         )
         after = replace(doubted, density=max(doubted.density, exact.density))
     refused = selection.steps[-1].refused
-    next_one = judged(selection.problem, refused.fit) if refused else None
+    next_one = judged(selection.problem, refused.settled) if refused else None
     objection = objection_to(selection, before, after, settings.selection, settings.noise)
     return Diagnosis(problem, noises, selection, objection, before, after, next_one)
 
@@ -324,8 +325,8 @@ def _withheld(diagnosis: Diagnosis, settings: LoopSettings) -> list[dict[str, An
         ]
     refused = selection.steps[-1].refused
     if refused and diagnosis.refused:
-        effect = refused.fit.model.effects[-1]
-        values = refused.fit.state.values[effect.name]
+        effect = refused.settled.model.effects[-1]
+        values = refused.settled.state.values[effect.name]
         found.append(
             {
                 "name": effect.name,
@@ -333,7 +334,7 @@ def _withheld(diagnosis: Diagnosis, settings: LoopSettings) -> list[dict[str, An
                     p.name: {"value": values[p.name], "unit": p.unit} for p in effect.parameters
                 },
                 "evidence": refused.evidence,
-                "reason": f"{driven_to_an_end(refused.fit)} lies at the end of its range",
+                "reason": f"{driven_to_an_end(refused.settled)} lies at the end of its range",
                 "held_out_if_given": _declared(diagnosis.refused),
             }
         )

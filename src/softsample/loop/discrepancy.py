@@ -18,7 +18,8 @@ from scipy.linalg import cho_factor, cho_solve
 from scipy.optimize import minimize
 
 from softsample.loop.fit import Fit, Problem
-from softsample.loop.model import CONTACT_ZERO
+from softsample.loop.model import CONTACT_ZERO, Packing
+from softsample.loop.specimen import blocks
 
 Array = NDArray[np.float64]
 
@@ -33,6 +34,9 @@ SHORTEST = 0.02
 
 FURTHEST = 4.0
 """Standard deviations of its prior that a size is sought from its median."""
+
+FIXED_THERE = 1e12
+"""Precision of a parameter at the end of its range: the fit takes nothing away with it."""
 
 NOTHING = 1e-12
 """Precision of a parameter without prior, as a part of that of the records."""
@@ -61,10 +65,12 @@ def estimated(problem: Problem, fit: Fit) -> Problem:
     names = list(problem.whiteners[0].discrepancy)
     if not names or problem.spread <= 1.0:
         return problem
+    problem = _scaled(problem, fit)
     tests = _tests(problem, fit, names)
     prior = np.full(fit.jacobian.shape[1] + 1, NOTHING)
     prior[CONTACT_ZERO] += problem.contact_zero_mm**-2
     prior[-1] = 1.0  # of what the tests share
+    prior[:-1][Packing(fit.model, problem.fractions).at_end(fit.state)] = FIXED_THERE
     width = np.log(problem.spread)
     here = problem.whiteners[0].variances
     start = [0.5 * np.log(here[name]) for name in names]
@@ -74,7 +80,16 @@ def estimated(problem: Problem, fit: Fit) -> Problem:
         options={"maxiter": 30, "ftol": 1e-6},
     )  # fmt: skip
     variances = dict(zip(names, np.exp(2.0 * found.x).tolist(), strict=True))
-    return problem.with_whiteners([w.with_variances(variances) for w in problem.whiteners])
+    return problem.with_variances(variances)
+
+
+def _scaled(problem: Problem, fit: Fit) -> Problem:
+    """The same with an error of scale that goes with the force of a fit."""
+    forces = problem.predicted(fit.model, fit.state)
+    return problem.with_whiteners([
+        w.with_scale(problem.scale * blocks(force, w.size))
+        for w, force in zip(problem.whiteners, forces, strict=True)
+    ])  # fmt: skip
 
 
 def settled(problem: Problem, fit: Fit) -> tuple[Problem, Fit]:

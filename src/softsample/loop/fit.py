@@ -1,6 +1,6 @@
 """Joint least squares of material and effects on whitened records."""
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -84,6 +84,8 @@ class Problem:
     spread : float
         Factor by which the sizes of the discrepancy may differ from those of the settings; 1 if
         they are as stated.
+    scale : float
+        Standard deviation of the scale of each test in the settings, as a part.
     """
 
     def __init__(
@@ -94,9 +96,10 @@ class Problem:
         start: Material | None = None,
         common: Sequence[Array] = (),
         spread: float = 1.0,
+        scale: float = 0.0,
     ) -> None:
         self.specimens, self.whiteners = list(specimens), list(whiteners)
-        self.spread = spread
+        self.spread, self.scale = spread, scale
         self.contact_zero_mm = contact_zero_mm
         self.start = start
         self.common = list(common) or [np.zeros_like(s.force) for s in self.specimens]
@@ -125,8 +128,13 @@ class Problem:
 
     def _changed(self, specimens: Sequence[Specimen], whiteners: Sequence[Whitener]) -> "Problem":
         return Problem(
-            specimens, whiteners, self.contact_zero_mm, self.start, self.common, self.spread
-        )
+            specimens, whiteners, self.contact_zero_mm, self.start, self.common, self.spread,
+            self.scale,
+        )  # fmt: skip
+
+    def with_variances(self, variances: Mapping[str, float]) -> "Problem":
+        """The same with other sizes of the discrepancy."""
+        return self.with_whiteners([w.with_variances(variances) for w in self.whiteners])
 
     def white(self, parts: Sequence[Array]) -> Array:
         """White residual (n, ...) of all tests from one (n_samples, ...) per test."""
@@ -233,16 +241,16 @@ class Problem:
             white, first, slope, bounds=(packing.low, packing.high), x_scale=0.1,
             method="trf", ftol=1e-6, xtol=1e-6, gtol=1e-6, max_nfev=40,
         )  # fmt: skip
-        near = 1e-3 * (packing.high - packing.low)
-        ends = (found.x < packing.low + near) | (found.x > packing.high - near)
+        state = packing.unpack(found.x)
+        ends = packing.at_end(state)[FIXED:]
         names = [f"{effect.name}.{p.name}" for effect, p in model.parameters]
         return Fit(
             model,
-            packing.unpack(found.x),
+            state,
             float(2.0 * found.cost),
             np.asarray(found.fun),
             np.asarray(found.jac),
-            tuple(name for name, end in zip(names, ends[FIXED:], strict=True) if end),
+            tuple(name for name, end in zip(names, ends, strict=True) if end),
         )
 
     def fit_material(self) -> Fit:

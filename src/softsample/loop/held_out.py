@@ -7,19 +7,21 @@ from typing import Any
 import numpy as np
 import pandas as pd
 
+from softsample.constitutive.material import Material
 from softsample.holdout import held_out
 from softsample.loop.specimen import FORCE, NORMAL, Specimen
 from softsample.records import Record
 from softsample.response.elastic import Elastic
+from softsample.shapes import IdealShape
 
-Tables = tuple[pd.DataFrame, list[pd.DataFrame], float, pd.DataFrame | None]
+Tables = tuple[pd.DataFrame, list[pd.DataFrame], Material, pd.DataFrame | None]
 
 
 def specimens_of(
     row: Mapping[str, str],
     record: Record,
     tables: Tables,
-    height: float,
+    shape: IdealShape,
     hold_out: Sequence[Mapping[str, Any]],
 ) -> list[Specimen]:
     """Tests of one sample: its force, and the normal force if it was recorded in shear.
@@ -31,10 +33,10 @@ def specimens_of(
     record : Record
         Of the sample.
     tables : tuple
-        Response, changes of it, Poisson's ratio, and the response of the real geometry if the
-        model is the ideal one.
-    height : float
-        Of the idealised shape [m].
+        Response, changes of it, what the model is made of, and the response of the real geometry
+        if the model is the ideal one.
+    shape : IdealShape
+        The idealised shape.
     hold_out : sequence of mapping
         Selections of the study's settings.
     """
@@ -45,9 +47,9 @@ def specimens_of(
             row["sample"],
             row["mode"],
             record,
-            Elastic.of_tables(row["mode"], *tables, channel=channel),
+            Elastic.of_tables(row["mode"], *tables, channel=channel, shape=shape),
             channel,
-            np.asarray(held_out(record, row, height, channel, hold_out)),
+            np.asarray(held_out(record, row, shape.height, channel, hold_out)),
         )
         tests.append(replace(test, partner=tests[0]) if tests else test)
     return tests
@@ -57,11 +59,11 @@ def tests_of(
     rows: Sequence[Mapping[str, str]],
     records: Sequence[Record],
     tables: Sequence[Tables],
-    heights: Sequence[float],
+    shapes: Sequence[IdealShape],
     hold_out: Sequence[Mapping[str, Any]],
 ) -> list[Specimen]:
     """Tests of several samples, see `specimens_of`."""
-    every = zip(rows, records, tables, heights, strict=True)
+    every = zip(rows, records, tables, shapes, strict=True)
     return [test for sample in every for test in specimens_of(*sample, hold_out)]
 
 

@@ -14,6 +14,9 @@ Array = NDArray[np.float64]
 ITERATIONS, CLOSE = 20, 1e-9
 """Of the travel under a machine that yields: how many, and the part of the reach that is exact."""
 
+SOFTEST, STIFFEST = 0.1, 1e8
+"""Moduli [Pa] between which fits go."""
+
 STEP = 1e-3
 """Part of the reach over which the slope of the elastic force is taken."""
 
@@ -91,7 +94,7 @@ class Model:
             excess = travel + compliance * force - reported
             if np.abs(excess).max() < CLOSE * specimen.reach:
                 break
-            travel = travel - excess / (1.0 + compliance * _slope(specimen, state, travel))
+            travel = travel - excess / (1.0 + compliance * self._slope(specimen, state, travel))
             force = self._force(specimen, state, travel)
         return travel, force
 
@@ -104,15 +107,24 @@ class Model:
             travel = effect.travel(specimen, travel, state.values[effect.name])
         return travel
 
+    def _elastic(self, specimen: Specimen, state: "State", travel: Array) -> Array:
+        """Elastic force (n,) [N], without history."""
+        fraction = state.material.mu1_fraction
+        per_mu = specimen.elastic.force_per_mu(fraction, travel)
+        for effect in self.effects:
+            values = state.values[effect.name]
+            per_mu = per_mu + effect.elastic(specimen, fraction, travel, values)
+        return np.asarray(state.material.mu * per_mu)
+
+    def _slope(self, specimen: Specimen, state: "State", travel: Array) -> Array:
+        """Slope of that force (n,) [N/m], not negative."""
+        step = STEP * specimen.reach
+        ahead, here = (self._elastic(specimen, state, x) for x in (travel + step, travel))
+        return np.asarray(np.maximum((ahead - here) / step, 0.0))
+
     def _force(self, specimen: Specimen, state: "State", travel: Array) -> Array:
         """Force on the sample (n,) [N] for a travel that reaches it."""
-        material, values = state.material, state.values
-        per_mu = specimen.elastic.force_per_mu(material.mu1_fraction, travel)
-        for effect in self.effects:
-            per_mu = per_mu + effect.elastic(
-                specimen, material.mu1_fraction, travel, values[effect.name]
-            )
-        force = material.mu * per_mu
+        force, values = self._elastic(specimen, state, travel), state.values
         for effect in self.effects:
             force = effect.tissue(specimen, force, travel, values[effect.name])
         for effect in self.effects:
@@ -177,10 +189,10 @@ class Packing:
     def __init__(self, model: Model, bounds: tuple[float, float]) -> None:
         self.model = model
         self.low = np.array(
-            [np.log(20.0), bounds[0], -1.0, *(p.low / _unit(p) for _, p in model.parameters)]
+            [np.log(SOFTEST), bounds[0], -1.0, *(p.low / _unit(p) for _, p in model.parameters)]
         )
         self.high = np.array(
-            [np.log(1e6), bounds[1], 1.0, *(p.high / _unit(p) for _, p in model.parameters)]
+            [np.log(STIFFEST), bounds[1], 1.0, *(p.high / _unit(p) for _, p in model.parameters)]
         )
 
     def pack(self, state: State) -> Array:
@@ -188,6 +200,11 @@ class Packing:
         parts = [state.values[e.name][p.name] / _unit(p) for e, p in self.model.parameters]
         head = np.log(state.material.mu), state.material.mu1_fraction, state.contact_zero
         return np.array([*head, *parts])
+
+    def at_end(self, state: State) -> NDArray[np.bool_]:
+        """Which entries of the vector of a state lie at an end of their range."""
+        vector, near = self.pack(state), 1e-3 * (self.high - self.low)
+        return np.asarray((vector < self.low + near) | (vector > self.high - near))
 
     def unpack(self, vector: Array) -> State:
         """State of a vector."""
@@ -200,13 +217,6 @@ class Packing:
 
 def _unit(parameter: Parameter) -> float:
     return parameter.high - parameter.low
-
-
-def _slope(specimen: Specimen, state: State, travel: Array) -> Array:
-    """Slope of the elastic force (n,) [N/m], not negative."""
-    step, fraction = STEP * specimen.reach, state.material.mu1_fraction
-    ahead, here = (specimen.elastic.force_per_mu(fraction, x) for x in (travel + step, travel))
-    return np.asarray(np.maximum(state.material.mu * (ahead - here) / step, 0.0))
 
 
 def residuals(model: Model, specimens: Sequence[Specimen], state: State) -> list[Array]:

@@ -279,6 +279,11 @@ class Whitener:
             self.known + covariance, self.size, self.keep, self.discrepancy, self.variances
         )
 
+    def with_scale(self, error: Array) -> "Whitener":
+        """The same with another error of scale, one standard deviation of it (n,) [N]."""
+        changed = {**self.discrepancy, "scale": np.outer(error, error)}
+        return Whitener(self.known, self.size, self.keep, changed, self.variances)
+
     def with_variances(self, variances: Mapping[str, float]) -> "Whitener":
         """The same with other sizes of the discrepancy."""
         return Whitener(self.known, self.size, self.keep, self.discrepancy, variances)

@@ -3,6 +3,7 @@
 from collections.abc import Sequence
 from dataclasses import dataclass, field, replace
 from itertools import product
+from typing import Self
 
 import numpy as np
 from numpy.typing import NDArray
@@ -10,7 +11,7 @@ from numpy.typing import NDArray
 from softsample.loop.discrepancy import settled
 from softsample.loop.effects.base import Effect
 from softsample.loop.fit import STARTS, Fit, Problem
-from softsample.loop.model import Model
+from softsample.loop.model import FIXED, Model
 from softsample.loop.screen import (
     LEAST_SIGNATURE,
     Signature,
@@ -75,9 +76,11 @@ class Candidate:
     name : str
         The effect.
     fit : Fit
-        Joint fit.
+        Joint fit with the sizes of the discrepancy of the round.
+    settled : Fit
+        The same with the most likely sizes.
     gain : float
-        Fall of the sum of squares.
+        Fall of the sum of squares, with the sizes of the round.
     evidence : float
         Fall of twice the negative logarithm of the likelihood, each model with its own sizes of
         the discrepancy, less the penalty for the parameters; that of a form that may be wrong as
@@ -88,6 +91,7 @@ class Candidate:
 
     name: str
     fit: Fit
+    settled: Fit
     gain: float
     evidence: float
     cosine: float = 1.0
@@ -156,31 +160,61 @@ class Selection:
 
 def select(problem: Problem, effects: Sequence[Effect], settings: SelectionSettings) -> Selection:
     """Find the effects that the records ask for."""
-    problem, base = settled(problem, problem.fit_material())
+    first = _Round.of(problem, problem.fit_material())
     library = [e for e in effects if e.identifiable]
-    found = signatures(problem, base, library)
+    found = signatures(first.problem, first.current, library)
     strongest = {
         e.name: max((s for s in found if s.effect is e), key=lambda s: s.strength) for e in library
     }
     weak = [name for name, signature in strongest.items() if signature.strength < LEAST_SIGNATURE]
     threshold = family_wise(
-        found, len(base.white), settings.null_draws, settings.seed, settings.least_gain
+        found, len(first.current.white), settings.null_draws, settings.seed, settings.least_gain
     )
-    search = _Search(problem, library, settings, threshold, problem, base)
-    search.forward(found)
+    search = _Search(problem, library, settings, threshold, problem, first.current)
+    search.forward()
     if search.exchange():
         search.forward()
+    final, fit = settled(search.doubting, search.current)
     return Selection(
-        search.doubting,
-        problem,
+        final,
+        first.settled,
         library,
-        base,
-        search.current,
+        first.base,
+        fit,
         search.steps,
         search.classes,
         weak,
         strongest,
     )
+
+
+@dataclass(frozen=True)
+class _Round:
+    """Where one effect more is looked for.
+
+    Parameters
+    ----------
+    settled, base : Problem, Fit
+        The records with the most likely sizes of the discrepancy about what was chosen before,
+        and its fit.
+    problem, current : Problem, Fit
+        The same with sizes no larger than those of the settings: a discrepancy that is large for
+        want of an effect would hide it.
+    """
+
+    settled: Problem
+    base: Fit
+    problem: Problem
+    current: Fit
+
+    @classmethod
+    def of(cls, problem: Problem, current: Fit) -> Self:
+        """About a fit."""
+        posed, base = settled(problem, current)
+        if not current.model.effects:  # what a larger discrepancy makes of other materials
+            posed, base = settled(posed, posed.fit_material())
+        sharp = posed.with_variances({k: min(1.0, v) for k, v in posed.variances.items()})
+        return cls(posed, base, sharp, sharp.fit(base.model, base.state))
 
 
 @dataclass
@@ -196,11 +230,10 @@ class _Search:
     steps: list[Step] = field(default_factory=list)
     classes: dict[str, list[str]] = field(default_factory=dict)
 
-    def forward(self, found: Sequence[Signature] | None = None) -> None:
+    def forward(self) -> None:
         """One effect after the other, until no more are asked for."""
         while len(self.current.model.effects) < self.settings.most_effects:
-            step = self._round(self.doubting, self.current, found)
-            found = None
+            step = self._round(self.doubting, self.current)
             self.steps.append(step)
             if step.chosen is None:
                 break
@@ -221,19 +254,15 @@ class _Search:
                 return True
         return False
 
-    def _round(
-        self, problem: Problem, current: Fit, found: Sequence[Signature] | None = None
-    ) -> Step:
+    def _round(self, problem: Problem, current: Fit) -> Step:
         open_effects = [e for e in self.library if e.name not in current.model.names]
-        if found is None:
-            found = signatures(problem, current, open_effects)
-        return _round(problem, current, found, self.threshold, self.settings)
+        return _round(_Round.of(problem, current), open_effects, self.threshold, self.settings)
 
     def _take(self, problem: Problem, current: Fit, chosen: Candidate, members: list[str]) -> None:
         """Add what was chosen, doubt its form, and drop what it has made superfluous."""
         self.classes[chosen.name] = members
-        self.doubting, fit = settled(self._doubted(problem, chosen.fit), chosen.fit)
-        self.current = _pruned(self.doubting, fit, self.settings)
+        self.doubting = self._doubted(problem, chosen.settled)
+        self.current = _pruned(self.doubting, chosen.settled, self.settings)
         self.classes = {name: self.classes[name] for name in self.current.model.names}
 
     def _doubted(self, problem: Problem, fit: Fit) -> Problem:
@@ -248,58 +277,60 @@ class _Search:
             known = {e.name: values[e.name] for e in model.effects}
             fit = problem.fit(model, replace(self.current.state, values=known))
             problem = self._doubted(problem, fit)
-        return settled(problem, problem.fit(model, fit.state))
+        return problem, problem.fit(model, fit.state)
 
 
 def driven_to_an_end(fit: Fit) -> str:
-    """A size that lies at an end of its range at which it is not absent; empty if there is none."""
-    for effect, p in fit.model.parameters:
+    """A size that lies at an end of its range at which it is not absent; empty if there is none.
+
+    One that the records do not show, as an exponent of no modulus, may lie anywhere.
+    """
+    shown = np.linalg.norm(fit.jacobian[:, FIXED:], axis=0) >= LEAST_SIGNATURE
+    for (effect, p), seen in zip(fit.model.parameters, shown, strict=True):
         away = abs(fit.state.values[effect.name][p.name] - p.neutral)
         name = f"{effect.name}.{p.name}"
-        if p.is_size and not p.physical and name in fit.at_bound and away > 0.01 * (p.high - p.low):
+        far = away > 0.01 * (p.high - p.low)
+        if seen and far and p.is_size and not p.physical and name in fit.at_bound:
             return name
     return ""
 
 
 def _round(
-    problem: Problem,
-    current: Fit,
-    found: Sequence[Signature],
-    threshold: float,
-    settings: SelectionSettings,
+    here: _Round, effects: Sequence[Effect], threshold: float, settings: SelectionSettings
 ) -> Step:
     """One effect more, if the records ask for it."""
-    n = len(current.white)
+    problem, current, n = here.problem, here.current, len(here.current.white)
+    found = best_of_each(signatures(problem, current, effects), current.white)
     ranked = sorted(
-        best_of_each(found, current.white).values(),
-        key=lambda pair: pair[0] - penalty(pair[1].effect, n),
-        reverse=True,
+        found.values(), key=lambda pair: pair[0] - penalty(pair[1].effect, n), reverse=True
     )
-    candidates, before = [], problem.misfit(current)
+    candidates, before = [], here.settled.misfit(here.base)
     best_gain = max((gain for gain, _ in ranked), default=0.0)
     for place, (gain, signature) in enumerate(ranked):
         promising = place < settings.refits and gain >= PROMISING * max(best_gain, threshold)
         shown = signature.strength >= LEAST_SIGNATURE
-        if not shown or not (promising or signature.effect.idealised):
+        far = signature.effect.idealised or signature.effect.starts  # a linear gain says little
+        if not shown or not (promising or far):
             continue
         fit = _joint(problem, current, signature)
         doubting = problem.doubting(fit, settings.form_doubt, settings.form_time_s)
         models = (settled(problem, fit), settled(doubting, fit))
-        left = min(posed.misfit(own) for posed, own in models)
+        left, likely = min(((p.misfit(own), own) for p, own in models), key=lambda pair: pair[0])
         gain, evidence = current.cost - fit.cost, before - left - penalty(signature.effect, n)
-        candidates.append(Candidate(signature.effect.name, fit, gain, evidence))
+        candidates.append(Candidate(signature.effect.name, fit, likely, gain, evidence))
     candidates.sort(key=lambda c: c.evidence, reverse=True)
+    if candidates:
+        over = before - _without(here, candidates[0])
+        candidates = [replace(c, evidence=c.evidence - max(over, 0.0)) for c in candidates]
     acceptable = [c for c in candidates if c.evidence >= threshold]
     if not acceptable:
         return Step(threshold, candidates, None)
-    inside = [c for c in acceptable if not driven_to_an_end(c.fit)]
-    if not inside or inside[0].evidence < acceptable[0].evidence - settings.class_gain:
-        return Step(threshold, candidates, None, refused=acceptable[0])
+    inside = [c for c in acceptable if not driven_to_an_end(c.settled)]
+    refused = None if acceptable[0] in inside else acceptable[0]
+    if not inside:
+        return Step(threshold, candidates, None, refused=refused)
     best = min(inside, key=lambda c: not c.fit.model.effects[-1].idealised)
-    candidates = [
-        Candidate(c.name, c.fit, c.gain, c.evidence, explained_alike(current, c.fit, best.fit))
-        for c in candidates
-    ]
+    candidates = [replace(c, cosine=explained_alike(current, c.fit, best.fit)) for c in candidates]
     members = [best.name] + [
         c.name
         for c in candidates
@@ -310,14 +341,26 @@ def _round(
             or (c.cosine > settings.class_cosine and c.gain > 0.7 * best.gain)
         )
     ]
-    return Step(threshold, candidates, best, members)
+    return Step(threshold, candidates, best, members, refused)
+
+
+def _without(here: _Round, candidate: Candidate) -> float:
+    """Misfit without a candidate, from the material that it has found.
+
+    What only finds a better material explains nothing.
+    """
+    state = candidate.settled.state
+    values = {name: state.values[name] for name in here.current.model.names}
+    fit = here.problem.fit(here.current.model, replace(state, values=values))
+    posed, likely = settled(here.problem, fit)
+    return posed.misfit(likely)
 
 
 def _joint(problem: Problem, current: Fit, signature: Signature) -> Fit:
     """Joint fit from the linear estimate of the sizes.
 
     Small sizes and the other points of the grid are tried until one fit earns what the linear
-    estimate promises.
+    estimate promises; starts of the effect's own are all tried, at an even mixture.
     """
     effect = signature.effect
     sizes, *_ = np.linalg.lstsq(signature.columns, current.white, rcond=None)
@@ -337,6 +380,11 @@ def _joint(problem: Problem, current: Fit, signature: Signature) -> Fit:
         replace(current.state, values={**current.state.values, effect.name: values})
         for values in starts
     ]
+    even = replace(current.state.material, mu1_fraction=0.5)
+    own = [
+        replace(states[0], material=even, values={**states[0].values, effect.name: {**start}})
+        for start in effect.starts
+    ]
     if effect.idealised:  # a change so large that the material found without it says little
         states = [replace(states[0], material=m) for m in (current.state.material, *STARTS)]
         promised = -np.inf
@@ -345,7 +393,7 @@ def _joint(problem: Problem, current: Fit, signature: Signature) -> Fit:
         if best.cost < promised:
             break
         best = min(best, problem.fit(model, state), key=lambda fit: fit.cost)
-    return best
+    return min([best, *(problem.fit(model, state) for state in own)], key=lambda fit: fit.cost)
 
 
 def _small(effect: Effect) -> dict[str, float]:
@@ -362,10 +410,16 @@ def explained_alike(current: Fit, one: Fit, other: Fit) -> float:
 
 def _pruned(problem: Problem, fit: Fit, settings: SelectionSettings) -> Fit:
     """The fit without effects that later ones have made superfluous."""
+    if len(fit.model.effects) < 2:
+        return fit
+    posed, best = settled(problem, fit)
+    left = posed.misfit(best)
     for effect in fit.model.effects[:-1]:
         model = fit.model.without(effect.name)
         values = {name: v for name, v in fit.state.values.items() if name != effect.name}
         less = problem.fit(model, replace(fit.state, values=values))
-        if less.cost - fit.cost - penalty(effect, len(fit.white)) < settings.least_gain:
+        alone, without = settled(problem, less)
+        gain = alone.misfit(without) - left
+        if gain - penalty(effect, len(fit.white)) < settings.least_gain:
             return _pruned(problem, less, settings)
-    return fit
+    return best

@@ -5,6 +5,7 @@ from typing import Any
 
 from softsample.constitutive.material import Material
 from softsample.loop.diagnose import Diagnosis, LoopSettings, error_report, report
+from softsample.loop.effects.base import Values
 from softsample.loop.leave_out import Errors
 
 
@@ -50,10 +51,20 @@ def document(
     return {
         **verdict,
         "rule": rule,
-        "elastic_law": {
-            "name": "ogden",
-            "alpha": list(solid.alpha),
-            "poisson_ratio": solid.poisson_ratio,
-        },
+        "elastic_law": elastic_law(found.final.state.values, solid),
         "ends": sorted({row["ends"] for row in rows}),
     }
+
+
+def elastic_law(values: Mapping[str, Values], solid: Material) -> dict[str, Any]:
+    """Name and numbers of the law after a diagnosis, from the values of its effects."""
+    foam = values.get("compressible_foam")
+    if foam is not None:
+        return {"name": "foam", "alpha": [foam["alpha"]], "poisson_ratio": foam["nu"],
+                "share": foam["share"]}  # fmt: skip
+    one_term = values.get("elastic_law")
+    if one_term is not None:
+        return {"name": "ogden", "alpha": [one_term["alpha"]],
+                "poisson_ratio": solid.poisson_ratio, "share": one_term["share"]}  # fmt: skip
+    alpha = list(values.get("ogden_exponents", {}).values()) or list(solid.alpha)
+    return {"name": "ogden", "alpha": alpha, "poisson_ratio": solid.poisson_ratio}

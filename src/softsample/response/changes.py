@@ -26,6 +26,9 @@ NORMAL = "_normal"
 ENDINGS = {"force": "_mm2", "force_normal": f"{NORMAL}_mm2"}
 """How columns of changes end, by the force that they are of."""
 
+LAW = "law_"
+"""How names of forces of single Ogden terms begin, before the exponent: no changes."""
+
 PRESSED, PRESSED_ELSEWHERE = "pressed", "pressed_elsewhere"
 """Shear of a sample that was compressed before, at the others' fraction and at another one."""
 
@@ -45,6 +48,13 @@ def read_changes(
         for name in table.columns
         if name.endswith(ending) and not name.endswith(others)
     }
+
+
+def split_laws(changes: Mapping[str, Array]) -> tuple[dict[str, Array], dict[float, Array]]:
+    """Changes by name, and forces of single terms by their exponent."""
+    laws = {name: force for name, force in changes.items() if name.startswith(LAW)}
+    others = {name: change for name, change in changes.items() if name not in laws}
+    return others, {float(name.removeprefix(LAW)): force for name, force in laws.items()}
 
 
 def table_of_changes(
@@ -74,10 +84,10 @@ def for_all_fractions(
 ) -> dict[str, ResponseCurves]:
     """Changes that were simulated at one fraction, carried to all, without the grain of the mesh.
 
-    A changed term of the solid goes with its part of the modulus, and fibres are beside it; what
-    changes shape, boundary or compressibility changes the force by the same part of it. That part
-    is smooth along the travel, while nodes of a coarse mesh meet the platen one by one. Of a sample
-    that was compressed before, it is taken to be linear in the fraction.
+    Fibres are beside the solid; what changes shape, boundary or compressibility changes the force
+    by the same part of it. That part is smooth along the travel, while nodes of a coarse mesh meet
+    the platen one by one. Of a sample that was compressed before, it is taken to be linear in the
+    fraction.
 
     Parameters
     ----------
@@ -91,8 +101,6 @@ def for_all_fractions(
     r, there = curves.fractions, curves.curve(fraction)
     forces = np.stack([curves.curve(x) for x in r])
     follows = {
-        "alpha1": np.outer(r / fraction, there),
-        "alpha2": np.outer((1.0 - r) / (1.0 - fraction), there),
         **{name: np.tile(there, (len(r), 1)) for name in changes if name.startswith(FIBRES)},
     }
     parts = {

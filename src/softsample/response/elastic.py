@@ -9,10 +9,12 @@ import numpy as np
 import pandas as pd
 from numpy.typing import NDArray
 
-from softsample.constitutive.material import compressibility
+from softsample.constitutive.material import Material, compressibility
 from softsample.protocol import PRESSED_MODES
-from softsample.response.changes import for_all_fractions, read_changes
+from softsample.response.changes import for_all_fractions, read_changes, split_laws
 from softsample.response.curves import ResponseCurves
+from softsample.response.law_response import LawResponse
+from softsample.shapes import IdealShape
 
 Array = NDArray[np.float64]
 
@@ -36,12 +38,15 @@ class Elastic:
         Whether the platen can leave the sample: no force before zero displacement.
     poisson_ratio : float
         Of the model; changes of it go from there.
+    laws : LawResponse, optional
+        What other laws would change.
     """
 
     curves: ResponseCurves
     perturbations: Mapping[str, ResponseCurves | Array] = field(default_factory=dict)
     contact: bool = False
     poisson_ratio: float = 0.49
+    laws: LawResponse | None = None
 
     @classmethod
     def of_tables(
@@ -49,9 +54,10 @@ class Elastic:
         mode: str,
         curves: pd.DataFrame,
         changes: Sequence[pd.DataFrame],
-        poisson_ratio: float,
+        solid: Material,
         real: pd.DataFrame | None = None,
         channel: str = "force",
+        shape: IdealShape | None = None,
     ) -> Self:
         """From the files of the workflow.
 
@@ -63,24 +69,30 @@ class Elastic:
             Its unit-modulus response.
         changes : sequence of DataFrame
             Its changes by perturbations of the model.
-        poisson_ratio : float
-            With which all of it was simulated.
+        solid : Material
+            Of two Ogden terms, with whose exponents and Poisson's ratio all of it was simulated.
         real : DataFrame, optional
             Response of the real geometry, if the model is the ideal one.
         channel : str
             `force`, along the displacement, or `force_normal`.
+        shape : IdealShape, optional
+            Idealised shape, for the response to other laws.
         """
         found = ResponseCurves.of_table(curves, mode, channel)
         perturbations: dict[str, ResponseCurves | Array] = {}
+        runs: dict[float, Array] = {}
         for table in changes:
-            perturbations |= for_all_fractions(
-                read_changes(table, found, mode, channel), found, float(table["mu1_fraction"][0])
-            )
+            simulated, single = split_laws(read_changes(table, found, mode, channel))
+            fraction = float(table["mu1_fraction"][0])
+            perturbations |= for_all_fractions(simulated, found, fraction)
+            runs |= single
         if real is not None:
             difference = ResponseCurves.of_table(real, mode, channel).minus(found)
             perturbations["real_geometry"] = difference
-        pressed = mode in PRESSED_MODES and channel == "force"
-        return cls(found, perturbations, pressed, poisson_ratio)
+        pressed, nu = mode in PRESSED_MODES and channel == "force", solid.poisson_ratio
+        across = channel != "force"
+        laws = LawResponse(found, shape, mode, solid.alpha, nu, across, runs) if shape else None
+        return cls(found, perturbations, pressed, nu, laws)
 
     @cached_property
     def grain(self) -> float:
@@ -117,6 +129,35 @@ class Elastic:
         if perturbation not in self.perturbations:
             return np.zeros_like(displacement)
         return self._changes[perturbation].force_per_mu(fraction, displacement)
+
+    def exponents_change_per_mu(
+        self, fraction: float, displacement: Array, alpha: Sequence[float]
+    ) -> Array:
+        """Change of that force [m2] by other exponents; none if laws are not known."""
+        if self.laws is None:
+            return np.zeros_like(displacement)
+        return self.laws.ogden_change(fraction, displacement, alpha)
+
+    def one_term_change_per_mu(self, fraction: float, displacement: Array, alpha: float) -> Array:
+        """Change of that force [m2] by one Ogden term in place of two; none if laws are unknown."""
+        if self.laws is None:
+            return np.zeros_like(displacement)
+        alone = self.force_per_mu(1.0, displacement)
+        change = self.laws.ogden_change(1.0, displacement, (alpha, self.laws.alpha[1]))
+        return np.asarray(alone + change - self.force_per_mu(fraction, displacement))
+
+    @property
+    def knows_foams(self) -> bool:
+        """Whether the force of a foam is known."""
+        return self.laws is not None and self.laws.knows_foams
+
+    def foam_change_per_mu(
+        self, fraction: float, displacement: Array, alpha: float, nu: float
+    ) -> Array:
+        """Change of that force [m2] by a foam in place of the model; none if it is not known."""
+        if self.laws is None or not self.knows_foams:
+            return np.zeros_like(displacement)
+        return self.laws.foam_change(fraction, displacement, alpha, nu)
 
     def softer_part(self, fraction: float, displacement: Array, times: Array | float) -> Array:
         """Change of that force, as a part of it, if the modulus over the bulk modulus is another.

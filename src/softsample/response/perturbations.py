@@ -9,13 +9,15 @@ from numpy.typing import NDArray
 
 from softsample.constitutive.material import Material
 from softsample.constitutive.ogden import Fibres, OgdenMaterial, unit_modulus
+from softsample.errors import CrushedError
 from softsample.fem.boundary import Boundary, mode_boundary, platen_boundary
 from softsample.fem.explicit import ExplicitModel, Run
 from softsample.meshing.bond import partial_bond
 from softsample.protocol import DIRECTIONS, History
-from softsample.response.changes import NORMAL, PRESSED, PRESSED_ELSEWHERE, elsewhere
+from softsample.response.changes import LAW, NORMAL, PRESSED, PRESSED_ELSEWHERE, elsewhere
 from softsample.response.pieces import MechanicalTest, MeshedSample, PerturbationSettings
 from softsample.response.unit import (
+    REACHED,
     Pace,
     find_pace,
     homogeneous_area,
@@ -43,6 +45,9 @@ FIBRES = {
 """Directions of fibres; shear goes along x. It does nothing to those that lie in it, and in an
 axial test both diagonals are alike, so that each test has three of these runs."""
 
+EXPONENTS, APART = (-20.0, 2.0, 25.0), 3.0
+"""Exponents of the runs of single terms; one as near as that to one of the model's is left out."""
+
 ENDS = "ends_sliding"
 """Perturbation that replaces bonded ends by sliding ones."""
 
@@ -50,8 +55,6 @@ TILTS = {"x": (1.0, 0.0), "minus_x": (-1.0, 0.0), "y": (0.0, 1.0), "minus_y": (0
 """Axes about which the platen is turned."""
 
 STEPS = {
-    "alpha1": "exponent",
-    "alpha2": "exponent",
     **dict.fromkeys((f"fibres_{name}" for name in FIBRES), "fibre_ratio"),
     **dict.fromkeys((f"platen_tilt_{way}" for way in TILTS), "tilt_deg"),
     "partial_bond_ahead": "missing_bond",
@@ -122,6 +125,7 @@ def simulate_perturbations(
         use them, with `_normal` behind them those of the force along z, if the test has it.
         Where a setting is the step, they are for its default, which the effects know.
         `platen_friction_0.15_loop` is what the force with this friction is more on unloading.
+        `law_2` is no change, but the force of a single term of exponent 2, see `_law_runs`.
     """
     material = test.material
     sample, larger = mesh_shifted(0.0), mesh_shifted(1e-3 * test.steps.shift_mm)
@@ -149,6 +153,7 @@ def simulate_perturbations(
         changes |= _friction_changes(model, sample, test, pace, turn or reach)
     if test.mode == "shear":
         changes |= _pressed_changes(model, test, boundary, pace)
+    changes |= _law_runs(model, test, boundary, pace)
     return pace.run.displacement, _by_channel(
         {name: change * _to_default(name, test.steps) for name, change in changes.items()}
     )
@@ -217,6 +222,31 @@ def _to_default(perturbation: str, settings: PerturbationSettings) -> float:
     return getattr(PerturbationSettings, step) / getattr(settings, step) if step else 1.0
 
 
+def _law_runs(
+    model: ExplicitModel, test: MechanicalTest, boundary: Boundary, pace: Pace
+) -> dict[str, Array]:
+    """Forces per modulus of single terms as far as elements stand them, not finite from there on.
+
+    One that crushes them in half of the displacement is left out.
+    """
+    material, grid, found = test.material, pace.run.displacement, {}
+    modulus, nu = material.shear_modulus, material.poisson_ratio
+    for alpha in EXPONENTS:
+        if min(abs(alpha - a) for a in material.alpha) < APART:
+            continue
+        solid = OgdenMaterial((modulus,), (alpha,), nu)
+        for part in REACHED:
+            try:
+                run = model.run(solid, boundary, part * grid[-1], loading_time=pace.loading_time)
+            except CrushedError:
+                continue
+            columns = (_forces(run, test) / modulus).T
+            there = [np.interp(grid, run.displacement, force, right=np.nan) for force in columns]
+            found[f"{LAW}{alpha:g}"] = np.stack(there, axis=1)
+            break
+    return found
+
+
 def _pressed_changes(
     model: ExplicitModel, test: MechanicalTest, boundary: Boundary, pace: Pace
 ) -> dict[str, Array]:
@@ -276,15 +306,13 @@ def paced(model: ExplicitModel, material: Material, boundary: Boundary, reach: f
 def changed_materials(test: MechanicalTest) -> dict[str, Material]:
     """Materials that differ in one thing, by the name of the perturbation."""
     material, steps = test.material, test.steps
-    (first, second), nu = material.alpha, material.poisson_ratio
+    nu = material.poisson_ratio
     k1 = steps.fibre_ratio * material.shear_modulus
     return {
         **{
             f"poisson_{less:g}_less": replace(material, poisson_ratio=nu - less)
             for less in (0.02, 0.04)
         },
-        "alpha1": OgdenMaterial(material.mu, (first + steps.exponent, second), nu),
-        "alpha2": OgdenMaterial(material.mu, (first, second + steps.exponent), nu),
         **{
             f"fibres_{name}": material.plus(Fibres(k1, FIBRES[name]))
             for name in ("z", "ahead", "behind" if test.mode == "shear" else "x")

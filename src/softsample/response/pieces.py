@@ -32,8 +32,6 @@ class PerturbationSettings:
 
     Parameters
     ----------
-    exponent : float
-        Step of each exponent.
     fibre_ratio : float
         k1 over mu.
     tilt_deg : float
@@ -48,7 +46,6 @@ class PerturbationSettings:
         Compression from which a glued sample is sheared [mm].
     """
 
-    exponent: float = 2.0
     fibre_ratio: float = 0.1
     tilt_deg: float = 1.0
     missing_bond: float = 0.125

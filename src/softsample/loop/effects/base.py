@@ -107,6 +107,9 @@ class Effect:
         Whether any test of this protocol can show it.
     of_time : bool
         Whether it acts by the clock, so that records without time cannot show it.
+    starts : tuple of dict
+        Values of sizes from which a fit sets out too, where it has more than one minimum. Such an
+        effect is fitted whatever its linear estimate promises.
     idealised : bool
         Whether the model is known to leave it out: it comes before physics if records ask for it.
     travel, compliance, elastic, tissue, contact, instrument, crosstalk : callable
@@ -127,6 +130,7 @@ class Effect:
     identifiable: bool = True
     of_time: bool = False
     idealised: bool = False
+    starts: tuple[Values, ...] = ()
     travel: Callable[[Specimen, Array, Values], Array] = field(default=_travel)
     compliance: Callable[[Specimen, Values], float] = field(default=_rigid)
     elastic: Callable[[Specimen, float, Array, Values], Array] = field(default=_none)

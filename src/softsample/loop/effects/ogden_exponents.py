@@ -3,45 +3,49 @@
 from softsample.constitutive.material import Material
 from softsample.loop.effects.base import SOLID, Array, Effect, Parameter, Values
 from softsample.loop.specimen import Specimen
-from softsample.response.pieces import PerturbationSettings
 
 NAMES = ("alpha1", "alpha2")
 
-PARTS = ((0.25, 1.75, 1.25), (0.375, 1.5, 0.875))
-"""Range and nominal value of each exponent, as parts of the model's."""
+RANGES = ((-45.0, -0.5), (0.5, 40.0))
+"""Of an exponent by its sign; near zero the two laws are one."""
+
+NOMINAL = (1.25, 0.875)
+"""Nominal value of each exponent, as a part of the model's."""
+
+STARTS = ((-20.0, 20.0), (-3.0, 2.0), (-20.0, 2.0))
+"""Exponents from which a fit sets out too: a steep term, a flat one, and one of each."""
 
 
 def about(solid: Material) -> Effect:
     """The effect for a model with the exponents of a two-term solid."""
 
     def elastic(specimen: Specimen, fraction: float, travel: Array, values: Values) -> Array:
-        first, second = (
-            (values[name] - alpha) / PerturbationSettings.exponent
-            * specimen.elastic.change_per_mu(name, fraction, travel)
-            for name, alpha in zip(NAMES, solid.alpha, strict=True)
-        )  # fmt: skip
-        return first + second
+        alpha = [values[name] for name in NAMES]
+        return specimen.elastic.exponents_change_per_mu(fraction, travel, alpha)
 
+    parameters = tuple(map(_parameter, NAMES, solid.alpha, NOMINAL))
     return Effect(
         name="ogden_exponents",
         title="Other exponents",
-        parameters=tuple(
-            _parameter(name, alpha, *parts)
-            for name, alpha, parts in zip(NAMES, solid.alpha, PARTS, strict=True)
+        parameters=parameters,
+        starts=tuple(
+            {p.name: min(max(x, p.low), p.high) for p, x in zip(parameters, start, strict=True)}
+            for start in STARTS
         ),
         tier="L",
-        source="own runs with each exponent moved by two",
+        source="own runs of single terms; R. W. Ogden, Proc. R. Soc. Lond. A 326 (1972) 565, "
+        "doi:10.1098/rspa.1972.0026",
         signature="S-shaped along the stroke, worst at the end of compression, alike on the way "
         "back",
-        confused_with=("bond_peel", "late_contact", "machine_compliance"),
+        confused_with=("bond_peel", "compressible_foam", "late_contact", "machine_compliance"),
         experiment="another mode, or a longer stroke",
         elastic=elastic,
     )
 
 
-def _parameter(name: str, alpha: float, low: float, high: float, nominal: float) -> Parameter:
-    ends = sorted((low * alpha, high * alpha))
-    return Parameter(name, "1", ends[0], ends[1], nominal * alpha, neutral=alpha)
+def _parameter(name: str, alpha: float, nominal: float) -> Parameter:
+    low, high = RANGES[int(alpha > 0.0)]
+    return Parameter(name, "1", low, high, nominal * alpha, neutral=alpha)
 
 
 EFFECT = about(SOLID)

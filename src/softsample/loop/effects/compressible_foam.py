@@ -1,0 +1,26 @@
+"""The tissue is a foam that changes its volume."""
+
+from softsample.loop.effects.base import Array, Effect, Parameter, Values
+from softsample.loop.specimen import Specimen
+
+
+def _elastic(specimen: Specimen, fraction: float, travel: Array, values: Values) -> Array:
+    whole = specimen.elastic.foam_change_per_mu(fraction, travel, values["alpha"], values["nu"])
+    return values["share"] * whole
+
+
+EFFECT = Effect(
+    name="compressible_foam",
+    title="Compressible foam",
+    parameters=(
+        Parameter("share", "1", 0.0, 1.0, 1.0, physical=True),
+        Parameter("alpha", "1", -45.0, 40.0, 8.0, grid=(-8.0, 4.0, 16.0)),
+        Parameter("nu", "1", 0.0, 0.49, 0.1, grid=(0.1, 0.35), physical=True),
+    ),
+    tier="L",
+    source="B. Storakers, J. Mech. Phys. Solids 34 (1986) 125, doi:10.1016/0022-5096(86)90033-5",
+    signature="compression far softer against tension and shear, its sides hardly bulge",
+    confused_with=("ogden_exponents", "poisson_ratio"),
+    experiment="photograph the side walls in compression",
+    elastic=_elastic,
+)

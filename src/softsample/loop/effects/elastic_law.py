@@ -1,0 +1,26 @@
+"""The tissue follows one Ogden term in place of the model's two."""
+
+from softsample.loop.effects.base import Array, Effect, Parameter, Values
+from softsample.loop.specimen import Specimen
+
+
+def _elastic(specimen: Specimen, fraction: float, travel: Array, values: Values) -> Array:
+    one_term = specimen.elastic.one_term_change_per_mu(fraction, travel, values["alpha"])
+    return values["share"] * one_term
+
+
+EFFECT = Effect(
+    name="elastic_law",
+    title="One Ogden term",
+    parameters=(
+        Parameter("share", "1", 0.0, 1.0, 1.0, physical=True),
+        Parameter("alpha", "1", -45.0, 40.0, -20.0, grid=(-20.0, -4.0, 2.0, 8.0, 25.0)),
+    ),
+    tier="L",
+    source="R. W. Ogden, Proc. R. Soc. Lond. A 326 (1972) 565, doi:10.1098/rspa.1972.0026",
+    signature="alike in loading and unloading, in every mode, and worse towards the end of the "
+    "stroke",
+    confused_with=("ogden_exponents", "compressible_foam"),
+    experiment="another mode, or a longer stroke",
+    elastic=_elastic,
+)

@@ -5,7 +5,7 @@ the setting that accepts it if it is right.
 """
 
 from collections.abc import Iterator, Mapping
-from dataclasses import dataclass, fields
+from dataclasses import dataclass
 from decimal import Decimal
 from typing import Any, Protocol
 
@@ -229,8 +229,3 @@ def _retitled(quantity: str, column: Mapping[str, Any], unit: str, block: str) -
     old = column["title"] if column["unit_from"] == "title" else column["unit"]
     new = unit.join(old.rsplit(column["unit"], 1))
     return f"write {new!r} in place of {old!r} in line {column['unit_line']}"
-
-
-def limits_of(section: Mapping[str, Any]) -> Limits:
-    """Limits of the config section `plausibility`."""
-    return Limits(**{field.name: section[field.name] for field in fields(Limits)})

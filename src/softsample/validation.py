@@ -503,9 +503,10 @@ def _reason(error: ValidationError) -> str:
         return f"{value!r} is read as text; write a number with a decimal point, such as 1.0e-3"
     if error.validator == "enum":
         return f"{value!r} is not one of {', '.join(map(str, wanted))}"
+    assert isinstance(error.schema, Mapping)
     if error.validator == "pattern" and error.schema.get("names") == "file":
-        ending = PurePosixPath(str(value)).name.partition(".")[2]
-        return f"{value!r} has " + (f"a wrong extension, .{ending}" if ending else "no extension")
+        ending = "a wrong" if "." in PurePosixPath(str(value)).name else "no"
+        return f"{value!r} has {ending} extension"
     if error.validator == "pattern":
         return f"{value!r} has another form"
     return str(error.message)

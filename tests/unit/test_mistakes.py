@@ -323,7 +323,7 @@ MISTAKES = {
     ),
     "a wrong extension": (
         lambda s: s.cells("A", record="A.docx"),
-        r"row 2 \(A\), column 'record': 'A.docx' has a wrong extension, .docx; expected: .*\.csv",
+        r"row 2 \(A\), column 'record': 'A.docx' has a wrong extension; expected: .*\.csv",
         False,
     ),
     "one record for two samples": (
@@ -370,7 +370,7 @@ MISTAKES = {
     ),
     "a segmentation as image": (
         lambda s: s.cells("A", image="A.seg.nrrd"),
-        r"row 2 \(A\), column 'image': 'A.seg.nrrd' has a wrong extension, .*column segmentation",
+        r"row 2 \(A\), column 'image': 'A.seg.nrrd' has a wrong extension; .*column segmentation",
         False,
     ),
 }

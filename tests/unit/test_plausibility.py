@@ -1,15 +1,18 @@
 """Limits of what goes without a word, and the units that would explain what lies beyond."""
 
 import re
+from pathlib import Path
 from typing import NamedTuple
 
 import pytest
 import yaml
 
 from softsample.io import read_yaml
-from softsample.plausibility import doubts, limits_of
+from softsample.plausibility import Limits, doubts
 
-LIMITS = limits_of(read_yaml("config/config.yaml")["plausibility"])
+ROOT = Path(__file__).resolve().parents[2]
+SECTION = read_yaml(ROOT / "config/config.yaml")["plausibility"]
+LIMITS = Limits(**SECTION)
 
 
 class Size(NamedTuple):
@@ -70,8 +73,7 @@ def test_what_is_right_is_accepted_by_the_setting_that_is_told(name):
     given = CASES[name][0]
     (doubt,) = doubts(given, Size(), LIMITS)
     accepted = yaml.safe_load(doubt.split("set `")[-1].split("`")[0])["plausibility"]
-    section = read_yaml("config/config.yaml")["plausibility"] | accepted
-    assert [*doubts(given, Size(), limits_of(section))] == []
+    assert [*doubts(given, Size(), Limits(**SECTION | accepted))] == []
 
 
 def test_dimensions_in_centimetres_are_told_as_cells_of_the_table():

@@ -73,7 +73,7 @@ def glance(
     coarse = replace(settings or SegmentationSettings(), grid_spacing_mm=SPACING_MM)
     values, to_world = np.asarray(data, dtype=np.float64), np.array(affine, dtype=np.float64)
 
-    def seen(image: Array, map_to_world: Array) -> Segmentation:
+    def seen(image: ArrayLike, map_to_world: Array) -> Segmentation:
         axes = {"loading_axis": loading_axis, "shear_axis": shear_axis}
         if is_mask:
             return segmentation_from_mask(image, map_to_world, coarse, **axes)

@@ -1,4 +1,4 @@
-"""Everything that is wrong with a study, at once and in seconds, before anything is computed."""
+"""Everything that is wrong or doubtful with a study, at once, before anything is computed."""
 
 import difflib
 import re
@@ -22,7 +22,7 @@ from softsample.imaging.segment import SegmentationSettings
 from softsample.io import PathLike, read_image, read_samples, read_surface, read_yaml
 from softsample.meshing.marks import MarkedImage
 from softsample.meshing.regions import relative_stiffness
-from softsample.plausibility import doubts, limits_of
+from softsample.plausibility import Limits, doubts
 from softsample.records import RecordSettings, aligned_record
 from softsample.shapes import IdealShape
 from softsample.study import ROOT, SETTINGS, TABLE, table_of
@@ -89,7 +89,7 @@ def check_study(folder: PathLike) -> Inspection:
         sound = {column: cell for column, cell in row.items() if (line, column) not in wrong}
         where = f"{home / TABLE}, row {line} ({row.get('sample', '?')})"
         seen.append(_check_row(home, sound, where, settings, result))
-    result.doubts += compared(seen, limits_of(settings["plausibility"]))
+    result.doubts += compared(seen, Limits(**settings["plausibility"]))
     result.faults = _for_their_rows(result.faults, seen)
     result.doubts = _for_their_rows(result.doubts, seen)
     if not faults:
@@ -319,7 +319,7 @@ def _record(
     _, facts = aligned_record(raw.table, *test)
     result.found += [f"    {line}" for line in _aligned(facts)]
     cells = {name: row[name] for name in ANY_DIMENSION if name in row} if stated else {}
-    limits = limits_of(settings["plausibility"])
+    limits = Limits(**settings["plausibility"])
     own = [*doubts(facts, known, limits, cells, given.block)]
     result.doubts += [f"{where}: {path}: {doubt}" for doubt in (*facts["warnings"], *own)]
     result.doubts += [f"{where}: {path}: {doubt}" for doubt in _unused(facts, row)]

@@ -30,7 +30,7 @@ help:
 	echo "make new-study DIR=lab    a study folder of your own, with a worked sample"
 	echo "make add-sample DIR=lab IMAGE=scan.nii.gz RECORD=test.csv MODE=compression   a sample of yours"
 	echo "     without an image: SHAPE=cylinder DIAMETER=20 HEIGHT=10 (mm), or SURFACE=scan.stl, in its place"
-	echo "make check-study DIR=lab  everything that is wrong with it, in seconds"
+	echo "make check-study DIR=lab  everything that is wrong or doubtful with it"
 	echo "make study DIR=lab        its report (CONFIG=config/quick.yaml: at 1 mm, in minutes)"
 	echo "make docs       docs/reproduction.md and docs/recovery.md, tables and figures as they came out"
 	echo "make site       the documentation as a site: results/site/index.html"

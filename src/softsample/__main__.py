@@ -108,11 +108,15 @@ def _check(folder: str) -> int:
 
     result = check_study(folder)
     print("\n".join(result.found))
+    if result.doubts:
+        print(f"\nDoubts: {len(result.doubts)} (they stop nothing, but moduli may be wrong)")
+        print("\n".join(f"  {doubt}" for doubt in result.doubts))
     if result.faults:
         print(f"\nFaults: {len(result.faults)}", file=sys.stderr)
         print("\n".join(f"  {fault}" for fault in result.faults), file=sys.stderr)
         return 1
-    print(f"\nNo fault found; samples: {result.samples}. Please compare units, signs and zero with")
+    outcome = "Nothing is refused, but look at the doubts" if result.doubts else "No fault found"
+    print(f"\n{outcome}; samples: {result.samples}. Please compare units, signs and zero with")
     print("what the machine does. Next, at 1 mm for a look in minutes, or without CONFIG in full:")
     print(f"  make study DIR={shlex.quote(folder)} CONFIG=config/quick.yaml")
     return 0

@@ -11,6 +11,8 @@ from softsample.errors import InputError
 VOXEL_MM = (0.05, 2.0)
 EXTENT_MM = (3.0, 500.0)
 FEWEST_VOXELS = 12
+OFFSET = 0.1
+"""A magnitude image lies below zero by less than this part of its range."""
 
 
 def world_axis(name: str) -> NDArray[np.float64]:
@@ -72,6 +74,11 @@ def check_image(
             f"{tuple(int(i) for i in wrong[0])}; export the image again"
         )
     low, middle, high = (float(value) for value in np.percentile(data, [1, 50, 99]))
+    if low < -OFFSET * (high - low):
+        raise InputError(
+            f"{source}: 1 % of the values lie below {low:.4g}, and 99 % below {high:.4g}; export "
+            "magnitudes as scanned, without an offset, which are zero where there is no signal"
+        )
     if np.ptp(data) == 0.0:
         raise InputError(f"{source}: the image is constant ({low:g}); choose another file")
     return {

@@ -1,6 +1,7 @@
 """What a run of the workflow tells while it works: one line a job, with a bar and the time left."""
 
 import logging
+import re
 import time
 from collections import Counter, defaultdict
 from collections.abc import Callable
@@ -9,8 +10,17 @@ from typing import Any
 BAR = 20
 """Characters of the bar."""
 
-CHATTER = ("Select jobs to execute", "Execute ")
-"""Beginnings of what the scheduler says of itself."""
+CHATTER = (
+    "Select jobs to execute",
+    "Execute ",
+    "Exiting because a job execution failed",
+    "RuleException:\nCalledProcessError",
+    "WorkflowError:\nAt least one job did not complete",
+)
+"""Beginnings of what the scheduler says of itself, and of what a failed job has said already."""
+
+OF_SNAKEMAKE = re.compile(r"^(WorkflowError in file .*:|  File \".*\", line \d+, in .*)\n?", re.M)
+"""Lines of an error that tell where in the workflow's own files it was raised."""
 
 
 class JobLines(logging.Formatter):
@@ -51,7 +61,9 @@ class JobLines(logging.Formatter):
         """The line of a job that starts, in Snakemake's own words what is something else."""
         if _event(record) == "JOB_INFO" and not self._dry():
             return self._started(record)
-        return self._otherwise.format(record)
+        if _event(record) == "JOB_ERROR" and not self._dry():
+            return _failed(record)
+        return OF_SNAKEMAKE.sub("", self._otherwise.format(record)).rstrip("\n")
 
     def _plan(self, stats: dict[str, Any]) -> None:
         self._left = Counter({rule: count for rule, count in stats.items() if rule != "total"})
@@ -105,6 +117,12 @@ def show_jobs_in_lines(dry: Callable[[], bool]) -> None:
             lines = JobLines(handler.formatter, dry)
             handler.addFilter(lines.shows)
             handler.setFormatter(lines)
+
+
+def _failed(record: Any) -> str:
+    """One line for a job that failed: its own message stands above, or in its log."""
+    logs = ", ".join(map(str, getattr(record, "log", None) or []))
+    return f"Failed: {getattr(record, 'rule_name', 'a job')}" + (f" (log: {logs})" if logs else "")
 
 
 def _event(record: logging.LogRecord) -> str | None:

@@ -184,7 +184,7 @@ def corners(time: Array, displacement: Array) -> list[int]:
         If the platen does not move beyond the noise of its reading.
     """
     tolerance = _tolerance(displacement)
-    if np.ptp(displacement) < 5.0 * tolerance:
+    if np.ptp(displacement) <= 5.0 * tolerance:
         reach = 1e3 * float(np.ptp(displacement))
         raise InputError(
             f"displacement stays within {reach:.3g} mm, its noise: there is no loading ramp"

@@ -8,7 +8,7 @@ import numpy as np
 import pandas as pd
 from numpy.typing import NDArray
 
-from softsample.errors import InputError
+from softsample.errors import InputError, records_setting
 from softsample.protocol import LARGEST, Course, Loading, Phase, phases, travel_sign
 from softsample.validation import refusals
 
@@ -18,6 +18,8 @@ MM = 1e-3
 SMALLEST_TRAVEL = 0.1 * MM
 FEWEST_IN_RAMP = 5
 """A published curve may have few points, all of them good."""
+FEWEST_WITH_TIME = 20
+"""Samples that the schema asks for at least, so that as many are enough to ask it."""
 MANY_IN_RAMP = 20
 """Fewer samples in a ramp go with a warning."""
 MISSING = 5.0
@@ -27,17 +29,15 @@ LARGEST_GAP = 0.1
 """A ramp may lack samples over this part of its duration."""
 OFF_ZERO = 0.05
 """A ramp may begin at this part of its displacement or of its peak force without a word."""
-LARGEST_STRAIN = 1.0
-USUAL_STRESS = (10.0, 1e6)
-"""Peak nominal stress of very soft materials [Pa], beyond which a unit may be wrong."""
-USUAL_DISPLACEMENT = 100.0 * MM
-USUAL_FORCE = 100.0
-"""Largest displacement [m] and force [N] that go without a word if no dimensions are known."""
+RELAXED = 0.9
+"""A loading at whose end less than this part of the force at its beginning is left is none."""
 COLUMNS = {"displacement": "displacement_mm", "force": "force_N"}
 """Quantities with a sign and a zero that every record has, and their columns."""
 ZEROED = {**COLUMNS, "force_normal": "force_normal_N", "torque": "torque_Nmm"}
 """Quantities with a zero, and their columns."""
 STANDS_FOR = {"displacement": ("strain",), "force": ("stress",)}
+COUNTED = ("loading", "tension", "compression")
+"""What may count as positive; `loading` is right for most machines, whatever the mode."""
 TITLED = "rename the column, whose title says that compression is positive"
 STRETCHED = "exchange tension and compression in the column mode, or correct the file"
 UNITS = {
@@ -190,9 +190,12 @@ class RecordSettings:
         What counts as positive, by quantity: `tension` (along +z, or +x in shear), `compression`,
         or `loading` (whatever the sample's mode is). A title such as "Compressive load" wins.
     zero
-        Where zero is, by quantity: that of the `file`, or the mean at `rest` before the ramp.
+        Where zero is, by quantity: that of the `file`, the mean at `rest` before the ramp, or the
+        first sample, `start`.
     sheet
         Of a workbook; None for the first one with a line of titles.
+    block
+        Name of the block of `formats` that these come from; empty for the section `records`.
     """
 
     columns: Mapping[str, str]
@@ -200,6 +203,11 @@ class RecordSettings:
     positive: Mapping[str, str]
     zero: Mapping[str, str]
     sheet: str | None = None
+    block: str = ""
+
+    def setting(self, **keys: Any) -> str:
+        """A line of settings that gives these keys other values, for messages."""
+        return records_setting(keys, self.block)
 
 
 def aligned_record(
@@ -247,9 +255,9 @@ def aligned_record(
     _refuse(_no_numbers(table, source))
     _refuse(_wrong_time(table, source))
     aligned = _forces(table.astype(np.float64), size, source)
-    positive, cures = {}, {}
+    positive, turned = {}, {}
     for quantity, column in COLUMNS.items():
-        positive[column], cures[quantity] = _positive(quantity, reading, settings, table, mode)
+        positive[column], turned[quantity] = _positive(quantity, reading, settings, table, mode)
         aligned[column] *= _sign(positive[column], mode)
     if ZEROED["force_normal"] in aligned:
         said = settings.positive.get("force_normal", "tension")
@@ -261,7 +269,9 @@ def aligned_record(
         if column in aligned
     }
     aligned = aligned - pd.Series(subtracted).reindex(aligned.columns, fill_value=0.0)
-    record, facts = _checked(aligned, mode, schema, source, cures, size, which)
+    signs = _Signs(turned, settings)
+    record, facts = _checked(aligned, mode, schema, source, signs, size, which)
+    facts["warnings"] += _untimed(reading, settings) if not record.timed else []
     return aligned.assign(**record.marks), {
         **facts,
         "reading": dict(reading),
@@ -302,25 +312,58 @@ def _positive(
     table: pd.DataFrame,
     mode: str,
 ) -> tuple[str, str]:
-    """What a column counts as positive, and what turns its sign round."""
+    """What a column counts as positive, and what turns its sign round: `COUNTED`, or words."""
     if quantity == "displacement" and "stretch" in table:  # above 1 in tension, whoever wrote it
         return "tension", STRETCHED
     if {quantity, *STANDS_FOR[quantity]} & {*reading["compressive"]}:
         return "compression", TITLED
     said = settings.positive[quantity]
-    return said, _cure(quantity, _sign(said, mode))
+    return said, _other_sign(_sign(said, mode), mode)
 
 
 def _zero(zero: str, table: pd.DataFrame, column: str, source: str) -> float:
     """What is subtracted from a column."""
+    if zero == "start":
+        return float(table[column].iloc[0])
     return float(table[column].iloc[_rest(table, source)].mean()) if zero == "rest" else 0.0
 
 
-def _cure(quantity: str, sign: float) -> str:
-    """What turns a sign round that is read with a factor."""
-    other = "compression" if sign > 0.0 else "tension"
-    setting = f"records: {{positive: {{{quantity}: {other}}}}}"
-    return f"tell the machine's sign in the settings of the study: {setting}"
+def _other_sign(sign: float, mode: str) -> str:
+    """What has to count as positive if a sign is wrong that is read with a factor."""
+    return next(said for said in COUNTED if _sign(said, mode) != sign)
+
+
+@dataclass(frozen=True)
+class _Signs:
+    """What turns wrong signs round: by quantity a word of `COUNTED`, or what else is to be done."""
+
+    turned: Mapping[str, str]
+    settings: RecordSettings
+
+    def cure(self, quantity: str, wrong: Iterable[str]) -> str:
+        """What turns a quantity round; one setting for all that are wrong."""
+        if self.turned[quantity] not in COUNTED:
+            return self.turned[quantity]
+        positive = {name: self.turned[name] for name in wrong if self.turned[name] in COUNTED}
+        return (
+            "tell the machine's sign in the settings of the study: "
+            f"{self.settings.setting(positive=positive)}"
+        )
+
+
+def _untimed(reading: Mapping[str, Any], settings: RecordSettings) -> list[str]:
+    """What to say of a record without time."""
+    may_be = reading.get("ascending", [])
+    cure = (
+        f"; if {may_be[0]!r} is the time, name it and its unit: "
+        f"{settings.setting(columns={'time': may_be[0]}, units={'time': 's'})}"
+        if len(may_be) == 1
+        else ""
+    )
+    return [
+        "no column is known to hold time: samples are taken in their order, and relaxation, rate "
+        f"and drift cannot be told{cure}"
+    ]
 
 
 def _sign(positive: str, mode: str) -> float:
@@ -335,7 +378,7 @@ def _rest(table: pd.DataFrame, source: str) -> slice:
     if rest.stop - rest.start < FEWEST_AT_REST:
         raise InputError(
             f"{source}: no rest before the ramp to take the zero from; set `records: zero` of the "
-            "study to `file`, or record a second of rest first"
+            "study to `start`, the first sample, or to `file`, or record a second of rest first"
         )
     return rest
 
@@ -350,7 +393,6 @@ def check_record(
     mode: str,
     schema: Mapping[str, Any],
     source: str,
-    cures: Mapping[str, str] | None = None,
     size: Sized | None = None,
     which: str = LARGEST,
 ) -> dict[str, Any]:
@@ -366,8 +408,6 @@ def check_record(
         Schema of the columns.
     source
         The file's path, for the message.
-    cures
-        What turns the sign of `displacement` and `force` round; by default the study's settings.
     size
         Dimensions of the sample, if they are stated.
     which
@@ -387,8 +427,9 @@ def check_record(
     InputError
         Naming the file, the line, the value and the cure.
     """
-    known = cures or {quantity: _cure(quantity, 1.0) for quantity in COLUMNS}
-    return _checked(table, mode, schema, source, known, size, which)[1]
+    as_read = RecordSettings({}, {}, dict.fromkeys(COLUMNS, "tension"), {})
+    turned = dict.fromkeys(COLUMNS, _other_sign(1.0, mode))
+    return _checked(table, mode, schema, source, _Signs(turned, as_read), size, which)[1]
 
 
 def _checked(
@@ -396,7 +437,7 @@ def _checked(
     mode: str,
     schema: Mapping[str, Any],
     source: str,
-    cures: Mapping[str, str],
+    signs: _Signs,
     size: Sized | None,
     which: str,
 ) -> tuple[Record, dict[str, Any]]:
@@ -411,9 +452,9 @@ def _checked(
     except InputError as error:
         raise InputError(f"{source}, column 'displacement_mm': {error}") from error
     faults = _wrong_ramp(table, record, loading, source)
-    _refuse([*faults, *_wrong_signs(table, record, loading, mode, source, cures)])
+    _refuse([*faults, *_wrong_signs(table, record, loading, mode, source, signs)])
     return record._marked_by(course, which), {
-        **_facts(record, course, loading, size),
+        **_facts(record, course, loading, size, signs.settings),
         "calibrated_loading": course.number(which),
     }
 
@@ -446,7 +487,7 @@ def _out_of_bounds(table: pd.DataFrame, schema: Mapping[str, Any], source: str) 
     """The first refusal of each column, with the number of all."""
     values = table.to_numpy(np.float64)
     ends = {*values.argmin(axis=0), *values.argmax(axis=0)} if len(values) else set()
-    few = table.iloc[sorted({*range(min(len(table), FEWEST_IN_RAMP)), *ends})]
+    few = table.iloc[sorted({*range(min(len(table), FEWEST_WITH_TIME)), *ends})]
     if not any(refusals(_cells(few), schema)):  # bounds hold for all if they hold for the ends
         return
     found: dict[str, list[tuple[str, str]]] = {}
@@ -514,7 +555,7 @@ def _wrong_signs(
     loading: Loading,
     mode: str,
     source: str,
-    cures: Mapping[str, str],
+    signs: _Signs,
 ) -> Iterator[str]:
     rows = np.concatenate([np.arange(ramp.start, ramp.stop) for ramp in loading.ramps])
     tail = rows[-1 - max(5, len(rows) // 20) :]
@@ -524,18 +565,20 @@ def _wrong_signs(
         "force": float(record.force[tail].mean()),
     }
     sign = travel_sign(mode)
-    for quantity, value in values.items():
-        if sign * value <= 0.0:
-            yield (
-                f"{source}, line {table.index[loading.last]}, column {COLUMNS[quantity]!r}: "
-                f"{value:g} at the end of loading, but {'negative' if sign < 0 else 'positive'} is "
-                f"right in {mode} (force and travel along +z or +x, so tension positive and "
-                f"compression negative); change the sample's mode if it is wrong, or "
-                f"{cures[quantity]}"
-            )
+    wrong = [quantity for quantity, value in values.items() if sign * value <= 0.0]
+    for quantity in wrong:
+        yield (
+            f"{source}, line {table.index[loading.last]}, column {COLUMNS[quantity]!r}: "
+            f"{values[quantity]:g} at the end of loading, but "
+            f"{'negative' if sign < 0 else 'positive'} is right in {mode} (force and travel along "
+            "+z or +x, so tension positive and compression negative); change the sample's mode if "
+            f"it is wrong, or {signs.cure(quantity, wrong)}"
+        )
 
 
-def _facts(record: Record, course: Course, loading: Loading, size: Sized | None) -> dict[str, Any]:
+def _facts(
+    record: Record, course: Course, loading: Loading, size: Sized | None, settings: RecordSettings
+) -> dict[str, Any]:
     """What is worth knowing about a record, in the units of files."""
     rest = _resting(course.phases)
     known = rest.stop - rest.start >= FEWEST_AT_REST
@@ -544,10 +587,10 @@ def _facts(record: Record, course: Course, loading: Loading, size: Sized | None)
     begin, end = record.displacement[[loading.start, loading.last]]
     peak = force[np.abs(force).argmax()]
     warnings = [] if known else ["no rest before the ramp: force zero and noise are not known"]
-    warnings += _off_zero(record, loading, peak, rest if known else slice(0, 0))
+    warnings += _off_zero(record, loading, peak, rest if known else slice(0, 0), settings)
+    warnings += _relaxing(force)
     if _is_clipped(force):
         warnings.append(f"the force stays at {peak:g} N: the load cell seems to be overloaded")
-    warnings += _unusual(record, rows, peak, size)
     if len(rows) < MANY_IN_RAMP:
         warnings.append(f"the loading has {len(rows)} samples only")
     return {
@@ -597,43 +640,34 @@ def _of_material(record: Record, rows: NDArray[np.intp], size: Sized) -> dict[st
     }
 
 
-def _unusual(
-    record: Record, rows: NDArray[np.intp], peak: float, size: Sized | None
+def _relaxing(force: Array) -> Iterator[str]:
+    """What says that a part of the test was taken for a loading that is none."""
+    edge = max(len(force) // 10, 1)
+    first, last = float(force[:edge].mean()), float(force[-edge:].mean())
+    if abs(last) < RELAXED * abs(first):
+        yield (
+            f"the force falls from {first:.3g} N to {last:.3g} N along the loading, as in a hold "
+            "or after failure; export the whole test with its ramp, or choose another loading in "
+            "column cycle"
+        )
+
+
+def _off_zero(
+    record: Record, loading: Loading, peak: float, rest: slice, settings: RecordSettings
 ) -> Iterator[str]:
-    """What may be written in another unit than it is read in."""
-    way = float(np.abs(record.displacement[rows]).max())
-    if size is None:
-        if way > USUAL_DISPLACEMENT:
-            yield f"displacement of {way / MM:.4g} mm; was it written in another unit?"
-        if abs(peak) > USUAL_FORCE:
-            yield f"force of {abs(peak):.4g} N; was it written in mN or g?"
-        return
-    strain, stress = way / size.height, abs(float(peak)) / size.area
-    if strain > LARGEST_STRAIN:
-        yield (
-            f"strain of {100.0 * strain:.4g} % at a height of {size.height / MM:.4g} mm; are "
-            "displacement and height in mm?"
-        )
-    if not USUAL_STRESS[0] <= stress <= USUAL_STRESS[1]:
-        yield (
-            f"nominal stress of {stress:.3g} Pa on {size.area / MM**2:.4g} mm2; was the force "
-            "written in mN or g, or a dimension not in mm?"
-        )
-
-
-def _off_zero(record: Record, loading: Loading, peak: float, rest: slice) -> Iterator[str]:
     """What says that the zero of the file is not that of the test."""
     begin, end = record.displacement[[loading.start, loading.last]]
     if abs(begin) > OFF_ZERO * abs(end - begin):
+        zero = "rest" if rest.stop else "start"
         yield (
             f"the ramp begins at {begin / MM:.3g} mm, and the sample counts as deformed by that; "
-            "if it is not, set `records: {zero: {displacement: rest}}`"
+            f"if it is not, set {settings.setting(zero={'displacement': zero})}"
         )
     before = record.force[rest]
     if len(before) and abs(before.mean()) > max(OFF_ZERO * abs(peak), 5.0 * before.std(ddof=1)):
         yield (
             f"the force before the ramp is {before.mean():.3g} N; if the sample is not loaded "
-            "there, set `records: {zero: {force: rest}}`"
+            f"there, set {settings.setting(zero={'force': 'rest'})}"
         )
 
 

@@ -102,7 +102,7 @@ def record_settings(config: Mapping[str, Any], row: Mapping[str, str]) -> dict[s
         return dict(config["records"])
     if name not in config["formats"]:
         raise InputError(f"column 'format': {_no_format(name, config['formats'])}")
-    return overlaid(config["records"], config["formats"][name])
+    return {**overlaid(config["records"], config["formats"][name]), "block": name}
 
 
 def _no_format(name: str, known: Collection[str]) -> str:
@@ -306,7 +306,7 @@ def _wrong_cells(
     planned = [*NOT_SUPPORTED, *(["mode"] if row.get("mode") in PLANNED_MODES else [])]
     for column, reason in refusals(dict(row), schema):
         if column in columns and column in schema["properties"] and column not in planned:
-            yield column, reason
+            yield column, reason + _meant(row.get(column, ""), column, schema)
     for column in (name for name in planned if name in row):
         why = NOT_SUPPORTED.get(
             column, f"supported are {', '.join(schema['properties']['mode']['enum'])}"
@@ -330,6 +330,14 @@ def _wrong_cells(
             "shear_axis",
             f"{shear!r} is parallel to the loading axis {loading!r}; give two different axes",
         )
+
+
+def _meant(cell: str, column: str, schema: Schema) -> str:
+    """The word that a cell is likely to mean, as a cure; empty if none is near."""
+    known = schema["properties"][column].get("enum", [])
+    signed = [f"+{cell.lower()}"] if f"+{cell.lower()}" in known else []
+    near = signed or difflib.get_close_matches(cell.lower(), known, n=1)
+    return f"; write {near[0]} into column {column}" if near else ""
 
 
 def _wrong_geometry(row: Mapping[str, str]) -> Iterator[tuple[str, str]]:
@@ -368,14 +376,27 @@ def _wrong_shape(row: Mapping[str, str]) -> Iterator[tuple[str, str]]:
     for column in ANY_DIMENSION if shape in DIMENSIONS else ():
         needed = DIMENSIONS[shape]
         if column in needed and column not in row:
-            yield column, f"is missing; a {shape} needs {', '.join(needed)}"
+            yield column, f"is missing; a {shape} needs {', '.join(needed)}{_misplaced(row, shape)}"
         elif column in row and column not in needed:
-            yield column, f"a {shape} has none; leave the cell empty (it needs {', '.join(needed)})"
+            other = _misplaced(row, shape)
+            cure = other if "column shape" in other else "; leave the cell empty"
+            yield column, f"a {shape} has none (it needs {', '.join(needed)}){cure}"
     for column in (name for name in ANY_DIMENSION if _is_number(row.get(name, ""))):
         if not 0.0 < float(row[column]) <= LARGEST_MM:
             yield column, f"{row[column]} mm is no size of a sample; give it in mm"
     if row.get("mode") == "pure_shear" and shape == "cylinder":
         yield "shape", "a strip in pure shear (planar tension) is a cuboid; give its three edges"
+
+
+def _misplaced(row: Mapping[str, str], shape: str) -> str:
+    """Where a dimension that a shape lacks may stand instead, as a cure; empty if nowhere."""
+    missing = [name for name in DIMENSIONS[shape] if name not in row]
+    beside = {row[name] for name in ANY_DIMENSION if name in row and name not in DIMENSIONS[shape]}
+    if len(missing) == len(beside) == 1:
+        return f"; write {beside.pop()} into column {missing[0]}"
+    other = next(name for name in DIMENSIONS if name != shape)
+    stated = {name for name in ANY_DIMENSION if name in row}
+    return f"; write {other} into column shape" if stated == {*DIMENSIONS[other]} else ""
 
 
 def _wrong_ends(row: Mapping[str, str]) -> Iterator[tuple[str, str]]:
@@ -473,6 +494,10 @@ def _reason(error: ValidationError) -> str:
         return f"{value!r} is read as text; write a number with a decimal point, such as 1.0e-3"
     if error.validator == "enum":
         return f"{value!r} is not one of {', '.join(map(str, wanted))}"
+    assert isinstance(error.schema, Mapping)
+    if error.validator == "pattern" and error.schema.get("names") == "file":
+        ending = "a wrong" if "." in PurePosixPath(str(value)).name else "no"
+        return f"{value!r} has {ending} extension"
     if error.validator == "pattern":
         return f"{value!r} has another form"
     return str(error.message)

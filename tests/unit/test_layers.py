@@ -25,6 +25,7 @@ ALLOWED = {
     "images": {"errors"},
     "progress": set(),
     "records": {"errors", "protocol", "validation"},
+    "plausibility": {"errors", "formats"},
     "holdout": {"errors", "records", "validation"},
     "files": {"errors"},
     "workflow": {"errors", "files"},
@@ -50,8 +51,8 @@ ALLOWED = {
     "export": {"errors", "meshing", "constitutive", "fem", "io"},
     "figures": {"loop", "meshing", "protocol", "report"},
     "study": {
-        "errors", "formats", "holdout", "images", "imaging", "io", "meshing", "records", "shapes",
-        "validation",
+        "errors", "formats", "holdout", "images", "imaging", "io", "meshing", "plausibility",
+        "records", "shapes", "validation",
     },
     "measured": {"errors", "figures", "files", "io", "report", "study"},
     "__main__": {"errors", "figures", "formats", "io", "protocol", "study", "validation"},

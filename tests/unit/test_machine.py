@@ -138,7 +138,8 @@ def test_units_that_contradict_each_other_are_refused(tmp_path):
 CONTENTS = {
     "workbook": (b"PK\3\4 whatever", "damaged or not of its kind .*export it again"),
     "binary": (bytes(range(1, 200)), "not a text file"),
-    "empty": (b"", "no line of titles"),
+    "empty": (b"\n", "the file is empty; export the test again"),
+    "no titles": (b"0.0 1.0 2.0\n", "no line of titles"),
     "titles alone": (b"Time (s),Disp (mm),Load (N)\n", "no numbers below the titles"),
     "thousands": (
         b'Time (s);Disp (mm);Load (N)\n0.0;"1,0";2\n',
@@ -180,8 +181,8 @@ def test_the_sign_of_a_machine_is_told_not_guessed(tmp_path):
     path = machines.write(tmp_path / "r.csv", machines.univert(time, -travel, -force))
     with pytest.raises(InputError) as refused:
         imported(path)
-    for quantity in ("displacement", "force"):  # both at once
-        assert f"records: {{positive: {{{quantity}: compression}}}}" in str(refused.value)
+    cure = "`records: {positive: {displacement: loading, force: loading}}`"  # of both at once
+    assert str(refused.value).count(cure) == 2
     both = {"displacement": "compression", "force": "compression"}
     table, facts = imported(path, positive=both)
     np.testing.assert_allclose(table["force_N"], force)
@@ -206,6 +207,9 @@ def test_zero_is_that_of_the_file_or_of_the_rest(tmp_path):
     path = machines.write(tmp_path / "m.csv", moving)
     with pytest.raises(InputError, match="no rest before the ramp to take the zero from"):
         imported(path, zero={"force": "rest"})
+    moved = machines.compression(rest=0.0)[1]
+    table, _ = imported(path, zero={"displacement": "start"})
+    np.testing.assert_allclose(table["displacement_mm"], moved - moved[0], atol=1e-9)
 
 
 def test_other_columns_of_our_own_table_are_kept_for_the_schema(tmp_path):

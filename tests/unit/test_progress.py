@@ -8,7 +8,7 @@ import pytest
 from softsample import progress
 from softsample.progress import JobLines, spoken_duration
 
-Event = Enum("Event", "RUN_INFO JOB_INFO JOB_STARTED JOB_FINISHED PROGRESS JOB_ERROR")
+Event = Enum("Event", "RUN_INFO JOB_INFO JOB_STARTED JOB_FINISHED PROGRESS JOB_ERROR ERROR")
 
 
 class Run:
@@ -74,11 +74,27 @@ def test_rules_that_take_longer_count_for_more(monkeypatch):
     assert run.shown[-1].endswith("3 min left: l")  # 2 of 99 s
 
 
-def test_errors_and_words_of_rules_are_left_as_they_are(monkeypatch):
+def test_a_job_that_failed_is_one_line_since_its_own_message_stands_above(monkeypatch):
     run = Run(monkeypatch, {"segment": 1})
-    run.log("segment failed", Event.JOB_ERROR)
+    run.log("Error\n" + 150 * "input\n", Event.JOB_ERROR, rule_name="segment", log=["a.log"])
+    run.log("RuleException:\nCalledProcessError in file 'a'", Event.ERROR)
+    run.log("Exiting because a job execution failed. Look above", None)
+    run.log("WorkflowError:\nAt least one job did not complete successfully.", Event.ERROR)
     run.log("Nothing to be done")
-    assert run.shown[1:] == ["plain segment failed", "plain Nothing to be done"]
+    assert run.shown[1:] == ["Failed: segment (log: a.log)", "plain Nothing to be done"]
+
+
+def test_a_refusal_is_told_without_the_lines_that_raised_it(monkeypatch):
+    run = Run(monkeypatch, {"segment": 1})
+    where = '  File "/a/common.smk", line 67, in checked_study'
+    text = (
+        f'WorkflowError in file "/a b/common.smk", line 6:\ntable is refused:\n  row 3\n{where}\n'
+    )
+    run.lines = JobLines(logging.Formatter("%(message)s"), dry=lambda: False)
+    run.log(text, Event.ERROR)
+    run.log("NameError in file 'x', line 3:\nname 'y' is not defined", Event.ERROR)
+    assert run.shown[1] == "table is refused:\n  row 3"
+    assert run.shown[2].startswith("NameError in file 'x', line 3:")
 
 
 def test_a_plan_is_told_in_snakemakes_own_words(monkeypatch):

@@ -351,28 +351,27 @@ def test_the_normal_force_has_a_sign_and_a_zero():
     assert facts["positive"]["force_normal_N"] == "compression"
 
 
-UNUSUAL = {
-    "fits": (1.0, 1.0, Size(), None),
-    "strain": (3.0, 1.0, Size(), "strain of 116.9 % at a height of 10 mm; are displacement and"),
-    "stiff": (1.0, 200.0, Size(), "nominal stress of 2e.06 Pa on 100 mm2; was the force written"),
-    "soft": (
-        1.0,
-        5e-4,
-        Size(),
-        "nominal stress of 4.99 Pa on 100 mm2; was the force written in mN",
-    ),
-    "no size": (1.0, 200.0, None, "force of 199.7 N; was it written in mN or g"),
-    "far": (30.0, 1.0, None, "displacement of 116.9 mm; was it written in another unit"),
-}
-
-
-@pytest.mark.parametrize("name", UNUSUAL)
-def test_what_may_be_in_another_unit_is_a_warning(name):
-    way, force, size, message = UNUSUAL[name]
+def test_a_hold_taken_for_a_loading_is_a_warning():
     table = record(noise=0.0)
-    table["displacement_mm"] *= way
-    table["force_N"] *= force
-    warnings = aligned(table, size=size)[1]["warnings"]
-    assert len(warnings) == (message is not None)
-    if message:
-        assert pd.Series(warnings).str.contains(message).all(), warnings
+    table["force_N"] = -1.0 + 0.3 * (1.0 - np.exp(-table["time_s"]))
+    assert any("as in a hold" in warning for warning in check(table)["warnings"])
+    assert not any("as in a hold" in warning for warning in check(record())["warnings"])
+
+
+def test_cures_name_the_block_of_formats_that_a_record_is_read_by():
+    table = record(sign=1.0)
+    settings = {"columns": {}, "units": {}, "zero": AS_IN_FILE, "block": "press"}
+    read = RecordSettings(positive=dict.fromkeys(AS_IN_FILE, "tension"), **settings)
+    with pytest.raises(InputError) as refused:
+        aligned_record(table, {"compressive": []}, "compression", read, SCHEMA, "r.csv")
+    assert "`formats: {press: {positive: {displacement: loading" in str(refused.value)
+
+
+def test_a_record_without_time_says_which_column_may_be_it():
+    table = record().drop(columns="time_s")
+    read = RecordSettings({}, {}, dict.fromkeys(AS_IN_FILE, "tension"), AS_IN_FILE)
+    for rising, told in ((["t"], "columns: {time: t}, units: {time: s}"), (["t", "n"], "of order")):
+        reading = {"compressive": [], "ascending": rising}
+        facts = aligned_record(table, reading, "compression", read, SCHEMA, "r.csv")[1]
+        (warning,) = (one for one in facts["warnings"] if "no column is known to hold" in one)
+        assert (told in warning) is (len(rising) == 1)

@@ -19,6 +19,7 @@ from softsample.imaging.segment import SegmentationSettings
 from softsample.io import read_samples, read_yaml
 from softsample.laws.group import LawSettings
 from softsample.meshing.hexahedral import MeshSettings
+from softsample.plausibility import Limits
 from softsample.protocol import MODES
 from softsample.records import RecordSettings
 from softsample.response.exponents import ExponentSettings
@@ -85,7 +86,8 @@ def test_settings_of_a_measured_study_are_accepted(name):
 @pytest.mark.parametrize(
     ("section", "settings", "beside"),
     [
-        ("records", RecordSettings, set()),
+        ("records", RecordSettings, {"-block"}),
+        ("plausibility", Limits, set()),
         ("segmentation", SegmentationSettings, set()),
         ("measurement", MeasurementSettings, {"-preload_mm"}),
         ("mesh", MeshSettings, {"element_size_mm", "elements_across", "boundary_shift_mm"}),
@@ -104,7 +106,7 @@ def test_settings_of_the_library_are_the_keys_of_the_config(section, settings, b
     """`beside` are keys that are no setting, and settings (-) that stand in another section."""
     elsewhere = {name[1:] for name in beside if name.startswith("-")}
     assert {field.name for field in fields(settings)} - elsewhere == set(CONFIG[section]) - beside
-    assert elsewhere <= set(CONFIG["protocol"])
+    assert elsewhere <= {*CONFIG["protocol"], "block"}
     assert set(SCHEMAS["config"]["properties"][section]["properties"]) == set(CONFIG[section])
 
 
@@ -121,7 +123,7 @@ BAD_CONFIGS = {
         ("mesh", "elment_size_mm", 0.5),
         "mesh.elment_size_mm: unknown name; did you mean 'element_size_mm'",
     ),
-    "unknown section": (("plasticity", None, {}), "plasticity: unknown name; known are samples"),
+    "unknown section": (("viscosity", None, {}), "viscosity: unknown name; known are samples"),
     "missing key": (("mesh", "core_depth", None), "mesh.core_depth: is missing; give depth of"),
     "number read as text": (
         ("calibration", "relative_tolerance", "1e-10"),
@@ -246,8 +248,11 @@ BAD_TABLES = {
     "mode": ([{"mode": "bending"}], "row 2 .A1., column 'mode': 'bending' is not one of tension"),
     "id": ([{"sample": "A/1"}], "column 'sample': 'A/1' has another form; expected: up to 64"),
     "group": ([{"group": "a b"}], "column 'group': 'a b' has another form"),
-    "image": ([{"image": "a.png"}], "column 'image': 'a.png' has another form; expected: path of"),
-    "record": ([{"record": "a.doc"}], "column 'record': 'a.doc' has another form"),
+    "image": (
+        [{"image": "a.png"}],
+        "column 'image': 'a.png' has a wrong extension; expected: path of",
+    ),
+    "record": ([{"record": "a.doc"}], "column 'record': 'a.doc' has a wrong extension"),
     "empty cell": ([{"record": ""}], "column 'record': is missing; give path of the test record"),
     "twice": ([{}, {}], "row 3 .A1., column 'sample': 'A1' stands in row 2 already"),
     "twice but for case": (
@@ -264,9 +269,9 @@ BAD_TABLES = {
         [{"mode": "compression", "bond_mask": "b.nii"}],
         "row 2 .A1., column 'bond_mask': the top is not glued in compression; leave the cell",
     ),
-    "image for a segmentation": ([{"image": "a.seg.nrrd"}], "'a.seg.nrrd' has another form"),
-    "folder with a dot": ([{"image": "1.2.840"}], "'1.2.840' has another form.*end it with /"),
-    "mask": ([{"bond_mask": "b.stl"}], "column 'bond_mask': 'b.stl' has another form"),
+    "image for a segmentation": ([{"image": "a.seg.nrrd"}], "'a.seg.nrrd' has a wrong extension"),
+    "folder with a dot": ([{"image": "1.2.840"}], "'1.2.840' has a wrong extension.*end it with /"),
+    "mask": ([{"bond_mask": "b.stl"}], "column 'bond_mask': 'b.stl' has a wrong extension"),
     "path to elsewhere": (
         [{"record": "../../other/a.csv"}],
         "column 'record': '../../other/a.csv' lies outside the study folder; copy the file",
@@ -350,7 +355,7 @@ BAD_GEOMETRIES = {
     ),
     "cuboid with a diameter": (
         {**CUBOID, "diameter_mm": "3"},
-        "column 'diameter_mm': a cuboid has none; .*it needs length_mm, width_mm, height_mm",
+        "column 'diameter_mm': a cuboid has none .it needs length_mm, width_mm, height_mm.; leave",
     ),
     "no length": ({**CUBOID, "length_mm": "0"}, "column 'length_mm': 0 mm is no size of a sample"),
     "in micrometres": ({**CUBOID, "height_mm": "10000"}, "'height_mm': 10000 mm is no size"),
@@ -360,7 +365,10 @@ BAD_GEOMETRIES = {
         {"surface": "a.stl", "bond_mask": "b.nii"},
         "column 'bond_mask': concerns an image, and the row has none",
     ),
-    "surface of another kind": ({"surface": "a.obj"}, "column 'surface': 'a.obj' has another form"),
+    "surface of another kind": (
+        {"surface": "a.obj"},
+        "column 'surface': 'a.obj' has a wrong extension",
+    ),
     "surface elsewhere": ({"surface": "../a.stl"}, "'../a.stl' lies outside the study folder"),
     "planar tension of an image": (
         {"image": "a.nii", "mode": "pure_shear"},
@@ -481,7 +489,9 @@ def test_all_faults_of_a_table_are_named_at_once():
 def test_rows_are_lines_of_the_file(tmp_path):
     path = tmp_path / "samples.tsv"
     path.write_text("# a comment\n" + "\t".join(ROW) + "\n\n" + "\t".join(ROW.values()) + "x\n")
-    with pytest.raises(InputError, match="row 4 .A1., column 'record': 'a.csvx' has another form"):
+    with pytest.raises(
+        InputError, match="row 4 .A1., column 'record': 'a.csvx' has a wrong extension"
+    ):
         check_samples(read_samples(path), SCHEMAS["samples"], "t.tsv")
 
 

@@ -11,7 +11,7 @@ from softsample.errors import InputError, SegmentationError
 from softsample.imaging import distance as sdf
 from softsample.imaging import film, frame, intensity
 from softsample.imaging.measure import measure
-from softsample.imaging.propose import proposed_shape_of_image
+from softsample.imaging.propose import coarsened, glance
 from softsample.imaging.segment import segment, segmentation_from_mask
 from softsample.phantom.draw import turned
 from softsample.phantom.scan import Scan
@@ -270,7 +270,8 @@ def test_what_an_image_looks_like_is_seen_without_looking_for_a_film(shape):
     image = SCANS["shear"].image(shape)
     with pytest.MonkeyPatch.context() as patch:
         patch.setattr(film, "fit", None)
-        proposed, roundness = proposed_shape_of_image(*image)
+        seen = glance(*image)
+    proposed, roundness = seen.shape, seen.circularity
     assert proposed.kind == ("cylinder" if shape is DISC else "cuboid")
     assert (roundness > 0.8) == (shape is DISC)
     sizes = np.array([proposed.length, proposed.width, proposed.height]) * 1e3
@@ -279,6 +280,40 @@ def test_what_an_image_looks_like_is_seen_without_looking_for_a_film(shape):
 
 
 SIDES = ("length", "width", "height")
+
+
+def test_neighbouring_voxels_are_averaged_where_they_are():
+    """The mean of a linear field is its value at the middle of the block."""
+    affine = np.diag([0.25, 0.17, 0.5, 1.0]) + np.array([[0, 0, 0, 3.0]] * 3 + [[0] * 4])
+    i, j, k = np.indices((9, 7, 5)).astype(float)
+    field = 2.0 * i - 3.0 * j + k
+    small, to_world = coarsened(field, affine)
+    assert small.shape == (4, 2, 5)
+    place = np.linalg.inv(affine) @ to_world @ np.array([3.0, 1.0, 4.0, 1.0])
+    assert small[3, 1, 4] == pytest.approx(2.0 * place[0] - 3.0 * place[1] + place[2])
+    assert coarsened(field, np.diag([0.4, 0.4, 0.4, 1.0]))[0] is not None
+
+
+def test_what_is_refused_at_low_resolution_is_looked_at_in_full():
+    image, affine = SCANS["plain"].image(SHAPE)
+    refused = [SegmentationError("too coarse")]
+
+    def once(*given, **named):
+        if refused:
+            raise refused.pop()
+        assert given[0].shape == image.shape
+        return segment(*given, **named)
+
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr("softsample.imaging.propose.SPACING_MM", 0.6)
+        patch.setattr("softsample.imaging.propose.segment", once)
+        assert glance(image, affine).shape.length == pytest.approx(truth().length * 1e-3, rel=0.03)
+
+
+def test_an_image_that_is_upside_down_says_which_axis_is_right():
+    image, affine = SCANS["shear"].image(SHAPE)
+    with pytest.raises(SegmentationError, match="write -z into column loading_axis"):
+        segment(image, affine @ np.diag([1.0, -1.0, -1.0, 1.0]))
 
 
 def bad_images():

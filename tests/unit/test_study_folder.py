@@ -1,5 +1,6 @@
 """A study folder of one's own: made, filled, and checked as a whole."""
 
+import re
 import shutil
 from pathlib import Path
 
@@ -19,7 +20,9 @@ AFFINE = np.diag([0.4, 0.4, 0.4, 1.0])
 
 
 def image(path, shape=(40, 40, 30), affine=AFFINE):
-    values = np.random.default_rng(0).integers(0, 400, shape).astype(np.int16)
+    """A bright block of 9.6 x 8 x 8 mm, if voxels have 0.4 mm, on a dark platen."""
+    values = np.random.default_rng(0).integers(0, 20, shape).astype(np.int16)
+    values[8:32, 10:30, 6:26] += 300
     nibabel.save(nibabel.Nifti1Image(values, affine), path)
     return path
 
@@ -138,16 +141,16 @@ def test_everything_that_is_wrong_is_told_at_once(study, capsys):
     image(study / "C7.nii.gz", affine=np.diag([400.0, 400.0, 400.0, 1.0]))
     table = study / "samples.tsv"
     table.write_text(table.read_text() + "T8\tg\tpull\tno.nii\tC7.doc\n")
-    (study / "study.yaml").write_text("records: {zero: {force: start}}\nmesh: {size: 1}\n")
+    (study / "study.yaml").write_text("records: {zero: {force: begin}}\nmesh: {size: 1}\n")
     assert main(["check", str(study)]) == 1
     told = capsys.readouterr().err
     line = len(table.read_text().splitlines())
     for fault in (
         "Faults: 8",
-        "records.zero.force: 'start' is not one of file, rest",
+        "records.zero.force: 'begin' is not one of file, rest, start",
         "mesh.size: unknown name",
         f"samples.tsv, row {line} (T8), column 'mode': 'pull' is not one of",
-        f"row {line} (T8), column 'record': 'C7.doc' has another form",
+        f"row {line} (T8), column 'record': 'C7.doc' has a wrong extension; expected",
         f"row {line} (T8), column 'sample': 'T8' stands in row {line - 1} already",
         f"row {line} (T8): {study}/no.nii: no such image; correct its path",
         f"row {line - 2} (C7): {study}/C7.nii.gz: voxels of 400 x 400 x 400 mm, expected 0.05",
@@ -200,6 +203,7 @@ def test_samples_of_any_shape_are_added_to_one_table(study, capsys):
     assert "cylinder of diameter 20 mm, height 10 mm: section 314.2 mm2" in told
     assert "nominal strain -20 to 0" in told
     assert "nominal stress -2.8" in told
+    assert re.search(r"sample of about 9\.\d+ x [78]\.\d+ x 8(\.\d+)? mm, 6\d\d(\.\d)? mm3", told)
     assert "samples: 3" in told
 
 

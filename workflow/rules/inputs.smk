@@ -23,6 +23,7 @@ rule check_inputs:
         records=of_row(lambda row: record_settings(config, row)),
         cycle=of_row(lambda row: resolved(row)["cycle"]),
         shape=of_row(stated_shape),
+        plausibility=config["plausibility"],
     message:
         "Check what comes in: {wildcards.sample}"
     script:

@@ -4,6 +4,7 @@ from softsample.formats.machine import read
 from softsample.images import check_image
 from softsample.io import read_image, read_samples, read_yaml, write_json, write_table
 from softsample.manifest import check_files
+from softsample.plausibility import Limits, doubts
 from softsample.records import RecordSettings, aligned_record
 from softsample.shapes import IdealShape
 from softsample.workflow import logged_to, provenance
@@ -14,12 +15,13 @@ with logged_to(snakemake):
         shipped = [files.table, *files.image, *files.surface, files.record]
         check_files(read_samples(files.manifest), files.manifest, shipped)
     settings = RecordSettings(**given.records)
-    raw = read(files.record, settings.columns, settings.units, settings.sheet)
+    raw = read(files.record, settings.columns, settings.units, settings.sheet, settings.block)
     size = IdealShape.of_row(given.shape) if given.shape else None
     schema, test = read_yaml(files.schema), (given.mode, settings)
     record, facts = aligned_record(
         raw.table, raw.reading, *test, schema, files.record, size, given.cycle
     )
+    facts["warnings"] += doubts(facts, size, Limits(**given.plausibility), block=settings.block)
     report = {"sample": snakemake.wildcards.sample, "mode": given.mode, "record": facts}
     if files.image:
         report["image"] = check_image(*read_image(files.image[0]), files.image[0])

@@ -17,22 +17,11 @@ from typing import Any, NoReturn, Self
 import numpy as np
 import pandas as pd
 
-from softsample.errors import InputError
+from softsample.errors import InputError, records_setting
 from softsample.formats import PathLike
 from softsample.formats.text import read_lines
+from softsample.formats.titles import BESIDE, COLUMNS, COMPRESSIVE, NAMES, UNITS
 from softsample.formats.workbook import is_workbook, read_sheets
-
-COLUMNS = {
-    "time": "time_s",
-    "displacement": "displacement_mm",
-    "strain": "strain",
-    "stretch": "stretch",
-    "force": "force_N",
-    "stress": "stress_Pa",
-    "force_normal": "force_normal_N",
-    "torque": "torque_Nmm",
-}
-"""The quantities of a record, and the columns that they are read into."""
 
 NEEDED = {
     "displacement": ("displacement", "strain", "stretch"),
@@ -46,67 +35,8 @@ ON_REQUEST = ("force_normal", "torque")
 DERIVED = ("phase", "cycle", "calibrated")
 """Columns of our own results that are found anew."""
 
-UNITS = {
-    "time": {
-        **dict.fromkeys(("s", "S", "sec", "Sec", "secs", "second", "seconds"), 1.0),
-        **dict.fromkeys(("ms", "msec"), 1e-3),
-        **dict.fromkeys(("min", "minutes"), 60.0),
-    },
-    "displacement": {
-        **dict.fromkeys(("mm", "millimeter", "millimetre"), 1.0),
-        **dict.fromkeys(("um", "µm", "μm", "micron", "microns"), 1e-3),
-        **dict.fromkeys(("cm",), 10.0),
-        **dict.fromkeys(("m",), 1e3),
-        **dict.fromkeys(("in", "inch"), 25.4),
-    },
-    "force": {
-        **dict.fromkeys(("N", "Newton", "newton"), 1.0),
-        **dict.fromkeys(("mN",), 1e-3),
-        **dict.fromkeys(("uN", "µN", "μN"), 1e-6),
-        **dict.fromkeys(("kN",), 1e3),
-        **dict.fromkeys(("lbf", "lb"), 4.4482216152605),
-        **dict.fromkeys(("ozf",), 0.27801385095378125),
-        **dict.fromkeys(("gf", "g"), 9.80665e-3),
-        **dict.fromkeys(("kgf", "kg"), 9.80665),
-    },
-    "strain": {
-        **dict.fromkeys(("1", "-", "mm/mm", "m/m", "in/in"), 1.0),
-        **dict.fromkeys(("%", "percent"), 1e-2),
-    },
-    "stretch": dict.fromkeys(("1", "-", "mm/mm", "m/m", "in/in"), 1.0),
-    "stress": {
-        **dict.fromkeys(("Pa", "N/m2", "N/m²"), 1.0),
-        **dict.fromkeys(("kPa",), 1e3),
-        **dict.fromkeys(("MPa", "N/mm2", "N/mm²", "N/mm^2"), 1e6),
-        **dict.fromkeys(("psi",), 6894.757293168361),
-    },
-    "torque": {
-        **dict.fromkeys(("Nmm", "N mm", "N·mm", "N*mm", "N.mm", "mNm", "mN m", "mN·m"), 1.0),
-        **dict.fromkeys(("Nm", "N m", "N·m", "N*m", "N.m"), 1e3),
-        **dict.fromkeys(("uNm", "µNm", "μNm", "uN m", "µN m", "µN·m"), 1e-3),
-    },
-}
-UNITS["force_normal"] = UNITS["force"]
-"""Units by quantity, upper and lower case as they are written, and their size in ours."""
-
-NAMES = {
-    "time": {"time", "zeit", "prüfzeit", "temps"},
-    "displacement": {
-        *("displacement", "disp", "extension", "compression", "travel", "stroke", "position"),
-        *("crosshead", "weg", "traverse", "traversenweg", "verlängerung", "déplacement"),
-    },
-    "force": {"force", "load", "kraft", "standardkraft", "last"},
-    "strain": {"strain", "dehnung", "stauchung", "déformation"},
-    "stretch": {"stretch", "lambda"},
-    "stress": {"stress", "spannung", "contrainte"},
-}
-"""What a title may call a quantity."""
-
-BESIDE = {
-    *("axial", "tensile", "compressive", "crosshead", "elapsed", "total", "test", "corrected"),
-    *("1", "cell", "channel", "engineering", "nominal", "shear"),
-}
-"""Words of a title that do not change what it names."""
+LOOKED_AT = 10
+"""Lines below the titles that tell whether a column holds numbers."""
 
 KINDS = (
     ("CellScale UniVert", r"\bSetName\b.*\bSize_mm\b"),
@@ -135,17 +65,20 @@ class Column:
         Position in a line.
     title, unit : str
         As written; the unit is empty if only the line below tells it.
+    unit_from : str
+        What tells the unit: `title`, `below` (a line of units) or `settings`.
     """
 
     quantity: str
     place: int
     title: str
     unit: str
+    unit_from: str = "title"
 
     @property
     def compressive(self) -> bool:
         """Whether the title says that compression is positive."""
-        return "compress" in self.title.lower()
+        return any(word in self.title.lower() for word in COMPRESSIVE)
 
     @property
     def factor(self) -> float:
@@ -165,7 +98,7 @@ class MachineRecord:
     reading : dict
         What was understood: `kind`, `columns` (title, unit and factor of each), `decimal_comma`,
         `compressive` (quantities whose titles count compression as positive), `ignored`
-        (titles), `notes`.
+        (titles), `ascending` (those of them whose numbers rise as time does), `notes`.
     """
 
     table: pd.DataFrame
@@ -212,6 +145,7 @@ def read(
     columns: Mapping[str, str] | None = None,
     units: Mapping[str, str] | None = None,
     sheet: str | None = None,
+    block: str = "",
 ) -> MachineRecord:
     """Read a record of any of the known kinds, or a table whose columns are named.
 
@@ -225,6 +159,8 @@ def read(
         Units by quantity, where the file names none.
     sheet
         Name of the sheet of a workbook; by default the first one with a line of titles.
+    block
+        Name of the block of `formats` that these come from, for the cures of messages.
 
     Raises
     ------
@@ -232,10 +168,10 @@ def read(
         If a column or a unit is missing, ambiguous or contradictory, or the file is no such
         text; names file, line and cure. Wrong cells are left for `softsample.records`.
     """
-    text, heading = _text_with_titles(path, columns or {}, sheet)
+    text, heading = _text_with_titles(path, columns or {}, sheet, block)
     found = heading.columns
     rows, kept, names = _rows(text, heading)
-    found = [_with_unit(column, names, units or {}, text) for column in found]
+    found = [_with_unit(column, names, units or {}, text, block) for column in found]
     comma = _decimal_comma(rows, found, text.path)
     titles = heading.titles
     own = {COLUMNS["displacement"], COLUMNS["force"]} <= set(titles)
@@ -258,12 +194,15 @@ def read(
                 "title": column.title,
                 "unit": column.unit,
                 "factor": column.factor,
+                "unit_from": column.unit_from,
+                "unit_line": heading.line + 1 + (column.unit_from == "below"),
             }
             for column in found
         },
         "decimal_comma": comma,
         "compressive": [column.quantity for column in found if column.compressive],
         "ignored": ignored,
+        "ascending": _ascending(rows, titles, ignored),
         "notes": text.notes,
     }
     return MachineRecord(table[~repeated], reading)
@@ -280,24 +219,24 @@ class _Heading:
 
 
 def _text_with_titles(
-    path: PathLike, wanted: Mapping[str, str], sheet: str | None
+    path: PathLike, wanted: Mapping[str, str], sheet: str | None, block: str
 ) -> tuple[_Text, _Heading]:
     """The text of a file, or the first sheet of a workbook that has a line of titles."""
     if not is_workbook(path):
         if sheet is not None and Path(path).suffix.lower() in (".xlsx", ".xls"):
             raise InputError(f"{path}: no workbook, so it has no sheet {sheet!r}; save it as .xlsx")
         text = _Text.of_file(path)
-        return text, _heading(text, wanted)
+        return text, _heading(text, wanted, block)
     refused: list[InputError] = []
     for text in _Text.of_sheets(path, sheet):
         try:
-            return text, _heading(text, wanted)
+            return text, _heading(text, wanted, block)
         except InputError as error:
             refused.append(error)
     raise refused[0] if refused else InputError(f"{path}: no sheet with cells; export the test")
 
 
-def _heading(text: _Text, wanted: Mapping[str, str]) -> _Heading:
+def _heading(text: _Text, wanted: Mapping[str, str], block: str) -> _Heading:
     """The first line with titles of all quantities, or else of all but time."""
     untimed: _Heading | None = None
     best: tuple[int, list[str], list[str]] = (0, [], [*COLUMNS])
@@ -315,29 +254,74 @@ def _heading(text: _Text, wanted: Mapping[str, str]) -> _Heading:
                 best = (number, titles, missing) if len(missing) < len(best[2]) else best
                 continue
             where = f"{text.path}, line {number + 1}"
-            columns = [_only(found, where) for found in candidates.values() if found]
+            columns = [_only(found, where, block) for found in candidates.values() if found]
             heading = _Heading(number, delimiter, titles, columns)
             if candidates["time"]:
                 return heading
             untimed = untimed or heading
     if untimed is None:
-        _no_titles(text, *best)
+        _no_titles(text, *best, block)
     return untimed
 
 
-def _no_titles(text: _Text, number: int, titles: Sequence[str], missing: Sequence[str]) -> NoReturn:
+def _no_titles(
+    text: _Text, number: int, titles: Sequence[str], missing: Sequence[str], block: str
+) -> NoReturn:
     """Refuse a text without a line of titles; `missing` quantities lack in the best line."""
+    if not any(line.strip() for line in text.lines):
+        raise InputError(f"{text.path}: the file is empty; export the test again")
     if not titles:
         raise InputError(
             f"{text.path}: no line of titles such as time_s,displacement_mm,force_N; export the "
             "test with its titles, separated by commas, semicolons or tabs"
         )
     ways = [" or ".join(NEEDED.get(name, (name,))) for name in missing]
+    below = _numbers_below(text, number, titles)
+    found = {name: _plausible(titles, below, NEEDED.get(name, (name,))) for name in missing}
+    named = {name: title for name, title in found.items() if title}
+    where = f"formats: {block}" if block else "records"
+    cure = f"export the test with it, or name its column in the settings, section {where}"
+    if len(named) == len(missing) == len({*named.values()}):
+        keys = {"columns": named}
+        silent = [
+            name for name, title in named.items() if below[title] and not _split(title, name)[1]
+        ]
+        if silent:
+            keys["units"] = {name: next(iter(UNITS[name])) for name in silent}
+        cure = (
+            f"if {' and '.join(map(repr, named.values()))} may be it, name it"
+            f"{' and its unit' if silent else ''} in the settings of the study: "
+            f"{records_setting(keys, block)}"
+        )
     raise InputError(
         f"{text.path}, line {number + 1}: no column is known to hold {' and '.join(ways)} "
-        f"(there are {', '.join(map(repr, titles))}); name it in the settings of the study, "
-        f"such as records: {{columns: {{{missing[0]}: {titles[-1]}}}}}"
+        f"(there are {', '.join(map(repr, titles))}); {cure}"
     )
+
+
+def _numbers_below(text: _Text, number: int, titles: Sequence[str]) -> dict[str, bool]:
+    """Titles with numbers below them, and whether they begin at once, without a line of units."""
+    line = text.lines[number]
+    delimiter = next((d for d in "\t;," if len(text.cells(line, d)) > 1), ",")
+    rows = [text.cells(row, delimiter) for row in text.lines[number + 1 : number + 1 + LOOKED_AT]]
+    numeric = {
+        title: [bool(NUMBER.fullmatch(_cell(row, place))) for row in rows if any(row)]
+        for place, title in enumerate(titles)
+    }
+    return {title: found[0] for title, found in numeric.items() if any(found)}
+
+
+def _plausible(titles: Sequence[str], below: Mapping[str, bool], ways: Sequence[str]) -> str | None:
+    """The only column of numbers that may hold a quantity: of its unit, or else without one."""
+    free = [
+        title
+        for title in titles
+        if title in below and not any(_candidates(name, [title], {}) for name in NAMES)
+    ]
+    units = {unit for way in ways for unit in UNITS[way]}
+    fitting = [title for title in free if any(_split(title, way)[1] in units for way in ways)]
+    silent = [title for title in free if not any(_split(title, name)[1] for name in COLUMNS)]
+    return next((found[0] for found in (fitting, silent) if len(found) == 1), None)
 
 
 def _quantities(titles: Sequence[str], wanted: Mapping[str, str]) -> dict[str, list[Column]]:
@@ -360,9 +344,8 @@ def _candidates(quantity: str, titles: Sequence[str], wanted: Mapping[str, str])
     found = []
     for place, title in enumerate(titles):
         name, unit = _split(title, quantity)
-        words = set(re.split(r"[\s_]+", name.strip().lower()))
-        core = words - BESIDE or words
-        if len(core) == 1 and core <= NAMES[quantity]:
+        words = set(re.findall(r"[^\s_.:]+", name.lower()))
+        if words and (words - BESIDE or words) <= NAMES[quantity]:
             found.append(Column(quantity, place, title, unit))
     fitting = [column for column in found if column.unit in UNITS[quantity]]
     silent = [column for column in found if not column.unit]
@@ -370,25 +353,25 @@ def _candidates(quantity: str, titles: Sequence[str], wanted: Mapping[str, str])
 
 
 def _split(title: str, quantity: str) -> tuple[str, str]:
-    """Name and unit of a title: `Load (N)`, `Load [N]`, `Load, N`, `Load_N`, `Strain %`."""
+    """Name and unit of a title: `Load (N)`, `Load [N]`, `Load, N`, `Load_N`, `Weg in mm`."""
     bracketed = re.fullmatch(r"(.*?)[\s_]*[(\[]([^()\[\]]*)[)\]]", title)
     if bracketed:
         return bracketed[1], bracketed[2].strip()
-    behind = re.fullmatch(r"(.+?)(?:\s*[_/,]\s*|\s+(?=%))([^\s_/,]+)", title)
+    behind = re.fullmatch(r"(.+?)(?:\s*[_/,]\s*|\s+in\s+|\s+)([^\s_/,]+)", title)
     if behind and behind[2] in UNITS[quantity]:
         return behind[1], behind[2]
     return title, ""
 
 
-def _only(columns: Sequence[Column], where: str) -> Column:
+def _only(columns: Sequence[Column], where: str, block: str) -> Column:
     """The only candidate, or an error that names them all."""
     if len(columns) > 1:
         quantity = columns[0].quantity
         listed = ", ".join(repr(column.title) for column in columns)
         raise InputError(
             f"{where}: {len(columns)} columns may hold {quantity} ({listed}); name the right one "
-            f"in the settings of the study, such as records: {{columns: {{{quantity}: "
-            f"{columns[0].title}}}}}"
+            "in the settings of the study, such as "
+            f"{records_setting({'columns': {quantity: columns[0].title}}, block)}"
         )
     return columns[0]
 
@@ -448,7 +431,9 @@ def _cell(cells: Sequence[str], place: int) -> str:
     return cells[place] if place < len(cells) else ""
 
 
-def _with_unit(column: Column, row: Sequence[str], given: Mapping[str, str], text: _Text) -> Column:
+def _with_unit(
+    column: Column, row: Sequence[str], given: Mapping[str, str], text: _Text, block: str
+) -> Column:
     """The column with its unit, from its title, the line of units or the settings."""
     where = f"{text.path}, column {column.title!r}"
     below = _cell(row, column.place).strip("()[] ")
@@ -465,11 +450,14 @@ def _with_unit(column: Column, row: Sequence[str], given: Mapping[str, str], tex
     if not said and column.quantity in ("strain", "stretch"):
         said = {"1": None}
     if not said:
+        usual = next(iter(UNITS[column.quantity]))
         raise InputError(
             f"{where}: no unit is named; name it in the settings of the study, such as "
-            f"records: {{units: {{{column.quantity}: {next(iter(UNITS[column.quantity]))}}}}}"
+            f"{records_setting({'units': {column.quantity: usual}}, block)}"
         )
-    return Column(column.quantity, column.place, column.title, next(iter(said)))
+    told = ("title", column.unit), ("below", below), ("settings", "")
+    source = next(name for name, unit in told if unit or name == "settings")
+    return Column(column.quantity, column.place, column.title, next(iter(said)), source)
 
 
 def _decimal_comma(rows: Sequence[Sequence[str]], found: Sequence[Column], path: PathLike) -> bool:
@@ -504,6 +492,18 @@ def _numbers(rows: Sequence[Sequence[str]], place: int, factor: float) -> Any:
     if any(isinstance(value, str) for value in values):
         return pd.array([None if value == "" else value for value in values], dtype=object)
     return np.array(values, dtype=np.float64)
+
+
+def _ascending(
+    rows: Sequence[Sequence[str]], titles: Sequence[str], names: Sequence[str]
+) -> list[str]:
+    """Titles of columns whose numbers rise from line to line, as time does."""
+    found = []
+    for name in names:
+        values = _numbers(rows, titles.index(name), 1.0)
+        if values.dtype == np.float64 and len(values) > 1 and np.all(np.diff(values) > 0.0):
+            found.append(name)
+    return found
 
 
 def _kind(lines: Sequence[str], own: bool) -> str:

@@ -96,9 +96,7 @@ def fit_base(surface: Surface, up: Array, max_tilt: float) -> tuple[Array, Array
     down = -vectors @ up > np.cos(np.radians(BASE_CONE_DEG)) * area
     down &= area > 0.0
     if np.count_nonzero(down) < 50:
-        raise SegmentationError(
-            "no flat base was found; check that loading_axis points from the glued base upward"
-        )
+        raise SegmentationError("no flat base was found at the lower end of the loading axis")
     points, weight = centres[down], area[down]
     # Overhangs of the walls also look down: start from the widest level, the base.
     height = points @ up
@@ -110,7 +108,7 @@ def fit_base(surface: Surface, up: Array, max_tilt: float) -> tuple[Array, Array
     if tilt > max_tilt:
         raise SegmentationError(
             f"base is tilted by {np.degrees(tilt):.1f} degrees from the loading axis, at most"
-            f" {np.degrees(max_tilt):.0f} are taken out; give the sample's loading_axis"
+            f" {np.degrees(max_tilt):.0f} are taken out"
         )
     return point, normal, spread
 

@@ -1,18 +1,47 @@
-"""What an image should be idealised as, seen in seconds before the study runs."""
+"""What an image holds, and what to idealise it as, seen in seconds before the study runs."""
 
-from dataclasses import replace
+from dataclasses import dataclass, replace
 
-from numpy.typing import ArrayLike
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
 
+from softsample.errors import SegmentationError
 from softsample.imaging.measure import MeasurementSettings, circularity, measure, proposed_shape
-from softsample.imaging.segment import SegmentationSettings, segment
+from softsample.imaging.segment import (
+    Segmentation,
+    SegmentationSettings,
+    segment,
+    segmentation_from_mask,
+    voxel_size,
+)
 from softsample.shapes import IdealShape
 
+Array = NDArray[np.float64]
+
 SPACING_MM = 0.5
-"""Grid of the signed distance that is fine enough to see the shape [mm]."""
+"""Edge of the voxels, and grid of the signed distance, that are enough to see the shape [mm]."""
 
 
-def proposed_shape_of_image(
+@dataclass(frozen=True)
+class Glance:
+    """A sample as it is seen at low resolution.
+
+    Parameters
+    ----------
+    shape : IdealShape
+        Of the proposed kind, as large as the sample.
+    circularity : float
+        0 for a rectangle, 1 for a disc; `softsample.imaging.measure.ROUND` separates the kinds.
+    found : Segmentation
+        With its volume, tilt and flags.
+    """
+
+    shape: IdealShape
+    circularity: float
+    found: Segmentation
+
+
+def glance(
     data: ArrayLike,
     affine: ArrayLike,
     settings: SegmentationSettings | None = None,
@@ -20,24 +49,21 @@ def proposed_shape_of_image(
     *,
     loading_axis: ArrayLike = (0.0, 0.0, 1.0),
     shear_axis: ArrayLike = (1.0, 0.0, 0.0),
-) -> tuple[IdealShape, float]:
-    """Shape that the sample in an image looks like, and how round it is.
+    is_mask: bool = False,
+) -> Glance:
+    """Segment an image at low resolution and measure what is there.
 
     The boundary is the half-maximum on a coarse grid; a film of fluid is not corrected for, so
-    that the size is a few tenths of a millimetre too large at most.
+    that the size is a few tenths of a millimetre too large at most. What is refused at low
+    resolution is looked at in full before it is refused.
 
     Parameters
     ----------
     data, affine, settings, loading_axis, shear_axis
         As of `softsample.imaging.segment.segment`.
     measurement : MeasurementSettings, optional
-
-    Returns
-    -------
-    shape : IdealShape
-        Of the proposed kind, as large as the sample.
-    circularity : float
-        0 for a rectangle, 1 for a disc; `softsample.imaging.measure.ROUND` separates the kinds.
+    is_mask : bool
+        Whether `data` is a segmentation made elsewhere in place of an image.
 
     Raises
     ------
@@ -45,9 +71,42 @@ def proposed_shape_of_image(
         As of `segment` and `measure`.
     """
     coarse = replace(settings or SegmentationSettings(), grid_spacing_mm=SPACING_MM)
-    axes = {"loading_axis": loading_axis, "shear_axis": shear_axis}
-    found = segment(data, affine, coarse, find_film=False, **axes)
+    values, to_world = np.asarray(data, dtype=np.float64), np.array(affine, dtype=np.float64)
+
+    def seen(image: ArrayLike, map_to_world: Array) -> Segmentation:
+        axes = {"loading_axis": loading_axis, "shear_axis": shear_axis}
+        if is_mask:
+            return segmentation_from_mask(image, map_to_world, coarse, **axes)
+        return segment(image, map_to_world, coarse, find_film=False, **axes)
+
+    small, map_of_small = coarsened((values != 0.0) * 1.0 if is_mask else values, to_world)
+    try:
+        found = seen(small >= 0.5 if is_mask else small, map_of_small)
+    except SegmentationError:
+        if small.shape == values.shape:
+            raise
+        found = seen(values, to_world)
     grid = (found.distance, found.origin, found.spacing)
     roundness = circularity(*grid)
     report = measure(*grid, measurement, proposed_shape(roundness))
-    return IdealShape.of_report(report), roundness
+    return Glance(IdealShape.of_report(report), roundness, found)
+
+
+def coarsened(data: Array, affine: Array) -> tuple[Array, Array]:
+    """Means of as many neighbouring voxels as fit into `SPACING_MM`, and their affine.
+
+    Parameters
+    ----------
+    data : (nx, ny, nz) float64
+    affine : (4, 4) float64
+        From voxel index to world [mm].
+    """
+    if data.ndim != 3:
+        return data, affine
+    steps = [max(1, int(SPACING_MM / edge + 0.1)) for edge in voxel_size(affine)]
+    shape = [n // step for n, step in zip(data.shape, steps, strict=True)]
+    cut = data[tuple(slice(n * step) for n, step in zip(shape, steps, strict=True))]
+    blocks = [size for pair in zip(shape, steps, strict=True) for size in pair]
+    to_first = np.diag([*map(float, steps), 1.0])
+    to_first[:3, 3] = 0.5 * (np.array(steps) - 1.0)
+    return cut.reshape(blocks).mean(axis=(1, 3, 5)), affine @ to_first

@@ -409,9 +409,14 @@ def _from_share(
     kept = np.where(intensity.grown(share.mask), share.share, np.minimum(share.share, 0.0))
     kept = np.where(share.hole, 1.0, kept)
     surface = frame.iso_surface(kept, HALF, to_world)
-    point, normal, spread = frame.fit_base(surface, up, np.radians(settings.max_tilt_deg))
-    if on_platen:
-        _check_platen(surface, point, normal, voxel_size(to_world), settings)
+    try:
+        point, normal, spread = _base(surface, up, voxel_size(to_world), settings, on_platen)
+    except SegmentationError as error:
+        if not on_platen:
+            raise
+        raise SegmentationError(
+            f"{error}{_other_end(surface, up, voxel_size(to_world), settings)}"
+        ) from error
     x = frame.wall_direction(surface, normal, shear)
     sample_to_world = frame.rigid(x, normal, point)
     found = _boundary(kept, share, surface, to_world, sample_to_world, settings)
@@ -439,23 +444,46 @@ def _from_share(
     )
 
 
-def _check_platen(
+def _base(
     surface: frame.Surface,
-    point: Array,
-    normal: Array,
+    up: Array,
     spacing: Array,
     settings: SegmentationSettings,
-) -> None:
-    """Refuse a sample whose underside no platen has made flat."""
+    on_platen: bool,
+) -> tuple[Array, Array, float]:
+    """Base plane, as of `frame.fit_base`; refuses an underside that no platen has made flat."""
+    point, normal, spread = frame.fit_base(surface, up, np.radians(settings.max_tilt_deg))
+    if not on_platen:
+        return point, normal, spread
     reach = max(BASE_REACH[0] * MM, BASE_REACH[1] * float(np.max(spacing)))
     flat = frame.base_share(surface, point, normal, reach)
     if flat < settings.min_base_share:
         raise SegmentationError(
             f"no platen found below the sample: {100.0 * flat:.0f} % of its underside lie within"
             f" {reach / MM:.2g} mm of one plane, at least {100.0 * settings.min_base_share:.0f} %"
-            " are expected; give an image of the sample glued to its platen, and a loading_axis"
-            " that points from there upward (or lower segmentation.min_base_share)"
+            " are expected"
         )
+    return point, normal, spread
+
+
+def _other_end(
+    surface: frame.Surface, up: Array, spacing: Array, settings: SegmentationSettings
+) -> str:
+    """What to do about a sample without a base: its platen may be at the other end."""
+    try:
+        _base(surface, -up, spacing, settings, on_platen=True)
+    except SegmentationError:
+        return (
+            "; give an image of the sample glued to its platen, and a loading_axis that points from"
+            " there upward (the other end is not flat either), or lower"
+            " segmentation.min_base_share"
+        )
+    axis = int(np.abs(up).argmax())
+    opposite = f"{'-' if up[axis] > 0.0 else '+'}{'xyz'[axis]}"
+    return (
+        "; its other end is flat, so the image is upside down: write"
+        f" {opposite} into column loading_axis"
+    )
 
 
 @dataclass(frozen=True)

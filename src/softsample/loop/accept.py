@@ -29,18 +29,24 @@ class Judged:
         Error by test of what the study holds out.
     density : float
         Logarithm of the predictive density of what the folds leave out, summed over them.
+    form : float
+        Error of the form of the records, whatever their scale [% of peak].
     """
 
     fitted: Errors
     folds: Errors
     held_out: Mapping[str, Error]
     density: float
+    form: float
 
 
-def left_over(errors: Errors) -> float:
-    """Root mean square of the errors of all tests but the cell's noise [% of peak]."""
-    parts = [tests["all"].structured / tests["all"].peak for tests in errors.values()]
-    return float(100.0 * np.sqrt(np.mean(np.square(parts))))
+def fold_ratio(before: Errors, after: Errors) -> float:
+    """Cross-validated error with effects over that without: RMS over folds and tests."""
+    squares = [
+        sum((e.structured / e.peak) ** 2 for tests in found.values() for e in tests.values())
+        for found in (after, before)
+    ]
+    return float(np.sqrt(squares[0] / squares[1])) if squares[1] > 0.0 else 1.0
 
 
 def objection_to(
@@ -52,16 +58,19 @@ def objection_to(
 ) -> str:
     """Why a selection is no explanation; empty if it is one.
 
-    The same for every study: what is left is not far above the floor, no size was driven to the
-    end of its range, the modulus stays known, and what folds leave out of the fitted records is no
+    The same for every study: what is left is not far above the floor, unless the effects take most
+    of what folds leave out; no size was driven to the end of its range, the modulus stays known, and what folds leave out of the fitted records is no
     less likely with the effects than without.
     """
     refused, named = selection.steps[-1].refused, bool(selection.final.model.effects)
     if refused and not named:
         return f"{driven_to_an_end(refused.settled)} lies at the end of its range"
-    left = left_over(after.fitted)
-    if left > rules.unknown_ratio * noise.floor_percent:
-        return f"an error of {left:.3g} % of the peak is left that no effect explains"
+    scale = noise.sizes(selection.problem.variances)["scale"]
+    enough = named and fold_ratio(before.folds, after.folds) <= rules.unknown_share
+    if not enough and after.form > rules.unknown_ratio * noise.floor_percent:
+        return f"an error of {after.form:.3g} % of the peak is left that no effect explains"
+    if not enough and scale > rules.unknown_ratio * noise.scale_percent:
+        return f"the scales of the tests differ by {scale:.3g} %, which no effect explains"
     if not named:
         return ""
     if at_end := driven_to_an_end(selection.final):

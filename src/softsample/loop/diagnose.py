@@ -15,6 +15,7 @@ from softsample.loop.errors import (
     cross_validated,
     errors,
     fold_errors,
+    form_error,
     held_out_errors,
     log_density,
 )
@@ -203,6 +204,7 @@ def diagnose(
             fold_errors(posed, found, spread),
             held_out_errors(fit, specimens, noises[0].white),
             log_density(posed, fit, found),
+            form_error(posed, fit, spread),
         )
 
     before = judged(selection.plain, selection.base)

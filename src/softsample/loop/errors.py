@@ -74,6 +74,19 @@ def errors(problem: Problem, fit: Fit, noises: Sequence[float]) -> dict[str, dic
     return report
 
 
+def form_error(problem: Problem, fit: Fit, noises: Sequence[float]) -> float:
+    """Error of the form of the records [% of peak]: without noise, and whatever their scale."""
+    squares = []
+    forces = problem.predicted(fit.model, fit.state)
+    for specimen, w, force, noise in zip(
+        problem.specimens, problem.whiteners, forces, noises, strict=True
+    ):
+        left, model = w.blocks(specimen.force - force), w.blocks(force)
+        left = left - model * (left @ model) / max(float(model @ model), 1e-300)
+        squares.append(error_of(left, noise, specimen.peak).structured ** 2 / specimen.peak**2)
+    return float(100.0 * np.sqrt(np.mean(squares)))
+
+
 def folds(problem: Problem) -> dict[str, list[Mask]]:
     """What each fold leaves out, blocks as one mask a test: a mode, what follows the ramp, ..."""
     n = len(problem.specimens)

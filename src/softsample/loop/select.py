@@ -52,7 +52,9 @@ class SelectionSettings:
         Error in the form of an effect that has been chosen, as a part of its contribution, and
         its correlation time [s]; what comes after has to explain more than that.
     unknown_ratio : float
-        Error that is left over the floor of the settings, above which it is called unknown.
+        Error that is left, over the floor or scale of the settings, above which it is unknown.
+    unknown_share : float
+        Unless the cross-validated error with the selected effects, over that without, is below.
     """
 
     most_effects: int = 3
@@ -65,6 +67,7 @@ class SelectionSettings:
     form_doubt: float = 0.05
     form_time_s: float = 20.0
     unknown_ratio: float = 3.0
+    unknown_share: float = 0.5
 
 
 @dataclass(frozen=True)

@@ -1,5 +1,7 @@
-"""Everything that is wrong with a study, at once and in seconds, before anything is computed."""
+"""Everything that is wrong or doubtful with a study, at once, before anything is computed."""
 
+import difflib
+import re
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
 from functools import cache
@@ -7,22 +9,26 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-from skimage.filters import threshold_otsu
+from numpy.typing import NDArray
 
 from softsample.errors import InputError, SoftsampleError
 from softsample.formats import Volume
 from softsample.formats.machine import described, read
 from softsample.holdout import check_hold_out
 from softsample.images import check_image, on_grid_of, world_axis
-from softsample.imaging.measure import circularity, proposed_shape
-from softsample.imaging.segment import SegmentationSettings, segmentation_from_mask
+from softsample.imaging.measure import MeasurementSettings
+from softsample.imaging.propose import Glance, glance
+from softsample.imaging.segment import SegmentationSettings
 from softsample.io import PathLike, read_image, read_samples, read_surface, read_yaml
 from softsample.meshing.marks import MarkedImage
 from softsample.meshing.regions import relative_stiffness
+from softsample.plausibility import Limits, doubts
 from softsample.records import RecordSettings, aligned_record
 from softsample.shapes import IdealShape
 from softsample.study import ROOT, SETTINGS, TABLE, table_of
+from softsample.study.compare import Seen, compared
 from softsample.validation import (
+    ANY_DIMENSION,
     DEFAULT_AXES,
     DIMENSIONS,
     check_config,
@@ -36,8 +42,8 @@ from softsample.validation import (
 
 MM = 1e-3
 
-GLANCE = 12.0
-"""Voxels along the edge of a cube as large as the sample, when it is looked at in passing."""
+PRESSED = ("compression", "confined_compression")
+"""Modes in which what counts as positive may be either of tension and loading."""
 
 
 @dataclass
@@ -50,12 +56,15 @@ class Inspection:
         Lines about the samples: what their files hold and how they are understood.
     faults : list of str
         What is wrong: file, row or line, value and cure.
+    doubts : list of str
+        What is likely to be wrong, in the same form; it stops nothing.
     samples : int
         Rows of the table.
     """
 
     found: list[str] = field(default_factory=list)
     faults: list[str] = field(default_factory=list)
+    doubts: list[str] = field(default_factory=list)
     samples: int = 0
 
 
@@ -75,13 +84,41 @@ def check_study(folder: PathLike) -> Inspection:
     result.faults += [f"{home / TABLE}, {fault}" for fault in faults]
     result.samples = len(rows)
     wrong = {(fault.line, fault.column) for fault in faults}
+    seen = []
     for line, row in rows.items():
         sound = {column: cell for column, cell in row.items() if (line, column) not in wrong}
         where = f"{home / TABLE}, row {line} ({row.get('sample', '?')})"
-        _check_row(home, sound, where, settings, result)
+        seen.append(_check_row(home, sound, where, settings, result))
+    result.doubts += compared(seen, Limits(**settings["plausibility"]))
+    result.faults = _for_their_rows(result.faults, seen)
+    result.doubts = _for_their_rows(result.doubts, seen)
     if not faults:
         _check_hold_out(home, list(rows.values()), settings, result)
     return result
+
+
+def _for_their_rows(messages: Sequence[str], seen: Sequence[Seen]) -> list[str]:
+    """Messages whose settings concern only the rows that they are of.
+
+    What is told to every row stays a setting of `records`; otherwise it becomes a block of
+    `formats`, named after the first of these rows. `loading` changes nothing where the platen
+    pulls.
+    """
+    setting = re.compile(r"`records: (\{.*\})`")
+    told: dict[str, list[str]] = {}
+    for message in messages:
+        for body in setting.findall(message):
+            told.setdefault(body, []).append(message)
+
+    def of_rows(body: str) -> str:
+        concerned = [one for one in seen if "loading" not in body or one.row.get("mode") in PRESSED]
+        theirs = [one for one in seen if any(m.startswith(one.where) for m in told[body])]
+        if all(one in theirs for one in concerned):
+            return f"`records: {body}`"
+        name = theirs[0].row["sample"]
+        return f"`formats: {{{name}: {body}}}` and write {name} into column format"
+
+    return [setting.sub(lambda found: of_rows(found[1]), message) for message in messages]
 
 
 def _check_hold_out(
@@ -118,7 +155,7 @@ def _settings(home: Path, result: Inspection) -> dict[str, Any]:
 
 def _check_row(
     home: Path, row: Mapping[str, str], where: str, settings: Mapping[str, Any], result: Inspection
-) -> None:
+) -> Seen:
     """Check the files of one sample; `row` holds its sound cells."""
 
     def attempt(column: str, step: Callable[[str], Any]) -> Any:
@@ -126,6 +163,7 @@ def _check_row(
         if column not in row:
             return None
         try:
+            _check_there(home, row[column], column)
             return step(str(home / row[column]))
         except SoftsampleError as error:
             result.faults += [f"{where}: {line}" for line in str(error).split("\n")]
@@ -133,15 +171,35 @@ def _check_row(
 
     result.found.append(f"{row.get('sample', '?')}: {row.get('mode', '?')}")
     image = attempt("image", lambda path: _image(path, result))
-    attempt("surface", lambda path: _surface(path, result))
+    names = (row.get("sample", ""), "sample")
+    mask = attempt("segmentation", lambda path: _mask(path, names, image)) if image else None
+    piece = None
+    if image and ("segmentation" not in row or mask is not None):
+        piece = attempt("image", lambda path: _glance(path, image, mask, row, settings, result))
+    surface = attempt("surface", lambda path: _surface(path, result))
     size = _size(row, result)
-    attempt("record", lambda path: _record(path, row, size, settings, result))
+    known = size or piece or surface
+    facts = attempt(
+        "record", lambda path: _record(path, row, (size, known), where, settings, result)
+    )
     if image:
-        result.found += _round(image, row)
-        names = (row.get("sample", ""), "sample")
-        attempt("segmentation", lambda path: _mask(path, names, image))
         attempt("bond_mask", lambda path: _glued(path, image))
         attempt("labels", lambda path: _labels(path, image, settings))
+    return Seen(where, row, facts, known)
+
+
+def _check_there(home: Path, name: str, column: str) -> None:
+    """Refuse a file that is not there; one of nearly the same name beside it is proposed."""
+    path = home / name
+    if path.exists():
+        return
+    beside = (
+        [str(p.relative_to(home)) for p in path.parent.glob("*")] if path.parent.is_dir() else []
+    )
+    same = [other for other in beside if other.lower() == name.lower()]
+    near = (same or difflib.get_close_matches(name, beside, n=1, cutoff=0.8))[:1]
+    cure = f"write {near[0]} into column {column}" if near else "correct its path in the table"
+    raise InputError(f"{path}: no such {column}; {cure}")
 
 
 def _image(path: str, result: Inspection) -> Volume:
@@ -155,52 +213,56 @@ def _image(path: str, result: Inspection) -> Volume:
     return volume
 
 
-def round_section(image: Volume, row: Mapping[str, str]) -> float:
-    """Circularity of the sample's section (`softsample.imaging.measure`), at a glance.
-
-    The image is cut at Otsu's threshold and coarsened, which is enough to tell a disc from a
-    rectangle, and takes no minutes as the segmentation does.
-
-    Raises
-    ------
-    SegmentationError
-        If no sample is seen that way.
-    """
-    data, affine = image
-    bright = data > threshold_otsu(data)
-    voxel = np.linalg.norm(affine[:3, :3], axis=0)
-    coarse = float(np.cbrt(np.count_nonzero(bright) * voxel.prod()) / GLANCE)
-    steps = [max(1, int(0.5 * coarse / size)) for size in voxel]
+def _glance(
+    path: str,
+    image: Volume,
+    mask: NDArray[np.float32] | None,
+    row: Mapping[str, str],
+    settings: Mapping[str, Any],
+    result: Inspection,
+) -> IdealShape:
+    """Segment an image at low resolution, and tell what is in it."""
     axes = {name: world_axis(row.get(name, default)) for name, default in DEFAULT_AXES.items()}
-    found = segmentation_from_mask(
-        bright[tuple(slice(None, None, step) for step in steps)],
-        affine @ np.diag([*map(float, steps), 1.0]),
-        SegmentationSettings(grid_spacing_mm=coarse),
-        **axes,
-    )
-    return circularity(found.distance, found.origin, found.spacing)
-
-
-def _round(image: Volume, row: Mapping[str, str]) -> Iterator[str]:
-    """What to say of a sample that looks round, where the table says no shape."""
     try:
-        roundness = 0.0 if "shape" in row else round_section(image, row)
-    except SoftsampleError:  # the segmentation looks more closely
-        return
-    if proposed_shape(roundness) == "cylinder":
+        seen = glance(
+            image[0] if mask is None else mask,
+            image[1],
+            SegmentationSettings(**settings["segmentation"]),
+            MeasurementSettings(**settings["measurement"]),
+            is_mask=mask is not None,
+            **axes,
+        )
+    except SoftsampleError as error:
+        raise InputError(f"{path}: {error}") from error
+    result.found += _told(seen, row)
+    return seen.shape
+
+
+def _told(seen: Glance, row: Mapping[str, str]) -> Iterator[str]:
+    """What was seen in an image, in words."""
+    shape, found = seen.shape, seen.found
+    size = " x ".join(f"{v / MM:.3g}" for v in (shape.length, shape.width, shape.height))
+    yield (
+        f"    sample of about {size} mm, {found.volume / MM**3:.4g} mm3, base tilted by "
+        f"{np.degrees(found.tilt):.1f} degrees{''.join(f'; {flag}' for flag in found.flags)}"
+    )
+    if shape.kind == "cylinder" and "shape" not in row:
         yield (
-            f"    its section looks round (circularity {roundness:.2f}): if it is, write cylinder "
-            "into column shape, so that it is idealised as one"
+            f"    its section looks round (circularity {seen.circularity:.2f}): if it is, write "
+            "cylinder into column shape, so that it is idealised as one"
         )
 
 
-def _surface(path: str, result: Inspection) -> None:
+def _surface(path: str, result: Inspection) -> IdealShape:
+    """Read a surface, and return the cuboid around it."""
     surface = read_surface(path)
-    extent = " x ".join(f"{size / MM:.4g}" for size in np.ptp(surface.points, axis=0))
+    edges = np.ptp(surface.points, axis=0)
+    extent = " x ".join(f"{size / MM:.4g}" for size in edges)
     result.found.append(
         f"  surface {path}: {len(surface.triangles)} triangles, {extent} mm, "
         f"{surface.volume / MM**3:.4g} mm3"
     )
+    return IdealShape("cuboid", *map(float, edges))
 
 
 def _size(row: Mapping[str, str], result: Inspection) -> IdealShape | None:
@@ -216,8 +278,8 @@ def _size(row: Mapping[str, str], result: Inspection) -> IdealShape | None:
     return shape
 
 
-def _mask(path: str, segments: Sequence[str], image: Volume) -> None:
-    on_grid_of(image, *read_image(path, segments), path)
+def _mask(path: str, segments: Sequence[str], image: Volume) -> NDArray[np.float32]:
+    return on_grid_of(image, *read_image(path, segments), path)
 
 
 def _glued(path: str, image: Volume) -> None:
@@ -239,19 +301,40 @@ def _labels(path: str, image: Volume, settings: Mapping[str, Any]) -> None:
 def _record(
     path: str,
     row: Mapping[str, str],
-    size: IdealShape | None,
+    sizes: tuple[IdealShape | None, IdealShape | None],
+    where: str,
     settings: Mapping[str, Any],
     result: Inspection,
-) -> None:
+) -> dict[str, Any] | None:
+    """Check a record; `sizes` are the dimensions that are stated, and those that are known."""
     given = RecordSettings(**record_settings(settings, row))
-    raw = read(path, given.columns, given.units, given.sheet)
+    raw = read(path, given.columns, given.units, given.sheet, given.block)
     result.found.append(f"  record {path}: {raw.reading['kind']}")
     result.found += [f"    {line}" for line in described(raw.reading)]
-    if "mode" in row:
-        schema, which = _schema("record"), resolved(row)["cycle"]
-        test = (raw.reading, row["mode"], given, schema, path, size, which)
-        _, facts = aligned_record(raw.table, *test)
-        result.found += [f"    {line}" for line in _aligned(facts)]
+    if "mode" not in row:
+        return None
+    schema, which = _schema("record"), resolved(row)["cycle"]
+    stated, known = sizes
+    test = (raw.reading, row["mode"], given, schema, path, stated, which)
+    _, facts = aligned_record(raw.table, *test)
+    result.found += [f"    {line}" for line in _aligned(facts)]
+    cells = {name: row[name] for name in ANY_DIMENSION if name in row} if stated else {}
+    limits = Limits(**settings["plausibility"])
+    own = [*doubts(facts, known, limits, cells, given.block)]
+    result.doubts += [f"{where}: {path}: {doubt}" for doubt in (*facts["warnings"], *own)]
+    result.doubts += [f"{where}: {path}: {doubt}" for doubt in _unused(facts, row)]
+    return facts | {"doubted": bool(own)}
+
+
+def _unused(facts: Mapping[str, Any], row: Mapping[str, str]) -> Iterator[str]:
+    """What to say of loadings after the calibrated one, if the table does not choose."""
+    count, chosen = facts["loadings"], facts["calibrated_loading"]
+    if chosen < count and "cycle" not in row:
+        yield (
+            f"loading {chosen} of {count} is calibrated, as the first that reaches the largest "
+            "displacement; if those before the last are preconditioning, write last into column "
+            "cycle (or first, if the first is right)"
+        )
 
 
 def _aligned(facts: Mapping[str, Any]) -> Iterator[str]:
@@ -279,6 +362,8 @@ def _aligned(facts: Mapping[str, Any]) -> Iterator[str]:
             f"loading {facts['calibrated_loading']} of {facts['loadings']} is calibrated; column "
             "cycle chooses another one"
         )
+    if facts["phases"][-1]["kind"] == "ramp":
+        yield "the record ends in its ramp: a hold or an unloading would tell more"
     if "strain" in facts:
         low, high = (100.0 * strain for strain in facts["strain"])
         bottom, top = (1e-3 * stress for stress in facts["stress_pa"])
@@ -286,4 +371,3 @@ def _aligned(facts: Mapping[str, Any]) -> Iterator[str]:
             f"nominal strain {low:z.3g} to {high:z.3g} %, nominal stress {bottom:.3g} to {top:.3g} "
             "kPa"
         )
-    yield from (f"warning: {warning}" for warning in facts["warnings"])

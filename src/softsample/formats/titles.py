@@ -1,0 +1,111 @@
+"""What titles of columns and units may be called: the one table that readers of records use.
+
+Synonyms of machines and languages go here, and `tests/unit/test_titles.py` reads each of them.
+"""
+
+from collections.abc import Iterable
+
+COLUMNS = {
+    "time": "time_s",
+    "displacement": "displacement_mm",
+    "strain": "strain",
+    "stretch": "stretch",
+    "force": "force_N",
+    "stress": "stress_Pa",
+    "force_normal": "force_normal_N",
+    "torque": "torque_Nmm",
+}
+"""The quantities of a record, and the columns that they are read into."""
+
+NAMES = {
+    "time": {
+        *("time", "zeit", "prüfzeit", "testzeit", "versuchszeit", "laufzeit", "temps", "tiempo"),
+        *("tempo", "elapsed", "runtime", "timestamp"),
+    },
+    "displacement": {
+        *("displacement", "disp", "displ", "extension", "compression", "travel", "stroke"),
+        *("position", "pos", "crosshead", "actuator", "separation", "elongation", "deflection"),
+        *("deformation", "gap", "weg", "verfahrweg", "kolbenweg", "prüfweg", "traverse"),
+        *("traversenweg", "traversenposition", "verlängerung", "verschiebung", "auslenkung"),
+        *("scherweg", "hub", "déplacement", "allongement", "course", "desplazamiento"),
+        *("spostamento",),
+    },
+    "force": {
+        *("force", "load", "kraft", "standardkraft", "prüfkraft", "zugkraft", "druckkraft"),
+        *("scherkraft", "last", "loadcell", "charge", "fuerza", "carga", "forza"),
+    },
+    "strain": {"strain", "dehnung", "stauchung", "scherung", "déformation", "deformación"},
+    "stretch": {"stretch", "lambda", "λ"},
+    "stress": {
+        *("stress", "spannung", "druckspannung", "zugspannung", "schubspannung", "contrainte"),
+        *("tensión", "esfuerzo"),
+    },
+}
+"""What a title may call a quantity, in lower case; a title may hold several of one set."""
+
+BESIDE = {
+    *("axial", "tensile", "compressive", "crosshead", "elapsed", "total", "test", "corrected"),
+    *("1", "cell", "channel", "engineering", "nominal", "shear", "grip", "actuator", "machine"),
+    *("platen", "plate", "applied", "measured", "actual", "digital", "primary", "ch1", "ch"),
+}
+"""Words of a title that do not change what it names."""
+
+COMPRESSIVE = ("compress", "druckkraft", "druckspannung", "stauchung")
+"""Parts of a title that say that compression is positive."""
+
+
+def _all(*spelled: tuple[Iterable[str], float]) -> dict[str, float]:
+    """Sizes of units by all of their spellings."""
+    return {name: size for names, size in spelled for name in names}
+
+
+_RATIO = (("1", "-", "mm/mm", "m/m", "in/in"), 1.0)
+
+UNITS = {
+    "time": _all(
+        (("s", "S", "sec", "Sec", "SEC", "secs", "second", "seconds", "Sekunden"), 1.0),
+        (("ms", "msec", "millisecond", "milliseconds"), 1e-3),
+        (("us", "µs", "μs"), 1e-6),
+        (("min", "Min", "minute", "minutes", "Minuten"), 60.0),
+        (("h", "hr", "hour", "hours"), 3600.0),
+    ),
+    "displacement": _all(
+        (("mm", "MM", "millimeter", "millimetre", "millimeters", "millimetres"), 1.0),
+        (("cm", "centimeter", "centimetre"), 10.0),
+        (("um", "µm", "μm", "micron", "microns", "micrometer", "micrometre"), 1e-3),
+        (("m", "meter", "metre"), 1e3),
+        (("nm",), 1e-6),
+        (("in", "inch", "inches"), 25.4),
+        (("mil", "mils", "thou"), 25.4e-3),
+    ),
+    "force": _all(
+        (("N", "Newton", "newton", "Newtons", "newtons"), 1.0),
+        (("mN",), 1e-3),
+        (("gf", "g", "gram", "grams", "p", "pond"), 9.80665e-3),
+        (("kN",), 1e3),
+        (("cN",), 1e-2),
+        (("uN", "µN", "μN"), 1e-6),
+        (("kgf", "kg", "kp"), 9.80665),
+        (("lbf", "lb", "lbs"), 4.4482216152605),
+        (("ozf",), 0.27801385095378125),
+        (("dyn", "dyne", "dynes"), 1e-5),
+    ),
+    "strain": _all(_RATIO, (("%", "percent", "Prozent"), 1e-2)),
+    "stretch": _all(_RATIO),
+    "stress": _all(
+        (("Pa", "N/m2", "N/m²", "N/m^2"), 1.0),
+        (("kPa", "KPa", "kN/m2", "kN/m²", "kN/m^2"), 1e3),
+        (("MPa", "N/mm2", "N/mm²", "N/mm^2"), 1e6),
+        (("psi",), 6894.757293168361),
+    ),
+    "torque": _all(
+        (("Nmm", "N mm", "N·mm", "N*mm", "N.mm", "mNm", "mN m", "mN·m"), 1.0),
+        (("Nm", "N m", "N·m", "N*m", "N.m"), 1e3),
+        (("uNm", "µNm", "μNm", "uN m", "µN m", "µN·m"), 1e-3),
+    ),
+}
+UNITS["force_normal"] = UNITS["force"]
+"""Units by quantity, upper and lower case as they are written, and their size in ours.
+
+Those that are likelier to be mistaken for ours come first, as `check` proposes them in this order.
+"""

@@ -1,0 +1,231 @@
+"""Whether a test can be what its file says: one set of limits, and the unit that would explain it.
+
+Nothing is refused here: what lies outside is doubted, with the cure that is likeliest, and with
+the setting that accepts it if it is right.
+"""
+
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass
+from decimal import Decimal
+from typing import Any, Protocol
+
+from softsample.errors import as_setting, records_setting
+from softsample.formats.titles import COLUMNS, UNITS
+
+MM = 1e-3
+
+USUAL_MM, USUAL_N = 100.0, 100.0
+"""Largest displacement and force that go without a word if no dimensions are known."""
+
+LENGTHS = {"cm": 10.0, "m": 1e3, "inches": 25.4}
+"""Units that dimensions may have been written in, and their size in mm."""
+
+
+@dataclass(frozen=True)
+class Limits:
+    """What goes without a word: the config section `plausibility`; lower and upper ends.
+
+    Parameters
+    ----------
+    strain
+        Nominal strain at the end of the calibrated loading, displacement over height.
+    strain_rate_per_s
+        That strain over the time of its ramps [1/s].
+    stiffness_pa
+        Nominal stress over strain at the peak [Pa].
+    sampling_hz
+        Samples per second.
+    stiffness_ratio, volume_ratio, strain_ratio
+        A sample against the median of the study's others: stiffness and strain in its mode, and
+        volume; either way.
+    """
+
+    strain: tuple[float, float]
+    strain_rate_per_s: tuple[float, float]
+    stiffness_pa: tuple[float, float]
+    sampling_hz: tuple[float, float]
+    stiffness_ratio: float
+    volume_ratio: float
+    strain_ratio: float
+
+
+class Sized(Protocol):
+    """A sample whose dimensions are known, such as a `softsample.shapes.IdealShape`."""
+
+    @property
+    def area(self) -> float:
+        """Area of its section [m2]."""
+
+    @property
+    def height(self) -> float:
+        """Distance of the platens [m]."""
+
+
+WORDS = {
+    "strain": ("strain of {0:.3g} %", 100.0),
+    "strain_rate_per_s": ("strain rate of {0:.3g} per s", 1.0),
+    "stiffness_pa": ("stress over strain of {0:.3g} kPa", 1e-3),
+    "sampling_hz": ("{0:.3g} samples per s", 1.0),
+}
+"""How each quantity is told, and its size in the unit of these words."""
+
+
+def figures(facts: Mapping[str, Any], size: Sized | None) -> dict[str, float]:
+    """What `Limits` bounds, of a record; without dimensions and time only what needs none.
+
+    Parameters
+    ----------
+    facts
+        Of `softsample.records.aligned_record`.
+    size
+        Dimensions of the sample, if they are known.
+    """
+    found = {"sampling_hz": facts["sampling_rate_hz"]}
+    if size is not None:
+        strain = abs(facts["travel_mm"]) * MM / size.height
+        force = abs(facts["peak_force_N"] - (facts["force_offset_N"] or 0.0))
+        speed = facts["ramp_speed_mm_s"]
+        found["strain"] = strain
+        found["strain_rate_per_s"] = None if speed is None else speed * MM / size.height
+        found["stiffness_pa"] = force / size.area / strain
+    return {name: value for name, value in found.items() if value is not None}
+
+
+def doubts(
+    facts: Mapping[str, Any],
+    size: Sized | None,
+    limits: Limits,
+    dimensions: Mapping[str, str] | None = None,
+    block: str = "",
+) -> Iterator[str]:
+    """What may be written in another unit than it is read in.
+
+    Parameters
+    ----------
+    facts, size
+        As of `figures`.
+    limits
+        What goes without a word.
+    dimensions
+        Cells of the study table that state dimensions, if there are any.
+    block
+        Name of the block of `formats` that the record is read by.
+
+    Yields
+    ------
+    str
+        Value, limits, and cure.
+    """
+    values = figures(facts, size)
+    outside = _outside(values, limits)
+    if outside:
+        told = ", ".join(WORDS[name][0].format(WORDS[name][1] * values[name]) for name in outside)
+        accepted = {name: _widened(getattr(limits, name), values[name]) for name in outside}
+        cure = next(_explained(facts, values, limits, dimensions or {}, block), "")
+        sized = size if {*outside} - {"sampling_hz"} else None
+        yield (
+            f"{told}{_of(sized)}: is a unit or a dimension wrong? {cure}If it is right, set "
+            f"{as_setting({'plausibility': accepted})}"
+        )
+    if size is None:
+        yield from _large(facts)
+
+
+def _large(facts: Mapping[str, Any]) -> Iterator[str]:
+    """What is large for any sample."""
+    far = max(abs(facts["travel_mm"]), abs(facts["travel_mm"] + facts["ramp_start_mm"]))
+    if far > USUAL_MM:
+        yield f"displacement of {far:.4g} mm; was it written in another unit?"
+    if abs(facts["peak_force_N"]) > USUAL_N:
+        yield f"force of {abs(facts['peak_force_N']):.4g} N; was it written in mN or g?"
+
+
+def _of(size: Sized | None) -> str:
+    if size is None:
+        return ""
+    return f" at a height of {size.height / MM:.4g} mm and {size.area / MM**2:.4g} mm2"
+
+
+def _outside(values: Mapping[str, float], limits: Limits) -> list[str]:
+    """Quantities beyond their limits."""
+    bounds = {name: getattr(limits, name) for name in values}
+    return [name for name, (low, high) in bounds.items() if not low <= values[name] <= high]
+
+
+def _widened(bounds: tuple[float, float], value: float) -> list[float]:
+    """Limits that a value is within, with a digit or two."""
+    low, high = (_rounded(value, factor) for factor in (0.8, 1.25))
+    return [min(bounds[0], low), max(bounds[1], high)]
+
+
+def _rounded(value: float, factor: float) -> float:
+    return float(f"{factor * value:.2g}")
+
+
+POWERS = {
+    "displacement": {"strain": 1, "strain_rate_per_s": 1, "stiffness_pa": -1},
+    "size": {"strain": -1, "strain_rate_per_s": -1, "stiffness_pa": -1},
+    "force": {"stiffness_pa": 1},
+    "time": {"strain_rate_per_s": -1, "sampling_hz": -1},
+}
+"""Power of each figure in the scale of displacement, dimensions, force and time."""
+
+STANDS_FOR = {"strain": "displacement", "stress": "force"}
+"""Quantities of a file that scale as others."""
+
+
+def _explained(
+    facts: Mapping[str, Any],
+    values: Mapping[str, float],
+    limits: Limits,
+    dimensions: Mapping[str, str],
+    block: str,
+) -> Iterator[str]:
+    """Cures with which every figure would be plausible, the likeliest first."""
+
+    def fits(what: str, factor: float) -> bool:
+        powers = POWERS[what]
+        scaled = {name: v * factor ** powers.get(name, 0) for name, v in values.items()}
+        return not _outside(scaled, limits)
+
+    columns = facts["reading"].get("columns", {})
+    by_quantity = {name: columns[title] for name, title in COLUMNS.items() if title in columns}
+    for what in ("displacement", "size", "force", "time"):
+        if what == "size":
+            yield from (
+                f"If the dimensions are in {unit}, {_cells(dimensions, factor)}. "
+                for unit, factor in LENGTHS.items()
+                if dimensions and fits(what, factor)
+            )
+        for quantity, column in by_quantity.items():
+            if STANDS_FOR.get(quantity, quantity) != what:
+                continue
+            for factor, unit in _units(quantity).items():
+                if factor != column["factor"] and fits(what, factor / column["factor"]):
+                    cure = _retitled(quantity, column, unit, block)
+                    yield f"If {quantity} is in {unit}, {cure}. "
+
+
+def _units(quantity: str) -> dict[float, str]:
+    """The first name of each unit of a quantity, by its size."""
+    found: dict[float, str] = {}
+    for name, size in UNITS[quantity].items():
+        found.setdefault(size, name)
+    return found
+
+
+def _cells(dimensions: Mapping[str, str], factor: float) -> str:
+    """Cells of the study table with a factor."""
+    sizes = {name: Decimal(cell) * Decimal(str(factor)) for name, cell in dimensions.items()}
+    return " and ".join(
+        f"write {size.normalize():f} into column {name}" for name, size in sizes.items()
+    )
+
+
+def _retitled(quantity: str, column: Mapping[str, Any], unit: str, block: str) -> str:
+    """How to say that a column of a file has another unit than it is read in."""
+    if column["unit_from"] == "settings":
+        return f"set {records_setting({'units': {quantity: unit}}, block)}"
+    old = column["title"] if column["unit_from"] == "title" else column["unit"]
+    new = unit.join(old.rsplit(column["unit"], 1))
+    return f"write {new!r} in place of {old!r} in line {column['unit_line']}"

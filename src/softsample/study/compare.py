@@ -1,0 +1,135 @@
+"""Samples of a study against each other: what fits its own file, but none of the others."""
+
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass
+from typing import Any
+
+from softsample.plausibility import Limits, figures
+from softsample.shapes import IdealShape
+
+MM = 1e-3
+
+FEWEST = 2
+"""Samples of other groups that one is compared with."""
+
+
+@dataclass(frozen=True)
+class Seen:
+    """A row of the study table with what was seen in its files.
+
+    Parameters
+    ----------
+    where : str
+        Table, row and sample, for messages.
+    row : dict
+        Its sound cells.
+    facts : dict or None
+        Of its record, with `doubted`: whether it is doubted by itself.
+    size : IdealShape or None
+        About as large as the sample.
+    """
+
+    where: str
+    row: Mapping[str, str]
+    facts: Mapping[str, Any] | None
+    size: IdealShape | None
+
+    @property
+    def figures(self) -> dict[str, float]:
+        """`volume_mm3`, and those of `softsample.plausibility`; none if doubted already."""
+        if self.size is None or (self.facts and self.facts["doubted"]):
+            return {}
+        of_record = figures(self.facts, self.size) if self.facts else {}
+        return of_record | {"volume_mm3": self.size.volume / MM**3}
+
+
+def compared(seen: Sequence[Seen], limits: Limits) -> Iterator[str]:
+    """What tells a sample from all others of its group, or of the study if it is alone there."""
+    yield from _same_file(seen)
+    for one in seen:
+        others = [other for other in seen if other is not one]
+        yield from _volume(one, others, limits.volume_ratio)
+        alike = [other for other in others if other.row.get("mode") == one.row.get("mode")]
+        yield from _stiffness(one, alike, limits.stiffness_ratio)
+        yield from _cut_off(one, alike, limits.strain_ratio)
+
+
+def _ratios(one: Seen, others: Sequence[Seen], name: str) -> tuple[float, list[float]]:
+    """A figure of a sample, and how many times that of each other one it is."""
+    own = one.figures.get(name, 0.0)
+    close = [other for other in others if other.row.get("group") == one.row.get("group")]
+    if not close and len(others) < FEWEST:
+        return own, []
+    values = [other.figures.get(name, 0.0) for other in close or others]
+    return own, [own / other for other in values if other and own]
+
+
+def _far(ratios: Sequence[float], limit: float) -> bool:
+    """Whether all others are far away, on the same side."""
+    return bool(ratios) and (min(ratios) > limit or max(ratios) < 1.0 / limit)
+
+
+def _volume(one: Seen, others: Sequence[Seen], limit: float) -> Iterator[str]:
+    own, ratios = _ratios(one, others, "volume_mm3")
+    if _far(ratios, limit):
+        yield (
+            f"{one.where}: a sample of about {own:.3g} mm3, {_times(ratios)} the others' "
+            "volume; is it the right file, and are voxels and dimensions in mm? If it is right, "
+            f"set `plausibility: {{volume_ratio: {_accepted(ratios):g}}}`"
+        )
+
+
+def _stiffness(one: Seen, others: Sequence[Seen], limit: float) -> Iterator[str]:
+    own, ratios = _ratios(one, others, "stiffness_pa")
+    if _far(ratios, limit):
+        yield (
+            f"{one.where}: stress over strain of {1e-3 * own:.3g} kPa, {_times(ratios)} the "
+            "others' in this mode; is it the right record, with the right units? If it is right, "
+            f"set `plausibility: {{stiffness_ratio: {_accepted(ratios):g}}}`"
+        )
+
+
+def _cut_off(one: Seen, others: Sequence[Seen], limit: float) -> Iterator[str]:
+    own, ratios = _ratios(one, others, "strain")
+    in_ramp = one.facts is not None and one.facts["phases"][-1]["kind"] == "ramp"
+    if ratios and max(ratios) < 1.0 / limit and in_ramp:
+        yield (
+            f"{one.where}: the record ends in its ramp, at a strain of {100.0 * own:.3g} %, "
+            f"{_times(ratios)} the others' in this mode; was it cut off? Export the whole test. If "
+            f"it is whole, set `plausibility: {{strain_ratio: {_accepted(ratios):g}}}`"
+        )
+
+
+def _times(ratios: Sequence[float]) -> str:
+    low, high = (f"{end:.2g}" for end in (min(ratios), max(ratios)))
+    return f"{low} times" if low == high else f"{low} to {high} times"
+
+
+def _accepted(ratios: Sequence[float]) -> float:
+    """A limit with which the nearest of the others is near enough."""
+    nearest = min(max(ratio, 1.0 / ratio) for ratio in ratios)
+    return float(f"{1.25 * nearest:.2g}")
+
+
+def _same_file(seen: Sequence[Seen]) -> Iterator[str]:
+    """Files that stand in several rows, and should not."""
+    for column in ("record", "image", "surface"):
+        first: dict[str, Seen] = {}
+        for one in seen:
+            name = one.row.get(column, "")
+            other = first.setdefault(name, one) if name else one
+            if other is one or (column != "record" and _piece(one) == _piece(other)):
+                continue
+            cure = (
+                "give each test its own file"
+                if column == "record"
+                else f"if it is the same piece, write {_piece(other)} into column specimen"
+            )
+            yield (
+                f"{one.where}, column {column!r}: {name} stands in the row of "
+                f"{other.row.get('sample', '?')} already; {cure}"
+            )
+
+
+def _piece(one: Seen) -> str:
+    return one.row.get("specimen", one.row.get("sample", "?"))

@@ -1,0 +1,97 @@
+"""Limits of what goes without a word, and the units that would explain what lies beyond."""
+
+import re
+from pathlib import Path
+from typing import NamedTuple
+
+import pytest
+import yaml
+
+from softsample.io import read_yaml
+from softsample.plausibility import Limits, doubts
+
+ROOT = Path(__file__).resolve().parents[2]
+SECTION = read_yaml(ROOT / "config/config.yaml")["plausibility"]
+LIMITS = Limits(**SECTION)
+
+
+class Size(NamedTuple):
+    """100 mm2 and 10 mm."""
+
+    area: float = 1e-4
+    height: float = 10e-3
+
+
+def facts(way=2.0, force=0.5, seconds=10.0, rate=50.0, **columns):
+    read = {"time_s": ("time_s", "s"), "displacement_mm": ("displacement_mm", "mm")}
+    read |= {"force_N": ("Load [N]", "N")} | columns
+    return {
+        "travel_mm": -way,
+        "ramp_start_mm": 0.0,
+        "peak_force_N": -force,
+        "force_offset_N": None,
+        "ramp_speed_mm_s": way / seconds,
+        "sampling_rate_hz": rate,
+        "reading": {
+            "columns": {
+                name: {"title": t, "unit": u, "factor": 1.0, "unit_from": "title", "unit_line": 3}
+                for name, (t, u) in read.items()
+            }
+        },
+    }
+
+
+CASES = {
+    "sound": (facts(), None, None),
+    "displacement in cm": (
+        facts(way=0.2),
+        "strain of 2 % at a height of 10 mm",
+        "in cm, write 'displacement_cm' in place of 'displacement_mm' in line 3",
+    ),
+    "displacement in um": (facts(way=2000.0), "strain of 2e.04 %", "'displacement_um' in place"),
+    "force in mN": (facts(force=500.0), "2.5e.04 kPa", "'Load .mN.' in place of 'Load .N.'"),
+    "force in kN": (facts(force=5e-6), "0.00025 kPa", "'Load .kN.' in place of"),
+    "time in ms": (facts(seconds=1e4, rate=0.05), "0.05 samples per s", "'time_ms' in place of"),
+    "time in min": (facts(seconds=0.01, rate=3e3), "rate of 20 per s", "'time_min' in place of"),
+    "nothing explains it": (facts(way=0.2, force=5e6), "strain of 2 %, stress over", None),
+}
+
+
+@pytest.mark.parametrize("name", CASES)
+def test_what_may_be_in_another_unit_is_doubted_with_the_likeliest_cure(name):
+    given, value, cure = CASES[name]
+    found = [*doubts(given, Size(), LIMITS)]
+    assert len(found) == (value is not None)
+    for doubt in found:
+        assert re.search(value, doubt)
+        assert (cure is None) == (" in place of " not in doubt)
+        assert cure is None or re.search(cure, doubt)
+
+
+@pytest.mark.parametrize("name", [name for name in CASES if CASES[name][1]])
+def test_what_is_right_is_accepted_by_the_setting_that_is_told(name):
+    given = CASES[name][0]
+    (doubt,) = doubts(given, Size(), LIMITS)
+    accepted = yaml.safe_load(doubt.split("set `")[-1].split("`")[0])["plausibility"]
+    assert [*doubts(given, Size(), Limits(**SECTION | accepted))] == []
+
+
+def test_dimensions_in_centimetres_are_told_as_cells_of_the_table():
+    small = Size(1e-6, 1e-3)
+    (doubt,) = doubts(facts(), small, LIMITS, {"diameter_mm": "1.1", "height_mm": "1"})
+    assert "write 11 into column diameter_mm and write 10 into column height_mm" in doubt
+
+
+def test_a_unit_of_the_settings_is_changed_there():
+    given = facts(force=500.0)
+    given["reading"]["columns"]["force_N"]["unit_from"] = "settings"
+    (doubt,) = doubts(given, Size(), LIMITS, block="press")
+    assert "set `formats: {press: {units: {force: mN}}}`" in doubt
+
+
+def test_without_dimensions_only_what_is_large_for_any_sample_is_doubted():
+    assert [*doubts(facts(), None, LIMITS)] == []
+    (far,) = doubts(facts(way=120.0), None, LIMITS)
+    assert "displacement of 120 mm; was it written in another unit" in far
+    (strong,) = doubts(facts(force=200.0), None, LIMITS)
+    assert "force of 200 N; was it written in mN or g" in strong

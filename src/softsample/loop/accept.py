@@ -59,8 +59,8 @@ def objection_to(
     """Why a selection is no explanation; empty if it is one.
 
     The same for every study: what is left is not far above the floor, unless the effects take most
-    of what folds leave out; no size was driven to the end of its range, the modulus stays known, and what folds leave out of the fitted records is no
-    less likely with the effects than without.
+    of what folds leave out; no size was driven to the end of its range, the modulus stays known,
+    and what folds leave out of the fitted records is no less likely with the effects than without.
     """
     refused, named = selection.steps[-1].refused, bool(selection.final.model.effects)
     if refused and not named:

@@ -92,9 +92,9 @@ def _scaled(problem: Problem, fit: Fit) -> Problem:
     ])  # fmt: skip
 
 
-def settled(problem: Problem, fit: Fit) -> tuple[Problem, Fit]:
+def settled(problem: Problem, fit: Fit, rounds: int = ROUNDS) -> tuple[Problem, Fit]:
     """Sizes of the discrepancy about a fit, and the fit with these."""
-    for _ in range(ROUNDS if problem.spread > 1.0 else 0):
+    for _ in range(rounds if problem.spread > 1.0 else 0):
         problem = estimated(problem, fit)
         fit = problem.fit(fit.model, fit.state)
     return problem, fit

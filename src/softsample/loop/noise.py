@@ -2,6 +2,7 @@
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
 from numpy.typing import NDArray
@@ -206,7 +207,8 @@ def covariances(
     known += noise.slow**2 * np.exp(-lag / settings.correlation_s)
     known += along(100.0 * specimen.elastic.grain, np.exp(-0.5 * (apart / GRAIN_LENGTH) ** 2))
     scale = 0.01 * settings.scale_percent * model
-    smooth = np.exp(-0.5 * (apart / settings.floor_length) ** 2)
+    steps = np.sqrt(3.0) * np.abs(apart) / settings.floor_length
+    smooth = (1.0 + steps) * np.exp(-steps)  # has a slope, but need not bend smoothly
     return known, {
         "smooth": along(settings.floor_percent, smooth),
         "rough": along(settings.fine_percent, np.exp(-np.abs(apart) / settings.fine_length)),
@@ -244,11 +246,15 @@ class Whitener:
         self.keep = np.ones(len(known), bool) if keep is None else keep
         self.known, self.discrepancy = known, dict(discrepancy or {})
         self.variances = dict.fromkeys(self.discrepancy, 1.0) | dict(variances or {})
-        part = self.kept(known)
+
+    @cached_property
+    def _factor(self) -> Array:
+        """Cholesky factor of the covariance of the blocks that count."""
+        part = self.kept(self.known)
         for name, matrix in self.discrepancy.items():
             part += self.variances[name] * self.kept(matrix)
         part += 1e-12 * np.trace(part) / max(len(part), 1) * np.eye(len(part))
-        self._factor = cholesky(part, lower=True, overwrite_a=True, check_finite=False)
+        return np.asarray(cholesky(part, lower=True, overwrite_a=True, check_finite=False))
 
     def kept(self, matrix: Array) -> Array:
         """Part of a matrix (n, n) that is of the blocks that count, as a copy."""

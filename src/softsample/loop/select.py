@@ -25,6 +25,9 @@ from softsample.loop.screen import (
 Array = NDArray[np.float64]
 
 
+ALIKE = 10
+"""Blocks over which what another law changes is alike."""
+
 PROMISING = 0.1
 """Candidates whose linear gain is below this part of the best one's, or of the threshold, are not
 fitted."""
@@ -177,7 +180,7 @@ def select(problem: Problem, effects: Sequence[Effect], settings: SelectionSetti
     search.forward()
     if search.exchange():
         search.forward()
-    final, fit = settled(search.doubting, search.current)
+    final, fit = search.within_ranges()
     return Selection(
         final,
         first.settled,
@@ -213,9 +216,9 @@ class _Round:
     @classmethod
     def of(cls, problem: Problem, current: Fit) -> Self:
         """About a fit."""
-        posed, base = settled(problem, current)
+        posed, base = settled(problem, current, 1)
         if not current.model.effects:  # what a larger discrepancy makes of other materials
-            posed, base = settled(posed, posed.fit_material())
+            posed, base = settled(posed, posed.fit_material(), 1)
         sharp = posed.with_variances({k: min(1.0, v) for k, v in posed.variances.items()})
         return cls(posed, base, sharp, sharp.fit(base.model, base.state))
 
@@ -256,6 +259,16 @@ class _Search:
                 self._take(problem, others, step.chosen, step.members)
                 return True
         return False
+
+    def within_ranges(self) -> tuple[Problem, Fit]:
+        """What was chosen with the most likely sizes, less what others drive to its end."""
+        problem, fit = settled(self.doubting, self.current)
+        while len(self.classes) > 1 and (at_end := driven_to_an_end(fit)):
+            name, _, _ = at_end.partition(".")
+            del self.classes[name]
+            problem, fit = settled(*self._doubting_others(name))
+            self.current = fit
+        return problem, fit
 
     def _round(self, problem: Problem, current: Fit) -> Step:
         open_effects = [e for e in self.library if e.name not in current.model.names]
@@ -309,15 +322,17 @@ def _round(
     )
     candidates, before = [], here.settled.misfit(here.base)
     best_gain = max((gain for gain, _ in ranked), default=0.0)
+    smooth = _smooth_excess(problem.by_test(current.white[:-1]))
     for place, (gain, signature) in enumerate(ranked):
         promising = place < settings.refits and gain >= PROMISING * max(best_gain, threshold)
         shown = signature.strength >= LEAST_SIGNATURE
-        far = signature.effect.idealised or signature.effect.starts  # a linear gain says little
+        # of these a linear gain says little, but not more than the smooth residual can be gained
+        far = signature.effect.idealised or (signature.effect.starts and smooth >= threshold)
         if not shown or not (promising or far):
             continue
         fit = _joint(problem, current, signature)
         doubting = problem.doubting(fit, settings.form_doubt, settings.form_time_s)
-        models = (settled(problem, fit), settled(doubting, fit))
+        models = (settled(problem, fit, 1), settled(doubting, fit, 1))
         left, likely = min(((p.misfit(own), own) for p, own in models), key=lambda pair: pair[0])
         gain, evidence = current.cost - fit.cost, before - left - penalty(signature.effect, n)
         candidates.append(Candidate(signature.effect.name, fit, likely, gain, evidence))
@@ -347,6 +362,15 @@ def _round(
     return Step(threshold, candidates, best, members, refused)
 
 
+def _smooth_excess(white: Sequence[Array]) -> float:
+    """Sum of squares of what is alike in neighbours of white residuals, beyond that of noise."""
+    excess = 0.0
+    for part in white:
+        groups = np.array_split(part, max(1, len(part) // ALIKE))
+        excess += sum(float(g.sum()) ** 2 / max(len(g), 1) - 1.0 for g in groups)
+    return excess
+
+
 def _without(here: _Round, candidate: Candidate) -> float:
     """Misfit without a candidate, from the material that it has found.
 
@@ -355,7 +379,7 @@ def _without(here: _Round, candidate: Candidate) -> float:
     state = candidate.settled.state
     values = {name: state.values[name] for name in here.current.model.names}
     fit = here.problem.fit(here.current.model, replace(state, values=values))
-    posed, likely = settled(here.problem, fit)
+    posed, likely = settled(here.problem, fit, 1)
     return posed.misfit(likely)
 
 

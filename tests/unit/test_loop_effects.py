@@ -239,7 +239,7 @@ def test_effects_on_constants_depart_from_those_of_the_model(nu, specimens):
         "poisson_0.02_less": (ratio, {"nu": nu - 0.02}),
         "poisson_0.04_less": (ratio, {"nu": nu - 0.04}),
     }
-    for specimen in specimens:
+    for specimen in (s for s in specimens if s.elastic.laws):
         laws = replace(specimen.elastic.laws, alpha=solid.alpha, poisson_ratio=nu)
         elastic = replace(specimen.elastic, poisson_ratio=nu, laws=laws)
         specimen = replace(specimen, elastic=elastic)

@@ -17,6 +17,7 @@ from softsample.loop.specimen import FORCE, NORMAL, Specimen
 from softsample.records import Record
 from softsample.response.curves import ResponseCurves, before_zero
 from softsample.response.elastic import Elastic
+from softsample.shapes import IdealShape
 
 EFFECTS = library()
 MU, AREA, LENGTH = 500.0, 2e-4, 1e-2
@@ -284,7 +285,8 @@ def test_the_force_of_the_same_record_is_the_partner_of_its_normal_force():
     forces = {"force_per_mu_mm2": 1e6 * area("shear", travel), "normal_force_per_mu_mm2": travel}
     curves = pd.DataFrame(table | forces)
     row = {"sample": "A", "mode": "shear"}
-    along, normal = specimens_of(row, record, (curves, [], 0.49, None), LENGTH, [])
+    shape = IdealShape("cuboid", LENGTH, LENGTH, LENGTH)
+    along, normal = specimens_of(row, record, (curves, [], SOLID, None), shape, [])
     assert (along.channel, normal.channel) == (FORCE, NORMAL)
     assert (along.partner, normal.partner) == (None, along)
 

@@ -16,9 +16,10 @@ from softsample.constitutive.material import Material, Term
 from softsample.constitutive.ogden import Fibres, OgdenMaterial
 from softsample.fem.boundary import Boundary, platen_boundary
 from softsample.loop.diagnose import LoopSettings, pose
+from softsample.loop.discrepancy import settled
 from softsample.loop.effects import library
 from softsample.loop.effects.base import Effect, Values
-from softsample.loop.fit import Fit
+from softsample.loop.fit import Fit, Problem
 from softsample.loop.model import Model, State
 from softsample.loop.screen import penalty
 from softsample.loop.specimen import Specimen
@@ -169,7 +170,7 @@ def confirmations(
     """
     problem, _ = pose(specimens, settings.noise)
     base = problem.fit_material()
-    rows = []
+    before, rows = _left(problem, base), []
     for name, values in sizes.items():
         effect = effects[name]
         scaled = _fitted(problem.fit, effect, base, values)
@@ -186,7 +187,7 @@ def confirmations(
             )
         ]
         evidence, confirmed = (
-            base.cost - fit.cost - penalty(effect, len(base.white)) for fit in (scaled, run)
+            before - _left(problem, fit) - penalty(effect, len(base.white)) for fit in (scaled, run)
         )
         rows.append(
             (
@@ -202,6 +203,12 @@ def confirmations(
             )
         )
     return pd.DataFrame(rows, columns=list(COLUMNS))
+
+
+def _left(problem: Problem, fit: Fit) -> float:
+    """Misfit with the most likely sizes of the discrepancy."""
+    posed, likely = settled(problem, fit)
+    return posed.misfit(likely)
 
 
 def at_size(name: str) -> str:

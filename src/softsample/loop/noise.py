@@ -42,7 +42,7 @@ class NoiseSettings:
         sticks and slips.
     history_percent : float
         The same for error that changes in the course of a test too, so that loading and unloading
-        differ; its correlation time is a quarter of the record.
+        differ; its correlation time is a quarter of what is fitted of the record.
     scale_percent : float
         Standard deviation of the scale of each test [%]: element type, volume, glued area.
     contact_zero_mm : float
@@ -207,12 +207,14 @@ def covariances(
     known += noise.slow**2 * np.exp(-lag / settings.correlation_s)
     known += along(100.0 * specimen.elastic.grain, np.exp(-0.5 * (apart / GRAIN_LENGTH) ** 2))
     scale = 0.01 * settings.scale_percent * model
+    fitted = blocks(specimen.held_out.astype(float), size) == 0.0
+    course = max(float(np.ptp(time[fitted])), 1e-9) if fitted.any() else 1.0
     steps = np.sqrt(3.0) * np.abs(apart) / settings.floor_length
     smooth = (1.0 + steps) * np.exp(-steps)  # has a slope, but need not bend smoothly
     return known, {
         "smooth": along(settings.floor_percent, smooth),
         "rough": along(settings.fine_percent, np.exp(-np.abs(apart) / settings.fine_length)),
-        "history": along(settings.history_percent, smooth * np.exp(-4.0 * lag / lag.max())),
+        "history": along(settings.history_percent, smooth * np.exp(-4.0 * lag / course)),
         "scale": np.outer(scale, scale),
     }
 

@@ -1,7 +1,7 @@
 """How large the error is that a model leaves: variances estimated from the records.
 
 The residual of a fit is a sum of the cell's noise and of errors whose correlation is known and
-whose size is not. The sizes have log-normal priors about those of the settings; the most likely
+whose size is not. The sizes have log-normal priors about those of the settings. The most likely
 ones are those of the restricted likelihood, which allows for what the fit has taken away.
 
 References
@@ -37,6 +37,10 @@ FURTHEST = 4.0
 
 FIXED_THERE = 1e12
 """Precision of a parameter at the end of its range: the fit takes nothing away with it."""
+
+FREE = ("rough",)
+"""Parts that may be smaller than in the settings. The others stand for errors of geometry, mesh
+and element type: these may lie along what another law does, where no record can show them."""
 
 NOTHING = 1e-12
 """Precision of a parameter without prior, as a part of that of the records."""
@@ -76,7 +80,7 @@ def estimated(problem: Problem, fit: Fit) -> Problem:
     start = [0.5 * np.log(here[name]) for name in names]
     found = minimize(
         _restricted, start, (tests, prior, width), jac=True, method="L-BFGS-B",
-        bounds=[(-FURTHEST * width, FURTHEST * width)] * len(names),
+        bounds=[(width * (-FURTHEST if name in FREE else 0.0), width * FURTHEST) for name in names],
         options={"maxiter": 30, "ftol": 1e-6},
     )  # fmt: skip
     variances = dict(zip(names, np.exp(2.0 * found.x).tolist(), strict=True))

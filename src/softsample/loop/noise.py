@@ -51,8 +51,9 @@ class NoiseSettings:
     poisson_ratio : float
         Standard deviation of the Poisson's ratio about that of the model; all tests share it.
     spread : float
-        Factor by which floor, rough error, history and scale may differ from the sizes above, one
-        standard deviation: they are estimated from the records. 1 takes them as they are.
+        Factor by which floor, history and scale may be larger than the sizes above, and the rough
+        error larger or smaller, one standard deviation: they are estimated from the records. 1
+        takes them as they are.
     """
 
     block_s: float = 0.2

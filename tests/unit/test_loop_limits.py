@@ -8,6 +8,8 @@ import pytest
 import laboratory
 from softsample.loop.diagnose import LoopSettings, diagnose, report
 from softsample.loop.effects import library
+from softsample.loop.model import Model, State
+from softsample.loop.page import page
 from softsample.response.curves import ResponseCurves
 
 SETTINGS = LoopSettings()
@@ -67,3 +69,26 @@ def test_what_is_beyond_its_limit_is_seen_and_what_is_below_is_not(name, part, s
     }[name]
     found = of([name], laboratory.Lab(seed=7, **planted))
     assert list(found.selection.classes) == ([name] if seen else [])
+
+
+def test_the_modulus_to_quote_allows_for_what_would_not_have_been_seen(nothing):
+    """A Poisson's ratio at its limit: the plain fit to its exact record is off by as much."""
+    found = of(("poisson_ratio", "force_offset"), laboratory.Lab(seed=6))
+    verdict = report(found, SETTINGS)
+    limit, mu = verdict["detection_limits"]["poisson_ratio"], verdict["theta_after"]["mu"]
+    effect = library()["poisson_ratio"]
+    (nu,) = effect.parameters
+    size = nu.neutral + np.sign(nu.nominal - nu.neutral) * limit["value"]
+    plain = State(found.final.state.material)
+    model, state = Model((effect,)), replace(plain, values={effect.name: {"nu": size}})
+    problem = found.selection.plain
+    fit = problem.with_forces(problem.predicted(model, state)).fit(Model(), plain)
+    factor = fit.state.material.mu / plain.material.mu
+    assert limit["modulus_percent"] == pytest.approx(100.0 * (factor - 1.0), abs=0.05)
+    assert abs(factor - 1.0) > 0.005
+    quoted = verdict["recommended"]
+    assert quoted["mu"]["value"] == mu["value"]
+    assert quoted["widened_by"] == ["poisson_ratio"]
+    assert quoted["mu"]["low"] <= mu["low"] / max(1.0, factor) * (1.0 + 1e-9)
+    assert quoted["mu"]["high"] >= mu["high"] / min(1.0, factor) * (1.0 - 1e-9)
+    assert f"Modulus to quote: **{mu['value']:.4g} Pa**" in page("A1", verdict)

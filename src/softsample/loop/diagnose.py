@@ -20,7 +20,7 @@ from softsample.loop.errors import (
     log_density,
 )
 from softsample.loop.fit import Fit, Problem
-from softsample.loop.limits import detection_limits
+from softsample.loop.limits import Limit, detection_limits
 from softsample.loop.model import FIXED
 from softsample.loop.noise import (
     Noise,
@@ -226,17 +226,41 @@ def diagnose(
 
 def report(diagnosis: Diagnosis, settings: LoopSettings) -> dict[str, Any]:
     """What `verdict.json` holds."""
-    limits = detection_limits(diagnosis.selection)
     found = judgement(diagnosis, settings)
+    limits = detection_limits(diagnosis.selection)
     unseen = {e.name for e in diagnosis.selection.library} - set(limits)
     return {
         **found,
+        "recommended": _recommended(found, limits),
         "not_identifiable": sorted({*found["not_identifiable"], *unseen}),
         "detection_limits": {
-            e.name: _first_size(e, limits[e.name])
+            e.name: {
+                **_first_size(e, limits[e.name].multiple),
+                "modulus_percent": 100.0 * (limits[e.name].modulus - 1.0),
+            }
             for e in diagnosis.selection.library
             if e.name in limits
         },
+    }
+
+
+def _recommended(found: Mapping[str, Any], limits: Mapping[str, Limit]) -> dict[str, Any]:
+    """The modulus to quote, with what effects that would not have been seen leave open."""
+    mu, named = found["theta_after"]["mu"], {effect["name"] for effect in found["effects"]}
+    factors = {name: limit.modulus for name, limit in limits.items() if name not in named}
+    low = min(factors, key=lambda name: -factors[name], default=None)
+    high = min(factors, key=lambda name: factors[name], default=None)
+    worst = {name for name in (low, high) if name and abs(factors[name] - 1.0) > 0.005}
+    estimate = "with the effects that were found" if named else "of the plain model"
+    return {
+        "mu": {
+            **mu,
+            "low": mu["low"] / max([1.0, *factors.values()]),
+            "high": mu["high"] / min([1.0, *factors.values()]),
+        },
+        "estimate": estimate,
+        "why": f"verdict {found['verdict']}",
+        "widened_by": sorted(worst),
     }
 
 

@@ -1,11 +1,11 @@
 """Sizes from which on effects would have been seen."""
 
-from dataclasses import replace
+from dataclasses import dataclass, replace
 
 import numpy as np
 
 from softsample.loop.effects.base import Effect, Values
-from softsample.loop.fit import Problem
+from softsample.loop.fit import Fit, Problem
 from softsample.loop.model import Model, State
 from softsample.loop.screen import Signature, penalty
 from softsample.loop.select import Selection
@@ -20,8 +20,24 @@ ZEROS = (-2.0, -1.0, 1.0, 2.0, 4.0)
 """Contact zeros from which the fit to a shifted travel sets out too, in standard deviations."""
 
 
-def detection_limits(selection: Selection) -> dict[str, float]:
-    """Multiples of nominal sizes at which an effect alone would just pass the first threshold.
+@dataclass(frozen=True)
+class Limit:
+    """An effect that would just pass the first threshold.
+
+    Parameters
+    ----------
+    multiple : float
+        Its size, as a multiple of the nominal one.
+    modulus : float
+        Shear modulus that the plain model finds beside it, over the true one.
+    """
+
+    multiple: float
+    modulus: float
+
+
+def detection_limits(selection: Selection) -> dict[str, Limit]:
+    """Sizes at which an effect alone would just pass the first threshold.
 
     What the material and the effect predict is taken for a record and fitted by the plain model:
     what that leaves, not what derivatives say it would leave, has to earn penalty and threshold.
@@ -34,7 +50,7 @@ def detection_limits(selection: Selection) -> dict[str, float]:
 
     Returns
     -------
-    dict of float
+    dict of Limit
         By effect, without weak ones and those that no size within the range would show.
     """
     plain = State(selection.final.state.material)
@@ -47,19 +63,20 @@ def detection_limits(selection: Selection) -> dict[str, float]:
     return {name: limit for name, limit in limits.items() if limit is not None}
 
 
-def _limit(problem: Problem, plain: State, signature: Signature, need: float) -> float | None:
-    """Multiple of the nominal size of which as much is left as is needed, None beyond the range."""
+def _limit(problem: Problem, plain: State, signature: Signature, need: float) -> Limit | None:
+    """Where as much is left as is needed, None beyond the range."""
     highest = _highest(signature.effect)
     size = min(float(np.sqrt(need)) / signature.strength, highest)
     for _ in range(ROUNDS):
-        left = _left(problem, plain, signature.effect, _sized(signature, size))
-        further = size * float(np.sqrt(need / max(left, 1e-12)))
+        fit = _plain_fit(problem, plain, signature.effect, _sized(signature, size))
+        limit = Limit(size, fit.state.material.mu / plain.material.mu)
+        further = size * float(np.sqrt(need / max(fit.cost, 1e-12)))
         if abs(further / size - 1.0) < CLOSE:
             break
         if size == highest and further > size:
             return None
         size = min(further, highest)
-    return size
+    return limit
 
 
 def _sized(signature: Signature, multiple: float) -> Values:
@@ -77,10 +94,10 @@ def _highest(effect: Effect) -> float:
     )
 
 
-def _left(problem: Problem, plain: State, effect: Effect, values: Values) -> float:
-    """Sum of squares that a plain fit leaves of a record with the effect."""
+def _plain_fit(problem: Problem, plain: State, effect: Effect, values: Values) -> Fit:
+    """Fit of the plain model to a record with the effect."""
     model, state = Model((effect,)), replace(plain, values={effect.name: values})
     made = problem.with_forces(problem.predicted(model, state))
     zeros = ZEROS if effect.shifts_travel else ()
     starts = [replace(plain, contact_zero=z * problem.contact_zero_mm) for z in zeros]
-    return made.fit(Model(), plain, starts).cost
+    return made.fit(Model(), plain, starts)

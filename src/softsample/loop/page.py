@@ -23,6 +23,7 @@ def page(group: str, verdict: Mapping[str, Any]) -> str:
         Report of a diagnosis, see `softsample.loop.diagnose.report`.
     """
     parts = [f"# Verdict for {group}: {verdict['verdict']}", "", SAYING[verdict["verdict"]], ""]
+    parts += [_recommended(verdict["recommended"]), ""]
     for effect in verdict["effects"]:
         parts += _effect(effect)
     for effect in verdict["withheld"]:
@@ -37,6 +38,17 @@ def page(group: str, verdict: Mapping[str, Any]) -> str:
     parts += ["## Path", "", *_path(verdict), "", *_limits(verdict)]
     parts += ["", "![before and after](verdict.png)", ""]
     return "\n".join(parts)
+
+
+def _recommended(found: Mapping[str, Any]) -> str:
+    """One sentence on the modulus to quote."""
+    mu = found["mu"]
+    value, ends = f"{mu['value']:.4g} {mu['unit']}", f"{mu['low']:.4g} to {mu['high']:.4g}, 90 %"
+    text = f"Modulus to quote: **{value}** ({ends}), {found['estimate']}."
+    if found["widened_by"]:
+        named = " and ".join(f"`{name}`" for name in found["widened_by"])
+        text += f" The interval allows for {named} at sizes that these records would not show."
+    return text
 
 
 def _table(header: list[str], rows: list[list[str]]) -> list[str]:

@@ -1,4 +1,4 @@
-"""The tissue follows one Ogden term in place of the model's two."""
+"""A share of the tissue's modulus follows one Ogden term of another exponent than the model's."""
 
 from softsample.loop.effects.base import Array, Effect, Parameter, Values
 from softsample.loop.specimen import Specimen
@@ -11,7 +11,7 @@ def _elastic(specimen: Specimen, fraction: float, travel: Array, values: Values)
 
 EFFECT = Effect(
     name="elastic_law",
-    title="One Ogden term",
+    title="Another Ogden term",
     parameters=(
         Parameter("share", "1", 0.0, 1.0, 1.0, physical=True),
         Parameter("alpha", "1", -45.0, 40.0, -20.0, grid=(-20.0, -4.0, 2.0, 8.0, 25.0)),

@@ -81,7 +81,7 @@ def test_the_modulus_to_quote_allows_for_what_would_not_have_been_seen(nothing):
     size = nu.neutral + np.sign(nu.nominal - nu.neutral) * limit["value"]
     plain = State(found.final.state.material)
     model, state = Model((effect,)), replace(plain, values={effect.name: {"nu": size}})
-    problem = found.selection.plain
+    problem = found.selection.problem
     fit = problem.with_forces(problem.predicted(model, state)).fit(Model(), plain)
     factor = fit.state.material.mu / plain.material.mu
     assert limit["modulus_percent"] == pytest.approx(100.0 * (factor - 1.0), abs=0.05)

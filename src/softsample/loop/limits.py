@@ -56,7 +56,7 @@ def detection_limits(selection: Selection) -> dict[str, Limit]:
     plain = State(selection.final.state.material)
     threshold, n = selection.steps[0].threshold, len(selection.base.white)
     limits = {
-        name: _limit(selection.plain, plain, signature, threshold + penalty(signature.effect, n))
+        name: _limit(selection.problem, plain, signature, threshold + penalty(signature.effect, n))
         for name, signature in selection.strongest.items()
         if name not in selection.weak
     }

@@ -102,8 +102,8 @@ def confirmed(factor):
     specimens = []
     for specimen in laboratory.Lab(seed=5).specimens():
         known, r = specimen.elastic.perturbations, laboratory.FRACTION
-        missing = specimen.elastic.change_per_mu("poisson_0.02_less", r, specimen.travel)
-        run = {at_size("poisson_ratio"): factor * known["poisson_0.02_less"]}
+        missing = specimen.elastic.change_per_mu("poisson_0.04_less", r, specimen.travel)
+        run = {at_size("poisson_ratio"): factor * known["poisson_0.04_less"]}
         specimens.append(
             replace(
                 specimen,
@@ -111,7 +111,7 @@ def confirmed(factor):
                 elastic=replace(specimen.elastic, perturbations={**known, **run}),
             )
         )
-    sizes = {"poisson_ratio": {"nu": 0.47}}
+    sizes = {"poisson_ratio": {"nu": 0.45}}
     (row,) = confirmations(specimens, sizes, 12.0, LoopSettings(), library()).to_dict("records")
     return row
 

@@ -81,7 +81,7 @@ def test_other_laws_are_exact_where_the_response_is_in_closed_form(mode):
         wanted = area(BLOCK, mode, travel, two(fraction, alpha))
         np.testing.assert_allclose(force, wanted, atol=3e-3 * wanted.max())
     foam = Material((Term("foam", 1.0, (8.0, 0.1)),), 0.1)
-    for fraction in (0.2, 0.9):  # the mixture of the model has no part in it
+    for fraction in (0.2, 0.9):  # the fraction of the model has no part in it
         force = elastic.force_per_mu(fraction, travel)
         force = force + elastic.foam_change_per_mu(fraction, travel, 8.0, 0.1)
         wanted = area(BLOCK, mode, travel, foam)
@@ -103,7 +103,7 @@ def test_both_channels_and_both_directions_of_a_shear():
 
 
 def test_between_runs_a_law_is_interpolated_and_at_a_run_it_is_the_run():
-    """A made-up test whose force is that of the closed form times a factor of exponent, travel."""
+    """A synthetic test whose force is that of the closed form times a factor of exponent, travel."""
     travel = np.linspace(0.0, 3e-3, 61)
 
     def real(alpha):

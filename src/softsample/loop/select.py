@@ -387,7 +387,7 @@ def _joint(problem: Problem, current: Fit, signature: Signature) -> Fit:
     """Joint fit from the linear estimate of the sizes.
 
     Small sizes and the other points of the grid are tried until one fit earns what the linear
-    estimate promises; starts of the effect's own are all tried, at an even mixture.
+    estimate promises; starts of the effect's own are all tried, at an even modulus fraction.
     """
     effect = signature.effect
     sizes, *_ = np.linalg.lstsq(signature.columns, current.white, rcond=None)

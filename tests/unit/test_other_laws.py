@@ -103,7 +103,7 @@ def test_both_channels_and_both_directions_of_a_shear():
 
 
 def test_between_runs_a_law_is_interpolated_and_at_a_run_it_is_the_run():
-    """A synthetic test whose force is that of the closed form times a factor of exponent, travel."""
+    """A synthetic test: the force of the closed form times a factor of exponent and travel."""
     travel = np.linspace(0.0, 3e-3, 61)
 
     def real(alpha):

@@ -52,8 +52,11 @@ def test_an_effect_that_makes_what_folds_leave_out_less_likely_is_withheld():
     assert withheld["held_out_if_given"] == error_report(worse.folds)
 
 
-def test_what_is_left_far_above_the_floor_is_unknown():
-    """No effect makes a wave along the travel; of which floor it is three times is a setting."""
+def test_what_is_left_far_above_the_floor_is_more_than_floor():
+    """No effect makes a wave along the travel; of which floor it is three times is a setting.
+
+    As it goes on where a part of it was left out, its class is known.
+    """
 
     def wave(percent):
         lab = laboratory.Lab(seed=5).specimens()
@@ -62,7 +65,7 @@ def test_what_is_left_far_above_the_floor_is_unknown():
             for s in lab
         ]
 
-    for percent, verdict in ((1.0, "none"), (8.0, "unknown")):
+    for percent, verdict in ((1.0, "none"), (8.0, "explained_class")):
         found = diagnose(wave(percent), LoopSettings(), [OFFSET])
         left = judgement(found, LoopSettings())["discrepancy_percent"]["after"]["smooth"]
         assert found.verdict == verdict

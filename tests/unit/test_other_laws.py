@@ -140,6 +140,18 @@ def test_a_response_far_from_its_closed_form_says_nothing_of_foams():
     assert not LawResponse(curves, BLOCK, "compression", (-8.0, 16.0), NU).knows_foams
 
 
+@pytest.mark.parametrize("touched", [1, 2, 5])
+def test_a_platen_that_touches_late_changes_another_law_nowhere_before(touched):
+    travel = np.linspace(0.0, 3e-3, 61)
+    ends = np.stack([area(BLOCK, "compression", travel, two(0.0, (1.0, a))) for a in (16.0, -8.0)])
+    ends[:, :touched] = 0.0
+    curves = ResponseCurves(np.array([0.0, 1.0]), travel, 1.2 * ends, "none")
+    laws = LawResponse(curves, BLOCK, "compression", (-8.0, 16.0), NU)
+    change = laws.ogden_change(0.5, travel, (-20.0, 16.0))
+    assert np.all(np.isfinite(change))
+    assert np.abs(change[touched:]).max() > 0.0
+
+
 def specimen(mode, shape, strain, stress, nu=NU):
     """A test with sliding ends: rest, loading and back, of a stress [Pa] against strain."""
     way = np.concatenate([np.zeros(150), np.linspace(0, 1, 500), np.linspace(1, 0, 500)])

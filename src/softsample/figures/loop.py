@@ -25,7 +25,7 @@ def loop_figure(found: Diagnosis) -> Figure:
     shown = sorted(map(int, worst[:MOST]))
     figure = page_figure(140.0)
     axes = figure.subplots(3, len(shown), squeeze=False)
-    fits = {"before": found.selection.base, "after": found.final}
+    fits = {"before": found.selection.base, "after": found.predicting}
     for column, k in zip(axes.T, shown, strict=True):
         specimen, size = specimens[k], found.problem.whiteners[k].size
         _forces(column[0], specimen, fits, size)

@@ -49,6 +49,11 @@ def fold_ratio(before: Errors, after: Errors) -> float:
     return float(np.sqrt(squares[0] / squares[1])) if squares[1] > 0.0 else 1.0
 
 
+def far_off(judged: Judged, rules: SelectionSettings, noise: NoiseSettings) -> bool:
+    """Whether the error of form that is left is far above the floor."""
+    return judged.form > rules.unknown_ratio * noise.floor_percent
+
+
 def objection_to(
     selection: Selection,
     before: Judged,
@@ -67,7 +72,7 @@ def objection_to(
         return f"{driven_to_an_end(refused.settled)} lies at the end of its range"
     scale = noise.sizes(selection.problem.variances)["scale"]
     enough = named and fold_ratio(before.folds, after.folds) <= rules.unknown_share
-    if not enough and after.form > rules.unknown_ratio * noise.floor_percent:
+    if not enough and far_off(after, rules, noise):
         return f"an error of {after.form:.3g} % of the peak is left that no effect explains"
     if not enough and scale > rules.unknown_ratio * noise.scale_percent:
         return f"the scales of the tests differ by {scale:.3g} %, which no effect explains"

@@ -1,17 +1,18 @@
 """From the tests of one group to a verdict."""
 
 from collections.abc import Mapping, Sequence
-from dataclasses import asdict, dataclass, field, replace
+from dataclasses import asdict, dataclass, field
 from typing import Any, Self
 
 import numpy as np
 from numpy.typing import NDArray
 
-from softsample.loop.accept import Errors, Judged, objection_to
-from softsample.loop.discrepancy import settled
+from softsample.loop.accept import Errors, Judged, far_off, objection_to
+from softsample.loop.correction import Confirmed, confirmed
 from softsample.loop.effects import library
 from softsample.loop.effects.base import Effect
 from softsample.loop.errors import (
+    Fold,
     cross_validated,
     errors,
     fold_errors,
@@ -23,6 +24,7 @@ from softsample.loop.fit import Fit, Problem
 from softsample.loop.limits import Limit, detection_limits
 from softsample.loop.model import FIXED
 from softsample.loop.noise import (
+    FORM,
     Noise,
     NoiseSettings,
     Whitener,
@@ -86,6 +88,10 @@ class Diagnosis:
         Errors with the selected effects, whether or not they are given.
     refused : Judged or None
         Errors with what the records ask for next, if a size of it lies at the end of its range.
+    correction : Confirmed or None
+        What folds confirm of what is left, if anything: a correction, not a cause.
+    corrected : Judged or None
+        Errors with it.
     """
 
     problem: Problem
@@ -95,23 +101,34 @@ class Diagnosis:
     before: Judged
     selected: Judged
     refused: Judged | None = None
+    correction: Confirmed | None = None
+    corrected: Judged | None = None
 
     @property
     def verdict(self) -> str:
-        """`explained`, `none` or `unknown`."""
+        """`explained`, `explained_class`, `none` or `unknown`."""
         if self.objection:
-            return "unknown"
+            return "explained_class" if self.correction else "unknown"
         return "explained" if self.selection.final.model.effects else "none"
 
     @property
     def after(self) -> Judged:
         """Errors of what is reported."""
+        if self.corrected:
+            return self.corrected
         return self.selected if self.verdict == "explained" else self.before
 
     @property
     def final(self) -> Fit:
         """What is reported after: an explanation that does not hold is no better than none."""
+        if self.correction:
+            return self.correction.fit
         return self.selection.base if self.objection else self.selection.final
+
+    @property
+    def predicting(self) -> Fit:
+        """What predicts best what is not measured: `final`, with a correction that holds."""
+        return self.correction.whole if self.correction else self.final
 
     def confidence(self, settings: LoopSettings, draws: int) -> float | None:
         """How often the first effect's class is found again; none without effect or draws."""
@@ -135,7 +152,7 @@ def pose(specimens: Sequence[Specimen], settings: NoiseSettings) -> tuple[Proble
     ]
     nothing = [np.zeros_like(s.force) for s in specimens]
     whiteners = _whiteners(specimens, noises, nothing, settings)
-    rough = Problem(specimens, whiteners, settings.contact_zero_mm).fit_material()
+    rough = Problem(specimens, whiteners, settings).fit_material()
     material = rough.state.material
     travels = [rough.model.travel(s, rough.state) for s in specimens]
     predicted = [rough.model.predict(s, rough.state) for s in specimens]
@@ -147,10 +164,7 @@ def pose(specimens: Sequence[Specimen], settings: NoiseSettings) -> tuple[Proble
         )
         for s, travel in zip(specimens, travels, strict=True)
     ]
-    posed = Problem(
-        specimens, whiteners, settings.contact_zero_mm, material, lower, settings.spread,
-        0.01 * settings.scale_percent,
-    )  # fmt: skip
+    posed = Problem(specimens, whiteners, settings, material, lower)
     return posed, noises
 
 
@@ -197,8 +211,7 @@ def diagnose(
     selection = select(problem, known, settings.selection)
     spread = [noise.block for noise in noises]
 
-    def judged(posed: Problem, fit: Fit) -> Judged:
-        found = cross_validated(posed, fit)
+    def judged(posed: Problem, fit: Fit, found: Mapping[str, Fold]) -> Judged:
         return Judged(
             errors(problem, fit, spread),
             fold_errors(posed, found, spread),
@@ -207,21 +220,28 @@ def diagnose(
             form_error(posed, fit, spread),
         )
 
-    before = judged(selection.plain, selection.base)
-    after = before
-    if selection.classes:  # the forms of effects may be right, or as wrong as is doubted
-        doubted, exact = (
-            judged(*posed)
-            for posed in (
-                (selection.problem, selection.final),
-                settled(selection.plain, selection.final),
-            )
-        )
-        after = replace(doubted, density=max(doubted.density, exact.density))
+    plain, chosen = (selection.plain, selection.base), (selection.problem, selection.final)
+    models = [plain, chosen] if selection.classes else [plain]
+    folds = [cross_validated(*model) for model in models]
+    before, *more = (judged(*model, of) for model, of in zip(models, folds, strict=True))
+    selected = more[0] if more else before
     refused = selection.steps[-1].refused
-    next_one = judged(selection.problem, refused.settled) if refused else None
-    objection = objection_to(selection, before, after, settings.selection, settings.noise)
-    return Diagnosis(problem, noises, selection, objection, before, after, next_one)
+    next_one = None
+    if refused:
+        asked = selection.problem, refused.settled
+        next_one = judged(*asked, cross_validated(*asked))
+    objection = objection_to(selection, before, selected, settings.selection, settings.noise)
+    correction = corrected = None
+    if objection or selection.classes:
+        posed = [(*model, of) for model, of in zip(models, folds, strict=True)]
+        correction = confirmed(posed if objection else posed[-1:], spread)
+    if correction:
+        corrected = judged(correction.problem, correction.whole, correction.folds)
+        if far_off(corrected, settings.selection, settings.noise):
+            correction = corrected = None
+    return Diagnosis(
+        problem, noises, selection, objection, before, selected, next_one, correction, corrected
+    )
 
 
 def report(diagnosis: Diagnosis, settings: LoopSettings) -> dict[str, Any]:
@@ -278,12 +298,13 @@ def judgement(diagnosis: Diagnosis, settings: LoopSettings) -> dict[str, Any]:
         "verdict": diagnosis.verdict,
         "objection": diagnosis.objection or None,
         "effects": [
-            _effect_report(effect, selection, settings.selection.form_doubt)
-            for effect in final.model.effects
+            _effect_report(effect, selection, settings.noise)
+            for effect in ([] if diagnosis.objection else final.model.effects)
         ],
         "theta_before": _theta(selection.base, settings.noise, fractions),
         "theta_after": _theta(final, settings.noise, fractions),
         "withheld": _withheld(diagnosis, settings),
+        "correction": diagnosis.correction.report() if diagnosis.correction else None,
         "error_before": error_report(diagnosis.before.fitted),
         "error_after": error_report(diagnosis.after.fitted),
         "folds_before": error_report(diagnosis.before.folds),
@@ -343,7 +364,7 @@ def _withheld(diagnosis: Diagnosis, settings: LoopSettings) -> list[dict[str, An
     if diagnosis.objection:
         found = [
             {
-                **_effect_report(effect, selection, settings.selection.form_doubt),
+                **_effect_report(effect, selection, settings.noise),
                 "reason": diagnosis.objection,
                 "held_out_if_given": _declared(diagnosis.selected),
             }
@@ -398,9 +419,10 @@ def _theta(
     }
 
 
-def _effect_report(effect: Effect, selection: Selection, doubt: float) -> dict[str, Any]:
+def _effect_report(effect: Effect, selection: Selection, noise: NoiseSettings) -> dict[str, Any]:
     """Sizes with 90 % intervals: of the fit, and of an error of form that is a part of the size."""
     final = selection.final
+    doubt = 0.01 * noise.sizes(selection.problem.variances).get(FORM, 0.0)
     deviation = np.sqrt(np.diag(final.covariance))[FIXED:]
     deviation[~final.jacobian[:, FIXED:].any(axis=0)] = np.inf  # nothing in the records shows it
     unit = {

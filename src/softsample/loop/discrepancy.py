@@ -19,6 +19,7 @@ from scipy.optimize import minimize
 
 from softsample.loop.fit import Fit, Problem
 from softsample.loop.model import CONTACT_ZERO, Packing
+from softsample.loop.noise import FORM, FURTHEST
 from softsample.loop.specimen import blocks
 
 Array = NDArray[np.float64]
@@ -32,14 +33,12 @@ MOST_GROUPS = 150
 SHORTEST = 0.02
 """Part of the stroke over which blocks are averaged at least: where the platen rests, into one."""
 
-FURTHEST = 4.0
-"""Standard deviations of its prior that a size is sought from its median."""
-
 FIXED_THERE = 1e12
 """Precision of a parameter at the end of its range: the fit takes nothing away with it."""
 
-FREE = ("rough",)
-"""Parts that may be smaller than in the settings. The others stand for errors of geometry, mesh
+FREE = ("rough", FORM)
+"""Parts that may be smaller than in the settings: no worse form is doubted than the records show.
+The others stand for errors of geometry, mesh
 and element type: these may lie along what another law does, where no record can show them."""
 
 NOTHING = 1e-12
@@ -67,15 +66,15 @@ def estimated(problem: Problem, fit: Fit) -> Problem:
         Of a model to them.
     """
     names = list(problem.whiteners[0].discrepancy)
-    if not names or problem.spread <= 1.0:
+    if not names or problem.settings.spread <= 1.0:
         return problem
     problem = _scaled(problem, fit)
     tests = _tests(problem, fit, names)
     prior = np.full(fit.jacobian.shape[1] + 1, NOTHING)
-    prior[CONTACT_ZERO] += problem.contact_zero_mm**-2
+    prior[CONTACT_ZERO] += problem.settings.contact_zero_mm**-2
     prior[-1] = 1.0  # of what the tests share
     prior[:-1][Packing(fit.model, problem.fractions).at_end(fit.state)] = FIXED_THERE
-    width = np.log(problem.spread)
+    width = np.log(problem.settings.spread)
     here = problem.whiteners[0].variances
     start = [0.5 * np.log(here[name]) for name in names]
     found = minimize(
@@ -91,14 +90,14 @@ def _scaled(problem: Problem, fit: Fit) -> Problem:
     """The same with an error of scale that goes with the force of a fit."""
     forces = problem.predicted(fit.model, fit.state)
     return problem.with_whiteners([
-        w.with_scale(problem.scale * blocks(force, w.size))
+        w.with_scale(0.01 * problem.settings.scale_percent * blocks(force, w.size))
         for w, force in zip(problem.whiteners, forces, strict=True)
     ])  # fmt: skip
 
 
 def settled(problem: Problem, fit: Fit, rounds: int = ROUNDS) -> tuple[Problem, Fit]:
     """Sizes of the discrepancy about a fit, and the fit with these."""
-    for _ in range(rounds if problem.spread > 1.0 else 0):
+    for _ in range(rounds if problem.settings.spread > 1.0 else 0):
         problem = estimated(problem, fit)
         fit = problem.fit(fit.model, fit.state)
     return problem, fit
@@ -113,14 +112,14 @@ def _tests(problem: Problem, fit: Fit, names: Sequence[str]) -> list[_Test]:
     ):
         if not len(r):
             continue
-        to = _averaging(w.blocks(specimen.travel) / specimen.reach)
+        to = averaging(w.blocks(specimen.travel) / specimen.reach)
         parts = [to @ w.kept(w.discrepancy[name]) @ to.T for name in names]
         columns = np.column_stack([j, w.blocks(common)])
         found.append(_Test(to @ r, to @ columns, to @ w.kept(w.known) @ to.T, parts))
     return found
 
 
-def _averaging(travel: Array) -> Array:
+def averaging(travel: Array) -> Array:
     """Matrix (m, n) that takes means of neighbours at travels (n,) [parts of the stroke]."""
     path = np.cumsum(np.abs(np.diff(travel, prepend=travel[0])))
     step = max(SHORTEST, float(path[-1]) / MOST_GROUPS)

@@ -8,7 +8,7 @@ from numpy.typing import NDArray
 from scipy.optimize import least_squares
 
 from softsample.loop.model import CONTACT_ZERO, FIXED, Material, Model, Packing, State, residuals
-from softsample.loop.noise import Whitener
+from softsample.loop.noise import NoiseSettings, Whitener
 from softsample.loop.specimen import FORCE, Specimen, blocks
 
 Array = NDArray[np.float64]
@@ -75,32 +75,24 @@ class Problem:
         Tests that share their material and machine.
     whiteners : sequence of Whitener
         One for each.
-    contact_zero_mm : float
-        Standard deviation of where compression begins [mm].
+    settings : NoiseSettings
+        Sizes of the discrepancy, how far they may differ from these, and where compression begins.
     start : Material, optional
         From which fits of the plain model set out too.
     common : sequence of (n,) float64, optional
         One standard deviation, per sample of every test [N], of an error that all tests share.
-    spread : float
-        Factor by which the sizes of the discrepancy may differ from those of the settings; 1 if
-        they are as stated.
-    scale : float
-        Standard deviation of the scale of each test in the settings, as a part.
     """
 
     def __init__(
         self,
         specimens: Sequence[Specimen],
         whiteners: Sequence[Whitener],
-        contact_zero_mm: float,
+        settings: NoiseSettings,
         start: Material | None = None,
         common: Sequence[Array] = (),
-        spread: float = 1.0,
-        scale: float = 0.0,
     ) -> None:
         self.specimens, self.whiteners = list(specimens), list(whiteners)
-        self.spread, self.scale = spread, scale
-        self.contact_zero_mm = contact_zero_mm
+        self.settings = settings
         self.start = start
         self.common = list(common) or [np.zeros_like(s.force) for s in self.specimens]
         self._shared = self._own_white(self.common)
@@ -127,10 +119,7 @@ class Problem:
         return self._changed(self.specimens, whiteners)
 
     def _changed(self, specimens: Sequence[Specimen], whiteners: Sequence[Whitener]) -> "Problem":
-        return Problem(
-            specimens, whiteners, self.contact_zero_mm, self.start, self.common, self.spread,
-            self.scale,
-        )  # fmt: skip
+        return Problem(specimens, whiteners, self.settings, self.start, self.common)
 
     def with_variances(self, variances: Mapping[str, float]) -> "Problem":
         """The same with other sizes of the discrepancy."""
@@ -180,40 +169,39 @@ class Problem:
         """
         white = self.residual(fit.model, fit.state)
         own = sum(w.log_determinant for w in self.whiteners)
-        sizes = np.log(np.array(list(self.variances.values()) if self.spread > 1.0 else [1.0]))
-        prior = np.sum((0.5 * sizes / np.log(max(self.spread, 1.0 + 1e-9))) ** 2)
-        return float(white @ white + own + np.log(self._variance) + prior)
+        return float(white @ white + own + np.log(self._variance) + self._unlikely_sizes)
+
+    @property
+    def _unlikely_sizes(self) -> float:
+        """Twice the negative logarithm of the prior of the sizes of the discrepancy."""
+        if self.settings.spread <= 1.0:
+            return 0.0
+        sizes = 0.5 * np.log(list(self.variances.values())) / np.log(self.settings.spread)
+        return float(sizes @ sizes)
 
     def residual(self, model: Model, state: State) -> Array:
         """White residual of a state, its last entry that of the prior of the contact zero."""
-        prior = state.contact_zero / self.contact_zero_mm
+        prior = state.contact_zero / self.settings.contact_zero_mm
         return np.append(self.white(residuals(model, self.specimens, state)), prior)
 
-    def doubting(self, fit: Fit, doubt: float, time: float) -> "Problem":
-        """The same with room for error in the form of a fit's last effect.
+    def doubting(self, fit: Fit) -> "Problem":
+        """The same with room for error in the form of a fit's last effect, a part of what it adds.
 
-        Parameters
-        ----------
-        fit : Fit
-            What has been chosen.
-        doubt : float
-            Standard deviation of the effect's contribution as a part of it.
-        time : float
-            Correlation time of that error [s]; along the travel it is a quarter of the stroke.
-            A part `CORNER` of it is as short as `CORNER_TIME`.
+        Along the travel that error is alike over a quarter of the stroke, in time over
+        `form_time_s`; a part `CORNER` of it is as short as `CORNER_TIME`.
         """
         without = fit.model.without(fit.model.names[-1])
         whiteners = []
         for specimen, whitener in zip(self.specimens, self.whiteners, strict=True):
             part = fit.model.predict(specimen, fit.state) - without.predict(specimen, fit.state)
-            size = doubt * blocks(part, whitener.size)
+            size = 0.01 * self.settings.form_percent * blocks(part, whitener.size)
             clock = blocks(specimen.time, whitener.size)
             way = blocks(specimen.travel, whitener.size)
-            apart = np.subtract.outer(clock, clock) / time
+            apart = np.subtract.outer(clock, clock) / self.settings.form_time_s
             further = np.subtract.outer(way, way) / (0.25 * specimen.reach)
             likeness = np.exp(-0.5 * (apart**2 + further**2))
             likeness += CORNER**2 * np.exp(-0.5 * (apart / CORNER_TIME) ** 2)
-            whiteners.append(whitener.with_more(np.outer(size, size) * likeness))
+            whiteners.append(whitener.with_form(np.outer(size, size) * likeness))
         return self.with_whiteners(whiteners)
 
     def fit(self, model: Model, start: State, starts: Sequence[State] = ()) -> Fit:
@@ -234,7 +222,7 @@ class Problem:
             moved = [packing.unpack(vector + step) for step in np.diag(steps)]
             here = self.predicted(model, packing.unpack(vector))
             changes = self.white_changes(here, [self.predicted(model, state) for state in moved])
-            changes[-1, CONTACT_ZERO] = -steps[CONTACT_ZERO] / self.contact_zero_mm
+            changes[-1, CONTACT_ZERO] = -steps[CONTACT_ZERO] / self.settings.contact_zero_mm
             return -changes / steps
 
         found = least_squares(

@@ -50,7 +50,7 @@ def left_out_errors(
         ]
         noise = found.noises[0].white
         before[name] = held_out_errors(found.selection.base, judged, noise)
-        after[name] = held_out_errors(found.final, judged, noise)
+        after[name] = held_out_errors(found.predicting, judged, noise)
     return before, after
 
 

@@ -99,5 +99,5 @@ def _plain_fit(problem: Problem, plain: State, effect: Effect, values: Values) -
     model, state = Model((effect,)), replace(plain, values={effect.name: values})
     made = problem.with_forces(problem.predicted(model, state))
     zeros = ZEROS if effect.shifts_travel else ()
-    starts = [replace(plain, contact_zero=z * problem.contact_zero_mm) for z in zeros]
+    starts = [replace(plain, contact_zero=z * problem.settings.contact_zero_mm) for z in zeros]
     return made.fit(Model(), plain, starts)

@@ -18,6 +18,12 @@ KINDS = ("baseline", "ramp", "hold", "unloading")
 MOST_BLOCKS = 1000
 """Blocks of a record at most: its covariance is a full matrix."""
 
+FORM = "form"
+"""Part of the discrepancy that is error in the form of the effects that were chosen."""
+
+FURTHEST = 4.0
+"""Standard deviations of its prior that a size is sought from its median."""
+
 GRAIN_LENGTH = 0.01
 """Correlation length of grain as a part of the stroke: points of a curve are 1/60 of it apart."""
 
@@ -48,12 +54,15 @@ class NoiseSettings:
     contact_zero_mm : float
         Standard deviation of the height of the highest point [mm]; where compression begins is
         fitted with this prior, so that only a gap beyond it counts as an effect.
+    form_percent, form_time_s : float
+        Error in the form of an effect that has been chosen, in percent of its contribution, and
+        its correlation time [s]; what comes after has to explain more than that.
     poisson_ratio : float
         Standard deviation of the Poisson's ratio about that of the model; all tests share it.
     spread : float
         Factor by which floor, history and scale may be larger than the sizes above, and the rough
-        error larger or smaller, one standard deviation: they are estimated from the records. 1
-        takes them as they are.
+        error and that of form larger or smaller, one standard deviation: they are estimated from
+        the records. 1 takes them as they are.
     """
 
     block_s: float = 0.2
@@ -65,6 +74,8 @@ class NoiseSettings:
     history_percent: float = 0.3
     scale_percent: float = 2.0
     contact_zero_mm: float = 0.06
+    form_percent: float = 5.0
+    form_time_s: float = 20.0
     poisson_ratio: float = 0.0005
     spread: float = 2.0
 
@@ -75,8 +86,14 @@ class NoiseSettings:
             "rough": self.fine_percent,
             "history": self.history_percent,
             "scale": self.scale_percent,
+            FORM: self.form_percent,
         }
         return {name: float(stated[name] * np.sqrt(v)) for name, v in variances.items()}
+
+    def sharp(self, variances: Mapping[str, float]) -> dict[str, float]:
+        """Factors of the variances that are none above 1, and the least for that of form."""
+        most = {FORM: self.spread ** (-2.0 * FURTHEST)}
+        return {name: min(most.get(name, 1.0), v) for name, v in variances.items()}
 
 
 @dataclass(frozen=True)
@@ -282,11 +299,10 @@ class Whitener:
         """Block means with this covariance from independent unit noise (n_blocks, ...) [N]."""
         return np.asarray(self._factor @ white)
 
-    def with_more(self, covariance: Array) -> "Whitener":
-        """The same with more noise of known size [N2]."""
-        return Whitener(
-            self.known + covariance, self.size, self.keep, self.discrepancy, self.variances
-        )
+    def with_form(self, covariance: Array) -> "Whitener":
+        """The same with more error in the form of effects [N2], as part `FORM`."""
+        changed = {**self.discrepancy, FORM: self.discrepancy.get(FORM, 0.0) + covariance}
+        return Whitener(self.known, self.size, self.keep, changed, self.variances)
 
     def with_scale(self, error: Array) -> "Whitener":
         """The same with another error of scale, one standard deviation of it (n,) [N]."""

@@ -7,6 +7,7 @@ from softsample.loop.effects import library
 
 SAYING = {
     "explained": "The residual is explained.",
+    "explained_class": "What is left is of a known class; its cause is open.",
     "none": "Nothing is missing beyond noise and floor.",
     "unknown": "**Unknown:** something is left that no effect of the library explains.",
 }
@@ -26,6 +27,8 @@ def page(group: str, verdict: Mapping[str, Any]) -> str:
     parts += [_recommended(verdict["recommended"]), ""]
     for effect in verdict["effects"]:
         parts += _effect(effect)
+    if verdict["correction"]:
+        parts += [_correction(verdict["correction"]), ""]
     for effect in verdict["withheld"]:
         parts += [_withheld(effect), ""]
     parts += ["## Modulus", "", *_moduli(verdict), "", "## Error", "", *_errors(verdict), ""]
@@ -73,6 +76,20 @@ def _effect(effect: Mapping[str, Any]) -> list[str]:
     )
     experiment = effect["separating_experiment"]
     return [*lines, "", f"Evidence {effect['evidence']:.0f}. What would tell: {experiment}.", ""]
+
+
+def _correction(found: Mapping[str, Any]) -> str:
+    """What corrects the model beside the effects, or in their place, and where it holds."""
+    kind = found["class"].replace("_", " ")
+    parts = [f"`{name}`" for name in found["with"]] + ["a smooth part"] * found["smooth_part"]
+    domain = ", ".join(f"{test} {travel:.3g} mm" for test, travel in found["domain_mm"].items())
+    before, after = (found[f"left_out_{when}_percent"] for when in ("before", "after"))
+    return (
+        f"Correction, not cause (class: {kind}): {' and '.join(parts)}. "
+        f"It takes the error of parts that were left out from {before:.2g} to {after:.2g} % of the "
+        f"peak. It was learned up to {domain}; beyond, it goes on smoothly. "
+        f"What would tell: {found['separating_experiment']}."
+    )
 
 
 def _withheld(effect: Mapping[str, Any]) -> str:

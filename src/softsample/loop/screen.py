@@ -91,7 +91,7 @@ def signatures(problem: Problem, base: Fit, effects: Sequence[Effect]) -> list[S
             {**effect.neutral(), **dict(zip([p.name for p in shapes], point, strict=True))}
             for point in points
         ]
-        for step in STEPS if effect.shifts_travel else STEPS[:1]:
+        for step in STEPS[: 1 + (not effect.only_instrument)]:
             changed = [
                 predicted(effect, {**start, p.name: p.neutral + step * nominal_step(p)})
                 for start in starts

@@ -51,9 +51,6 @@ class SelectionSettings:
         Candidates within this much evidence of the best share its class.
     class_cosine : float
         So do those whose explanation of the residual is this parallel to the best one's.
-    form_doubt, form_time_s : float
-        Error in the form of an effect that has been chosen, as a part of its contribution, and
-        its correlation time [s]; what comes after has to explain more than that.
     unknown_ratio : float
         Error that is left, over the floor or scale of the settings, above which it is unknown.
     unknown_share : float
@@ -67,8 +64,6 @@ class SelectionSettings:
     refits: int = 8
     class_gain: float = 12.0
     class_cosine: float = 0.95
-    form_doubt: float = 0.05
-    form_time_s: float = 20.0
     unknown_ratio: float = 3.0
     unknown_share: float = 0.5
 
@@ -89,8 +84,9 @@ class Candidate:
         Fall of the sum of squares, with the sizes of the round.
     evidence : float
         Fall of twice the negative logarithm of the likelihood, each model with its own sizes of
-        the discrepancy, less the penalty for the parameters; that of a form that may be wrong as
-        the settings say, if it is more.
+        the discrepancy, less the penalty for the parameters.
+    doubted : bool
+        Whether an error in its form is likelier than none.
     cosine : float
         Between its explanation and that of the best candidate.
     """
@@ -100,6 +96,7 @@ class Candidate:
     settled: Fit
     gain: float
     evidence: float
+    doubted: bool
     cosine: float = 1.0
 
 
@@ -204,8 +201,8 @@ class _Round:
         The records with the most likely sizes of the discrepancy about what was chosen before,
         and its fit.
     problem, current : Problem, Fit
-        The same with sizes no larger than those of the settings: a discrepancy that is large for
-        want of an effect would hide it.
+        The same with sizes no larger than those of the settings, and forms that are right: a
+        discrepancy that is large for want of an effect would hide it.
     """
 
     settled: Problem
@@ -219,7 +216,7 @@ class _Round:
         posed, base = settled(problem, current, 1)
         if not current.model.effects:  # what a larger discrepancy makes of other materials
             posed, base = settled(posed, posed.fit_material(), 1)
-        sharp = posed.with_variances({k: min(1.0, v) for k, v in posed.variances.items()})
+        sharp = posed.with_variances(posed.settings.sharp(posed.variances))
         return cls(posed, base, sharp, sharp.fit(base.model, base.state))
 
 
@@ -235,6 +232,7 @@ class _Search:
     current: Fit
     steps: list[Step] = field(default_factory=list)
     classes: dict[str, list[str]] = field(default_factory=dict)
+    doubted: dict[str, bool] = field(default_factory=dict)
 
     def forward(self) -> None:
         """One effect after the other, until no more are asked for."""
@@ -275,14 +273,16 @@ class _Search:
         return _round(_Round.of(problem, current), open_effects, self.threshold, self.settings)
 
     def _take(self, problem: Problem, current: Fit, chosen: Candidate, members: list[str]) -> None:
-        """Add what was chosen, doubt its form, and drop what it has made superfluous."""
+        """Add what was chosen, doubt its form if need be, and drop what it has made superfluous."""
         self.classes[chosen.name] = members
-        self.doubting = self._doubted(problem, chosen.settled)
+        self.doubted[chosen.name] = chosen.doubted
+        self.doubting = self._doubting(problem, chosen.settled)
         self.current = _pruned(self.doubting, chosen.settled, self.settings)
         self.classes = {name: self.classes[name] for name in self.current.model.names}
 
-    def _doubted(self, problem: Problem, fit: Fit) -> Problem:
-        return problem.doubting(fit, self.settings.form_doubt, self.settings.form_time_s)
+    def _doubting(self, problem: Problem, fit: Fit) -> Problem:
+        """With room for error in the form of the last effect, if the records show one."""
+        return problem.doubting(fit) if self.doubted[fit.model.names[-1]] else problem
 
     def _doubting_others(self, name: str) -> tuple[Problem, Fit]:
         """All effects but one, each in the noise with the doubt of those before it."""
@@ -292,7 +292,7 @@ class _Search:
             model = model.with_effect(effect)
             known = {e.name: values[e.name] for e in model.effects}
             fit = problem.fit(model, replace(self.current.state, values=known))
-            problem = self._doubted(problem, fit)
+            problem = self._doubting(problem, fit)
         return problem, problem.fit(model, fit.state)
 
 
@@ -312,9 +312,17 @@ def driven_to_an_end(fit: Fit) -> str:
 
 
 def _round(
-    here: _Round, effects: Sequence[Effect], threshold: float, settings: SelectionSettings
+    here: _Round,
+    effects: Sequence[Effect],
+    threshold: float,
+    settings: SelectionSettings,
+    again: bool = True,
 ) -> Step:
-    """One effect more, if the records ask for it."""
+    """One effect more, if the records ask for it.
+
+    Where the best one has found another fit that is far better without it, the round begins anew
+    from there.
+    """
     problem, current, n = here.problem, here.current, len(here.current.white)
     found = best_of_each(signatures(problem, current, effects), current.white)
     ranked = sorted(
@@ -331,14 +339,19 @@ def _round(
         if not shown or not (promising or far):
             continue
         fit = _joint(problem, current, signature)
-        doubting = problem.doubting(fit, settings.form_doubt, settings.form_time_s)
-        models = (settled(problem, fit, 1), settled(doubting, fit, 1))
-        left, likely = min(((p.misfit(own), own) for p, own in models), key=lambda pair: pair[0])
+        models = [settled(posed, fit, 1) for posed in (problem, problem.doubting(fit))]
+        exact, doubted = (posed.misfit(likely) for posed, likely in models)
+        likely, left = models[doubted < exact][1], min(exact, doubted)
         gain, evidence = current.cost - fit.cost, before - left - penalty(signature.effect, n)
-        candidates.append(Candidate(signature.effect.name, fit, likely, gain, evidence))
+        candidates.append(
+            Candidate(signature.effect.name, fit, likely, gain, evidence, doubted < exact)
+        )
     candidates.sort(key=lambda c: c.evidence, reverse=True)
     if candidates:
-        over = before - _without(here, candidates[0])
+        alone = _without(here, candidates[0])
+        over = before - alone[0].misfit(alone[1])
+        if over > settings.least_gain and again:
+            return _round(_Round.of(*alone), effects, threshold, settings, again=False)
         candidates = [replace(c, evidence=c.evidence - max(over, 0.0)) for c in candidates]
     acceptable = [c for c in candidates if c.evidence >= threshold]
     if not acceptable:
@@ -371,16 +384,15 @@ def _smooth_excess(white: Sequence[Array]) -> float:
     return excess
 
 
-def _without(here: _Round, candidate: Candidate) -> float:
-    """Misfit without a candidate, from the material that it has found.
+def _without(here: _Round, candidate: Candidate) -> tuple[Problem, Fit]:
+    """The fit without a candidate, from the material that it has found.
 
     What only finds a better material explains nothing.
     """
     state = candidate.settled.state
     values = {name: state.values[name] for name in here.current.model.names}
     fit = here.problem.fit(here.current.model, replace(state, values=values))
-    posed, likely = settled(here.problem, fit, 1)
-    return posed.misfit(likely)
+    return settled(here.problem, fit, 1)
 
 
 def _joint(problem: Problem, current: Fit, signature: Signature) -> Fit:

@@ -45,6 +45,8 @@ def summary_table(found: Iterable[tuple[str, str, Verdict | None]]) -> pd.DataFr
 
 def _cells(group: str, verdict: Verdict) -> tuple[Any, ...]:
     effects = "; ".join("|".join(effect["class"]) for effect in verdict["effects"])
+    if verdict["verdict"] == "explained_class":
+        effects = f"class: {verdict['correction']['class']}"
     errors = (
         *(root_mean_square(held_out(verdict[f"held_out_{when}"])) for when in WHEN),
         *(root_mean_square(fitted(verdict[f"error_{when}"])) for when in WHEN),

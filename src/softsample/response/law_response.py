@@ -184,11 +184,18 @@ class LawResponse:
         return replace(self._closed, normal=False)
 
     def _ratio(self, one: Array, other: Array) -> Array:
-        """Logarithm of the ratio of two forces on the grid, continued to no displacement."""
+        """Logarithm of the ratio of two forces on the grid, continued to no displacement.
+
+        Where the platen does not touch yet there is no force: it is that of the first touch there.
+        """
         with np.errstate(divide="ignore", invalid="ignore"):
             found = np.log(one / other)
         known = np.isfinite(found)
-        found[0], known[0] = 2.0 * found[1] - found[2], True
+        known[0] = False
+        if not known.any():
+            return np.zeros_like(found)
+        if known[1:3].all():
+            found[0], known[0] = 2.0 * found[1] - found[2], True
         return np.interp(self._grid, self._grid[known], found[known])
 
     @cached_property

@@ -148,12 +148,17 @@ class Effect:
     def only_instrument(self) -> bool:
         """Whether it acts on the instrument alone, not on the sample."""
         on_sample = self.tissue is not _force or self.contact is not _force
-        return not (self.shifts_travel or on_sample or self.crosses) and self.elastic is _none
+        return not (self.shifts_travel or on_sample or self.crosses or self.acts_on_law)
 
     @property
     def crosses(self) -> bool:
         """Whether the force along the displacement acts on the reading of the normal force."""
         return self.crosstalk is not _uncrossed
+
+    @property
+    def acts_on_law(self) -> bool:
+        """Whether it changes the elastic force."""
+        return self.elastic is not _none
 
     @property
     def acts_on_channel(self) -> bool:

@@ -454,7 +454,7 @@ def _checked(
     faults = _wrong_ramp(table, record, loading, source)
     _refuse([*faults, *_wrong_signs(table, record, loading, mode, source, signs)])
     return record._marked_by(course, which), {
-        **_facts(record, course, loading, size, signs.settings),
+        **_facts(record, course, loading, size, signs.settings, table.index),
         "calibrated_loading": course.number(which),
     }
 
@@ -534,18 +534,17 @@ def _wrong_ramp(
             f"{table.index[loading.last]}) has {samples} samples; record at least "
             f"{FEWEST_IN_RAMP}, at a higher sampling rate"
         )
-    for ramp in loading.ramps if record.timed else ():
-        yield from _gap(table, record.clock, ramp, source)
 
 
-def _gap(table: pd.DataFrame, time: Array, ramp: slice, source: str) -> Iterator[str]:
+def _gap(lines: pd.Index, time: Array, ramp: slice) -> Iterator[str]:
+    """Samples that are missing: the force is taken as straight in between."""
     gaps = np.diff(time[ramp])
     usual = MISSING * float(np.median(gaps)) if len(gaps) else np.inf
     if gaps.max(initial=0.0) > max(usual, LARGEST_GAP * (time[ramp.stop - 1] - time[ramp.start])):
         at = ramp.start + int(gaps.argmax())
         yield (
-            f"{source}, line {table.index[at + 1]}: {gaps.max():g} s are missing in the loading "
-            "ramp; export the whole test, without decimation"
+            f"line {lines[at + 1]}: {gaps.max():g} s are missing in the loading ramp; if the "
+            "machine has recorded them, export the whole test, without decimation"
         )
 
 
@@ -577,7 +576,12 @@ def _wrong_signs(
 
 
 def _facts(
-    record: Record, course: Course, loading: Loading, size: Sized | None, settings: RecordSettings
+    record: Record,
+    course: Course,
+    loading: Loading,
+    size: Sized | None,
+    settings: RecordSettings,
+    lines: pd.Index,
 ) -> dict[str, Any]:
     """What is worth knowing about a record, in the units of files."""
     rest = _resting(course.phases)
@@ -589,6 +593,8 @@ def _facts(
     warnings = [] if known else ["no rest before the ramp: force zero and noise are not known"]
     warnings += _off_zero(record, loading, peak, rest if known else slice(0, 0), settings)
     warnings += _relaxing(force)
+    for ramp in loading.ramps if record.timed else ():
+        warnings += _gap(lines, record.clock, ramp)
     if _is_clipped(force):
         warnings.append(f"the force stays at {peak:g} N: the load cell seems to be overloaded")
     if len(rows) < MANY_IN_RAMP:

@@ -15,10 +15,6 @@ if SOURCES not in sys.path:
     sys.path.insert(0, SOURCES)
 # Snakemake puts the path of its Python into commands as it is, where a space would split it
 sys.executable = shlex.quote(sys.executable)
-# with a limit of jobs per time each look at the jobs asks for another one later, and looks breed:
-# in a study of 400 jobs they took a fifth of a core
-if workflow.local_exec:
-    workflow.scheduling_settings.max_jobs_per_timespan = None
 search_path = [SOURCES, *filter(None, os.environ.get("PYTHONPATH", "").split(os.pathsep))]
 os.environ.update(PYTHONPATH=os.pathsep.join(dict.fromkeys(search_path)))
 
@@ -646,3 +642,10 @@ def closing_words(complete):
         return "The run stopped before it was complete; run the same command again."
     lines = [f"  {job}: {reason}" for job, reason in failed]
     return "\n".join(["Some jobs failed; the others were finished where possible:", *lines])
+
+
+onstart:
+    # with a limit of jobs per time each look at the jobs asks for another one later, and looks breed:
+    # in a study of 400 jobs they took a fifth of a core
+    if workflow.local_exec:
+        workflow.scheduler.job_rate_limiter = None

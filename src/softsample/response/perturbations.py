@@ -1,6 +1,8 @@
 """How the elastic force changes with the model: one run of the changed model per effect."""
 
-from collections.abc import Callable, Mapping
+import logging
+from collections.abc import Callable, Iterator, Mapping
+from contextlib import contextmanager
 from dataclasses import replace
 from functools import partial
 
@@ -9,7 +11,7 @@ from numpy.typing import NDArray
 
 from softsample.constitutive.material import Material
 from softsample.constitutive.ogden import Fibres, OgdenMaterial, unit_modulus
-from softsample.errors import CrushedError
+from softsample.errors import CrushedError, SimulationError
 from softsample.fem.boundary import Boundary, mode_boundary, platen_boundary
 from softsample.fem.explicit import ExplicitModel, Run
 from softsample.meshing.bond import partial_bond
@@ -27,6 +29,7 @@ from softsample.response.unit import (
 from softsample.shapes import IdealShape
 
 Array = NDArray[np.float64]
+LOG = logging.getLogger(__name__)
 
 MARGIN = 1.05
 """Runs go this much further than the record, for effects that shift the travel."""
@@ -126,13 +129,17 @@ def simulate_perturbations(
         Where a setting is the step, they are for its default, which the effects know.
         `platen_friction_0.15_loop` is what the force with this friction is more on unloading.
         `law_2` is no change, but the force of a single term of exponent 2, see `_law_runs`.
+        A changed model that elements do not stand is left out, and all are if the model itself
+        does not come through: an effect without its change is no candidate.
     """
     material = test.material
     sample, larger = mesh_shifted(0.0), mesh_shifted(1e-3 * test.steps.shift_mm)
     model, shifted = sample.model(test.solver), larger.model(test.solver)
-    boundary, reach = test.held(sample), MARGIN * test.travel
-    pace = paced(model, material, boundary, reach)
-    base = _forces(pace.run, test)
+    boundary = test.held(sample)
+    pace = _base(model, test, boundary)
+    if pace is None:
+        return np.linspace(0.0, test.travel, test.solver.curve_points + 1), {}
+    base, reach = _forces(pace.run, test), float(pace.run.displacement[-1])
 
     def force(on: ExplicitModel, of: Material, held: Boundary) -> Array:
         return _forces(on.run(of, held, reach, loading_time=pace.loading_time), test)
@@ -148,15 +155,40 @@ def simulate_perturbations(
     for done, (name, run) in enumerate(todo.items()):
         if progress is not None:
             progress(name, done / len(todo))
-        changes[name] = (run() - base) / material.shear_modulus
+        with _left_out(name):
+            changes[name] = (run() - base) / material.shear_modulus
     if test.mode == "compression" and test.platen_contact.friction is None:
-        changes |= _friction_changes(model, sample, test, pace, turn or reach)
+        with _left_out("platen_friction"):
+            changes |= _friction_changes(model, sample, test, pace, min(turn or reach, reach))
     if test.mode == "shear":
-        changes |= _pressed_changes(model, test, boundary, pace)
+        with _left_out(PRESSED):
+            changes |= _pressed_changes(model, test, boundary, pace)
     changes |= _law_runs(model, test, boundary, pace)
     return pace.run.displacement, _by_channel(
         {name: change * _to_default(name, test.steps) for name, change in changes.items()}
     )
+
+
+@contextmanager
+def _left_out(name: str) -> Iterator[None]:
+    """Goes on without a change whose simulation fails."""
+    try:
+        yield
+    except SimulationError as error:
+        LOG.warning("%s is left out: %s", name, error)
+
+
+def _base(model: ExplicitModel, test: MechanicalTest, boundary: Boundary) -> Pace | None:
+    """The model as far as its elements stand it; none if they do not, or inertia does not fall."""
+    for part in (MARGIN, *REACHED):
+        try:
+            return paced(model, test.material, boundary, part * test.travel)
+        except CrushedError as error:
+            LOG.warning("ends before %.0f %% of the record: %s", 100.0 * part, error)
+        except SimulationError as error:
+            LOG.warning("no changed models: %s", error)
+            return None
+    return None
 
 
 def homogeneous_perturbations(

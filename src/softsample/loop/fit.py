@@ -227,7 +227,7 @@ class Problem:
 
         found = least_squares(
             white, first, slope, bounds=(packing.low, packing.high), x_scale=0.1,
-            method="trf", ftol=1e-6, xtol=1e-6, gtol=1e-6, max_nfev=40,
+            method="trf", ftol=1e-5, xtol=1e-5, gtol=1e-6, max_nfev=20,
         )  # fmt: skip
         state = packing.unpack(found.x)
         ends = packing.at_end(state)[FIXED:]

@@ -55,13 +55,13 @@ class NoiseSettings:
         Standard deviation of the height of the highest point [mm]; where compression begins is
         fitted with this prior, so that only a gap beyond it counts as an effect.
     form_percent, form_time_s : float
-        Error in the form of an effect that has been chosen, in percent of its contribution, and
-        its correlation time [s]; what comes after has to explain more than that.
+        Error in the form of an effect that has been chosen, in percent of its contribution, at
+        most, and its correlation time [s]; what comes after has to explain more than that.
     poisson_ratio : float
         Standard deviation of the Poisson's ratio about that of the model; all tests share it.
     spread : float
-        Factor by which floor, history and scale may be larger than the sizes above, and the rough
-        error and that of form larger or smaller, one standard deviation: they are estimated from
+        Factor by which floor, history and scale may be larger than the sizes above, the error of
+        form smaller and the rough error either, one standard deviation: they are estimated from
         the records. 1 takes them as they are.
     """
 

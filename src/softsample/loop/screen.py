@@ -18,7 +18,7 @@ LEAST_SIGNATURE = 1.0
 """A signature at nominal size below one standard deviation, all blocks together, says nothing."""
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class Signature:
     """What an effect does to the white records beyond what the fitted parameters can imitate.
 

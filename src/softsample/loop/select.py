@@ -328,15 +328,20 @@ def _round(
     ranked = sorted(
         found.values(), key=lambda pair: pair[0] - penalty(pair[1].effect, n), reverse=True
     )
-    candidates, before = [], here.settled.misfit(here.base)
-    best_gain = max((gain for gain, _ in ranked), default=0.0)
+    candidates: list[Candidate] = []
+    before = here.settled.misfit(here.base)
+    least = PROMISING * max([threshold, *(gain for gain, _ in ranked)])
     smooth = _smooth_excess(problem.by_test(current.white[:-1]))
-    for place, (gain, signature) in enumerate(ranked):
-        promising = place < settings.refits and gain >= PROMISING * max(best_gain, threshold)
-        shown = signature.strength >= LEAST_SIGNATURE
-        # of these a linear gain says little, but not more than the smooth residual can be gained
-        far = signature.effect.idealised or (signature.effect.starts and smooth >= threshold)
-        if not shown or not (promising or far):
+    promising = [s for gain, s in ranked[: settings.refits] if gain >= least]
+    others = [
+        s for _, s in ranked if s not in promising and (s.effect.idealised or s.effect.starts)
+    ]
+    for signature in [*promising, *others]:
+        if signature.strength < LEAST_SIGNATURE:
+            continue
+        # of others a linear gain says little, but not more than the smooth residual can be gained
+        asked = max([threshold, *(c.evidence - settings.class_gain for c in candidates)])
+        if signature in others and not signature.effect.idealised and smooth < asked:
             continue
         fit = _joint(problem, current, signature)
         models = [settled(posed, fit, 1) for posed in (problem, problem.doubting(fit))]

@@ -11,6 +11,7 @@ from scipy.interpolate import PchipInterpolator
 
 from softsample.errors import CalibrationError
 from softsample.protocol import PRESSED_MODES, travel_sign
+from softsample.response.memory import remembered
 
 Array = NDArray[np.float64]
 
@@ -132,6 +133,7 @@ class ResponseCurves:
         """Force per modulus (n,) [m2] at the computed displacements: Lagrange's polynomial."""
         return np.asarray(self._shares(fraction) @ self._forces)
 
+    @remembered
     def force_per_mu(self, fraction: float, displacement: Array) -> Array:
         """Force per modulus [m2] at platen displacements [m] for a modulus fraction.
 

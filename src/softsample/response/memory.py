@@ -1,0 +1,32 @@
+"""Results that are asked for again and again with the same arrays."""
+
+from collections.abc import Callable
+from functools import wraps
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+Array = NDArray[np.float64]
+Method = Callable[..., Array]
+
+LAST = 16
+"""Results that are kept of each object: a fit moves one parameter of a few at a time."""
+
+
+def remembered(method: Method) -> Method:
+    """A method (of hashable values and arrays) that knows its last results; they are read only."""
+    place = f"_last_{method.__name__}"
+
+    @wraps(method)
+    def asked(self: Any, *given: Any) -> Array:
+        key = tuple(x.tobytes() if isinstance(x, np.ndarray) else x for x in given)
+        known: dict[Any, Array] = self.__dict__.setdefault(place, {})
+        if key not in known:
+            if len(known) >= LAST:
+                known.pop(next(iter(known)))
+            known[key] = method(self, *given)
+            known[key].flags.writeable = False
+        return known[key]
+
+    return asked

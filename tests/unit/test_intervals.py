@@ -94,6 +94,14 @@ def test_row_of_the_modulus_by_hand():
     assert table.loc["mu2", "statistics_percent"] == pytest.approx(2.5)
 
 
+def test_a_term_at_its_bound_has_limits_and_no_percent():
+    """`mu2` of 0 Pa: an interval from 0 upward, and nothing to take a percent of."""
+    table = interval_table([fit() | {"mu2_pa": 0.0}], FORCES, EACH).set_index("modulus")
+    row = table.loc["mu2"]
+    assert row["low_pa"] == row["low_without_floor_pa"] == 0.0 < row["high_pa"]
+    assert np.isnan(row["statistics_percent"])
+
+
 def test_a_mesh_too_stiff_in_one_test_and_too_soft_in_the_other_cancels():
     forces = FORCES | {("C", "real", "ogden2"): force(mesh=-1.5)}
     row = interval_table([fit()], forces, EACH).set_index("modulus").loc["mu"]

@@ -117,14 +117,19 @@ def interval_rows(
                 **{column: fit[column] for column in ("group", "geometry", "model")},
                 "modulus": name,
                 "value_pa": value,
-                "low_pa": value - half,
+                "low_pa": max(value - half, 0.0),
                 "high_pa": value + half,
-                "low_without_floor_pa": value - without,
+                "low_without_floor_pa": max(value - without, 0.0),
                 "high_without_floor_pa": value + without,
-                **{f"{term}_percent": 100.0 * terms[term] / value for term in MEASURED + FLOOR},
+                **{f"{term}_percent": _percent(terms[term], value) for term in MEASURED + FLOOR},
             }
         )
     return rows
+
+
+def _percent(part: float, value: float) -> float:
+    """Part in percent of a modulus; NaN of a modulus at its bound 0, which has no percent."""
+    return 100.0 * part / value if value > 0.0 else float("nan")
 
 
 def _norm(parts: Sequence[float]) -> float:

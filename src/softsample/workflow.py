@@ -20,9 +20,13 @@ from typing import Any, Protocol
 from softsample import __version__
 from softsample.errors import SoftsampleError
 from softsample.files import ReadFiles, disk_is_full, sha256, write_checksum
+from softsample.progress import spoken_duration
 
 PROGRESS = "softsample.progress"
 """Logger whose records are also shown on the terminal, for work of more than a few seconds."""
+
+LEAST_DONE = 0.05
+"""Fraction of the work after which its speed is known well enough to tell the time left."""
 
 STARTED = "STARTED"
 """Marks the beginning of a job in its log."""
@@ -196,18 +200,26 @@ def _terminal_handler(label: str) -> logging.Handler:
 
 
 def progress_bar(interval_s: float = 15.0) -> Callable[[str, float], None]:
-    """Callback ``(what, finished fraction)`` that logs a bar and the time left now and then."""
-    start = last = time.monotonic()
+    """Callback ``(what, finished fraction)`` that logs a bar and the time left now and then.
+
+    The time left is told after a twentieth of the work, and counted from the first call: what was
+    compiled before it is not done again.
+    """
+    last = time.monotonic()
+    begin: tuple[float, float] | None = None
 
     def tell(what: str, fraction: float) -> None:
-        nonlocal last
+        nonlocal last, begin
         now = time.monotonic()
+        if begin is None or fraction < begin[1]:
+            begin = now, fraction
         if now - last < interval_s:
             return
         last = now
-        left = (now - start) * (1.0 - fraction) / max(fraction, 1e-3)
-        bar = "#" * round(20 * fraction)
-        logging.getLogger(PROGRESS).info("[%-20s] %s, %.0f s left", bar, what, left)
+        done, told = fraction - begin[1], ""
+        if done >= LEAST_DONE:
+            told = f", {spoken_duration((now - begin[0]) * (1.0 - fraction) / done)} left"
+        logging.getLogger(PROGRESS).info("[%-20s] %s%s", "#" * round(20 * fraction), what, told)
 
     return tell
 

@@ -10,7 +10,7 @@ import pytest
 
 from softsample.errors import InputError
 from softsample.files import checksum_of, sha256
-from softsample.workflow import KILLED, PROGRESS, failed_jobs, logged_to, provenance
+from softsample.workflow import KILLED, PROGRESS, failed_jobs, logged_to, progress_bar, provenance
 
 
 def job(log, files=(), results=(), **params):
@@ -134,3 +134,16 @@ def test_provenance_names_inputs_settings_and_code(tmp_path):
     changed = provenance(job(None, [str(data), str(code)], size=0.6))
     assert changed["code_sha256"] != first["code_sha256"]
     assert changed["settings_sha256"] != first["settings_sha256"]
+
+
+def test_time_left_is_told_once_the_speed_is_known(monkeypatch, caplog):
+    """An hour of compiling before the first call is not work that is still to come."""
+    clock = iter([0.0, 3600.0, 3610.0, 3700.0])
+    monkeypatch.setattr("softsample.workflow.time.monotonic", lambda: next(clock))
+    tell = progress_bar(interval_s=5.0)
+    with caplog.at_level("INFO", logger=PROGRESS):
+        for fraction in (0.0, 0.01, 0.5):
+            tell("runs", fraction)
+    told = [record.getMessage() for record in caplog.records]
+    assert ["left" in line for line in told] == [False, False, True]
+    assert told[-1].endswith("runs, 2 min left")

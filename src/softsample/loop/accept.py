@@ -7,7 +7,7 @@ import numpy as np
 
 from softsample.loop.errors import Error
 from softsample.loop.noise import NoiseSettings
-from softsample.loop.select import Selection, SelectionSettings, driven_to_an_end
+from softsample.loop.select import WITHIN_FLOOR, Selection, SelectionSettings, driven_to_an_end
 
 Errors = Mapping[str, Mapping[str, Error]]
 
@@ -67,9 +67,9 @@ def objection_to(
     of what folds leave out; no size was driven to the end of its range, the modulus stays known,
     and what folds leave out of the fitted records is no less likely with the effects than without.
     """
-    refused, named = selection.steps[-1].refused, bool(selection.final.model.effects)
-    if refused and not named:
-        return f"{driven_to_an_end(refused.settled)} lies at the end of its range"
+    last, named = selection.steps[-1], bool(selection.final.model.effects)
+    if last.refused and last.why != WITHIN_FLOOR and not named:
+        return last.why
     scale = noise.sizes(selection.problem.variances)["scale"]
     enough = named and fold_ratio(before.folds, after.folds) <= rules.unknown_share
     if not enough and far_off(after, rules, noise):

@@ -34,7 +34,7 @@ from softsample.loop.noise import (
     shared,
 )
 from softsample.loop.resample import confidence
-from softsample.loop.select import Selection, SelectionSettings, driven_to_an_end, select
+from softsample.loop.select import Selection, SelectionSettings, select
 from softsample.loop.specimen import Specimen, blocks
 
 Array = NDArray[np.float64]
@@ -87,7 +87,7 @@ class Diagnosis:
     selected : Judged
         Errors with the selected effects, whether or not they are given.
     refused : Judged or None
-        Errors with what the records ask for next, if a size of it lies at the end of its range.
+        Errors with what the records ask for next, if it is not given.
     correction : Confirmed or None
         What folds confirm of what is left, if anything: a correction, not a cause.
     corrected : Judged or None
@@ -228,7 +228,7 @@ def diagnose(
     refused = selection.steps[-1].refused
     next_one = None
     if refused:
-        asked = selection.problem, refused.settled
+        asked = refused.posed, refused.settled
         next_one = judged(*asked, cross_validated(*asked))
     objection = objection_to(selection, before, selected, settings.selection, settings.noise)
     correction = corrected = None
@@ -370,8 +370,8 @@ def _withheld(diagnosis: Diagnosis, settings: LoopSettings) -> list[dict[str, An
             }
             for effect in selection.final.model.effects
         ]
-    refused = selection.steps[-1].refused
-    if refused and diagnosis.refused:
+    last = selection.steps[-1]
+    if (refused := last.refused) and diagnosis.refused:
         effect = refused.settled.model.effects[-1]
         values = refused.settled.state.values[effect.name]
         found.append(
@@ -381,7 +381,7 @@ def _withheld(diagnosis: Diagnosis, settings: LoopSettings) -> list[dict[str, An
                     p.name: {"value": values[p.name], "unit": p.unit} for p in effect.parameters
                 },
                 "evidence": refused.evidence,
-                "reason": f"{driven_to_an_end(refused.settled)} lies at the end of its range",
+                "reason": last.why,
                 "held_out_if_given": _declared(diagnosis.refused),
             }
         )

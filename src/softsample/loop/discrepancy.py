@@ -36,11 +36,6 @@ SHORTEST = 0.02
 FIXED_THERE = 1e12
 """Precision of a parameter at the end of its range: the fit takes nothing away with it."""
 
-FREE = ("rough", FORM)
-"""Parts that may be smaller than in the settings. The others stand for errors of geometry, mesh and
-element type: these may lie along what another law does, where no record can show them. An error of
-form is no larger than in the settings: an effect of another form explains nothing."""
-
 NOTHING = 1e-12
 """Precision of a parameter without prior, as a part of that of the records."""
 
@@ -79,10 +74,7 @@ def estimated(problem: Problem, fit: Fit) -> Problem:
     start = [0.5 * np.log(here[name]) for name in names]
     found = minimize(
         _restricted, start, (tests, prior, width), jac=True, method="L-BFGS-B",
-        bounds=[
-            (-width * FURTHEST * (name in FREE), width * FURTHEST * (name != FORM))
-            for name in names
-        ],
+        bounds=[(-width * FURTHEST, width * FURTHEST * (name != FORM)) for name in names],
         options={"maxiter": 30, "ftol": 1e-6},
     )  # fmt: skip
     variances = dict(zip(names, np.exp(2.0 * found.x).tolist(), strict=True))

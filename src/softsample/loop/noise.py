@@ -21,6 +21,9 @@ MOST_BLOCKS = 1000
 FORM = "form"
 """Part of the discrepancy that is error in the form of the effects that were chosen."""
 
+FREE = ("rough", FORM)
+"""Parts of the discrepancy that errors of geometry and mesh have nothing to do with."""
+
 FURTHEST = 4.0
 """Standard deviations of its prior that a size is sought from its median."""
 
@@ -60,9 +63,8 @@ class NoiseSettings:
     poisson_ratio : float
         Standard deviation of the Poisson's ratio about that of the model; all tests share it.
     spread : float
-        Factor by which floor, history and scale may be larger than the sizes above, the error of
-        form smaller and the rough error either, one standard deviation: they are estimated from
-        the records. 1 takes them as they are.
+        Factor by which the sizes above may be larger or smaller, the error of form smaller alone,
+        one standard deviation: they are estimated from the records. 1 takes them as they are.
     """
 
     block_s: float = 0.2
@@ -94,6 +96,10 @@ class NoiseSettings:
         """Factors of the variances that are none above 1, and the least for that of form."""
         most = {FORM: self.spread ** (-2.0 * FURTHEST)}
         return {name: min(most.get(name, 1.0), v) for name, v in variances.items()}
+
+    def stated(self, variances: Mapping[str, float]) -> dict[str, float]:
+        """Factors of the variances that are none below 1, but those of `FREE`."""
+        return {name: v if name in FREE else max(1.0, v) for name, v in variances.items()}
 
 
 @dataclass(frozen=True)

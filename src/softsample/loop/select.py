@@ -28,6 +28,9 @@ Array = NDArray[np.float64]
 ALIKE = 10
 """Blocks over which what another law changes is alike."""
 
+WITHIN_FLOOR = "errors of geometry, mesh and element type of the stated sizes may be this large"
+"""Why a change of law or shape is not given that records ask for."""
+
 PROMISING = 0.1
 """Candidates whose linear gain is below this part of the best one's, or of the threshold, are not
 fitted."""
@@ -78,7 +81,7 @@ class Candidate:
         The effect.
     fit : Fit
         Joint fit with the sizes of the discrepancy of the round.
-    settled : Fit
+    posed, settled : Problem, Fit
         The same with the most likely sizes.
     gain : float
         Fall of the sum of squares, with the sizes of the round.
@@ -93,6 +96,7 @@ class Candidate:
 
     name: str
     fit: Fit
+    posed: Problem
     settled: Fit
     gain: float
     evidence: float
@@ -115,7 +119,9 @@ class Step:
     members : list of str
         Its class.
     refused : Candidate or None
-        What the records ask for most, if a size of it lies at the end of its range.
+        What the records ask for most, if it is not given.
+    why : str
+        Why it is not.
     """
 
     threshold: float
@@ -123,6 +129,7 @@ class Step:
     chosen: Candidate | None
     members: list[str] = field(default_factory=list)
     refused: Candidate | None = None
+    why: str = ""
 
 
 @dataclass(frozen=True)
@@ -346,10 +353,10 @@ def _round(
         fit = _joint(problem, current, signature)
         models = [settled(posed, fit, 1) for posed in (problem, problem.doubting(fit))]
         exact, doubted = (posed.misfit(likely) for posed, likely in models)
-        likely, left = models[doubted < exact][1], min(exact, doubted)
+        (posed, likely), left = models[doubted < exact], min(exact, doubted)
         gain, evidence = current.cost - fit.cost, before - left - penalty(signature.effect, n)
         candidates.append(
-            Candidate(signature.effect.name, fit, likely, gain, evidence, doubted < exact)
+            Candidate(signature.effect.name, fit, posed, likely, gain, evidence, doubted < exact)
         )
     candidates.sort(key=lambda c: c.evidence, reverse=True)
     if candidates:
@@ -361,10 +368,13 @@ def _round(
     acceptable = [c for c in candidates if c.evidence >= threshold]
     if not acceptable:
         return Step(threshold, candidates, None)
+    if not _above_floor(here, acceptable[0], threshold):
+        return Step(threshold, candidates, None, refused=acceptable[0], why=WITHIN_FLOOR)
     inside = [c for c in acceptable if not driven_to_an_end(c.settled)]
     refused = None if acceptable[0] in inside else acceptable[0]
+    why = f"{driven_to_an_end(refused.settled)} lies at the end of its range" if refused else ""
     if not inside:
-        return Step(threshold, candidates, None, refused=refused)
+        return Step(threshold, candidates, None, refused=refused, why=why)
     best = min(inside, key=lambda c: not c.fit.model.effects[-1].idealised)
     candidates = [replace(c, cosine=explained_alike(current, c.fit, best.fit)) for c in candidates]
     members = [best.name] + [
@@ -377,7 +387,20 @@ def _round(
             or (c.cosine > settings.class_cosine and c.gain > 0.7 * best.gain)
         )
     ]
-    return Step(threshold, candidates, best, members, refused)
+    return Step(threshold, candidates, best, members, refused, why)
+
+
+def _above_floor(here: _Round, candidate: Candidate, threshold: float) -> bool:
+    """Whether a candidate is more than errors of geometry, mesh and element type may be."""
+    effect = candidate.fit.model.effects[-1]
+    if not effect.like_floor:
+        return True
+    misfits = []
+    for posed, fit in ((here.settled, here.base), (candidate.posed, candidate.settled)):
+        stated = posed.with_variances(posed.settings.stated(posed.variances))
+        misfits.append(stated.misfit(stated.fit(fit.model, fit.state)))
+    before, after = misfits
+    return before - after - penalty(effect, len(here.base.white)) >= threshold
 
 
 def _smooth_excess(white: Sequence[Array]) -> float:

@@ -112,6 +112,9 @@ class Effect:
         effect is fitted whatever its linear estimate promises.
     idealised : bool
         Whether the model is known to leave it out: it comes before physics if records ask for it.
+    like_floor : bool
+        Whether errors of geometry, mesh and element type may lie along it, where no record can
+        show them: only what exceeds their stated sizes is evidence for it.
     travel, compliance, elastic, tissue, contact, instrument, crosstalk : callable
         See the functions above for their arguments; defaults do nothing. `compliance` is that of
         what holds the sample [m/N]; `crosstalk` is what the reading of a normal force has of the
@@ -130,6 +133,7 @@ class Effect:
     identifiable: bool = True
     of_time: bool = False
     idealised: bool = False
+    like_floor: bool = False
     starts: tuple[Values, ...] = ()
     travel: Callable[[Specimen, Array, Values], Array] = field(default=_travel)
     compliance: Callable[[Specimen, Values], float] = field(default=_rigid)

@@ -14,6 +14,7 @@ EFFECT = Effect(
     title="Surface too far out or in",
     parameters=(Parameter("shift_mm", "mm", -0.3, 0.3, 0.1),),
     tier="L",
+    like_floor=True,
     source="half a voxel; own runs with the surface moved by 0.1 mm",
     signature="slight scale of compression and tension, shear nearly untouched",
     confused_with=("poisson_ratio", "machine_compliance"),

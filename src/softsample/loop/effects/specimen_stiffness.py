@@ -17,6 +17,7 @@ def of_names(names: Sequence[str]) -> Effect:
         title="Stiffness of single samples",
         parameters=tuple(Parameter(name, "1", 0.5, 2.0, 1.1, neutral=1.0) for name in names),
         tier="P",
+        like_floor=True,
         source="scatter of repeats; each size is the modulus of a sample over that of the group's "
         "first of the same mode",
         signature="all forces of a sample scaled against those of another one in the same test",

@@ -6,6 +6,9 @@ from numpy.typing import NDArray
 
 Array = NDArray[np.float64]
 
+ALIKE = 1e-10
+"""Relative difference up to which two steps of time are one, but for rounding."""
+
 
 def relaxed(time: Array, force: Array, g: float, tau: float) -> Array:
     """``F - g int (1 - exp(-(t - s)/tau)) dF(s)`` of an elastic force at increasing times.
@@ -17,16 +20,19 @@ def relaxed(time: Array, force: Array, g: float, tau: float) -> Array:
     ----------
     Y. C. Fung, Biomechanics: Mechanical Properties of Living Tissues, Springer 1993.
     """
-    step = np.diff(time, prepend=2.0 * time[0] - time[1]) / tau
-    return (1.0 - g) * force + g * _remembered(np.exp(-step), -np.expm1(-step) / step, force)
+    return (1.0 - g) * force + g * _remembered(time, force, tau)
 
 
 @njit(cache=True)
-def _remembered(decay: Array, gain: Array, force: Array) -> Array:
-    left, before = 0.0, 0.0
+def _remembered(time: Array, force: Array, tau: float) -> Array:
+    left, before, last = 0.0, 0.0, 0.0
+    decay, gain = 1.0, 1.0
     found = np.empty_like(force)
     for k in range(len(force)):
-        left = decay[k] * left + gain[k] * (force[k] - before)
+        step = (time[max(k, 1)] - time[max(k, 1) - 1]) / tau
+        if abs(step - last) > ALIKE * step:  # exponentials cost more than all the rest
+            decay, gain, last = np.exp(-step), -np.expm1(-step) / step, step
+        left = decay * left + gain * (force[k] - before)
         before = force[k]
         found[k] = left
     return found

@@ -98,8 +98,9 @@ class NoiseSettings:
         return {name: min(most.get(name, 1.0), v) for name, v in variances.items()}
 
     def stated(self, variances: Mapping[str, float]) -> dict[str, float]:
-        """Factors of the variances that are none below 1, but those of `FREE`."""
-        return {name: v if name in FREE else max(1.0, v) for name, v in variances.items()}
+        """Factors of the variances that errors of geometry and mesh may have, but for `FREE`."""
+        most = {name: self.spread**2 for name in ("smooth", "history")}
+        return {name: v if name in FREE else most.get(name, 1.0) for name, v in variances.items()}
 
 
 @dataclass(frozen=True)

@@ -14,6 +14,7 @@ from softsample.protocol import PRESSED_MODES
 from softsample.response.changes import for_all_fractions, read_changes, split_laws
 from softsample.response.curves import ResponseCurves
 from softsample.response.law_response import LawResponse
+from softsample.response.memory import remembered
 from softsample.shapes import IdealShape
 
 Array = NDArray[np.float64]
@@ -167,16 +168,25 @@ class Elastic:
         lower by 0.02 and 0.04. At 0.493 in place of 0.49 it is within 15 % of the change of a run
         of its own.
         """
+        x = np.asarray(times) - 1.0
+        first, second = self._more_compliant(fraction, displacement)
+        more = x * (first + x * second)
+        return np.asarray(1.0 / np.maximum(1.0 + more, LEAST_PART) - 1.0)
+
+    @remembered
+    def _more_compliant(self, fraction: float, displacement: Array) -> Array:
+        """Reciprocal of the force over the model's, less 1: coefficients (2, n) of that quotient
+        and of its square.
+        """
         force = self.force_per_mu(fraction, displacement)
         own, *others = (compressibility(self.poisson_ratio - less) for less in (0.0, 0.02, 0.04))
-        x, y = np.asarray(times) - 1.0, []
-        for step in ("0.02", "0.04"):
+        slopes, points = [], [other / own - 1.0 for other in others]
+        for step, point in zip(("0.02", "0.04"), points, strict=True):
             change = self.change_per_mu(f"poisson_{step}_less", fraction, displacement)
             part = np.divide(change, force, out=np.zeros_like(force), where=force != 0.0)
-            y.append(1.0 / np.maximum(1.0 + part, LEAST_PART) - 1.0)
-        a, b = (other / own - 1.0 for other in others)
-        more = x * ((b - x) / (b - a) * y[0] / a - (a - x) / (b - a) * y[1] / b)
-        return np.asarray(1.0 / np.maximum(1.0 + more, LEAST_PART) - 1.0)
+            slopes.append((1.0 / np.maximum(1.0 + part, LEAST_PART) - 1.0) / point)
+        square = (slopes[1] - slopes[0]) / (points[1] - points[0])
+        return np.stack([slopes[0] - points[0] * square, square])
 
     def ratio_change_per_mu(
         self, fraction: float, displacement: Array, poisson_ratio: float

@@ -20,7 +20,7 @@ from softsample.loop.noise import FORM, Noise, NoiseSettings, Whitener, covarian
 from softsample.loop.page import page
 from softsample.loop.resample import resampled, stretches
 from softsample.loop.screen import family_wise, null_threshold, penalty, signatures
-from softsample.loop.select import WITHIN_FLOOR, Candidate, Step, _Search, explained_alike, select
+from softsample.loop.select import WITHIN_DOUBT, Candidate, Step, _Search, explained_alike, select
 from softsample.loop.specimen import Specimen, blocks
 from softsample.response.curves import ResponseCurves
 from softsample.response.elastic import Elastic
@@ -521,7 +521,7 @@ def test_a_change_of_the_law_within_the_floor_is_told_and_not_named(part, verdic
     asked = told["effects"] if verdict == "explained" else told["withheld"]
     assert [effect["name"] for effect in asked] == ["poisson_ratio"]
     if verdict == "none":
-        assert asked[0]["reason"] == WITHIN_FLOOR
+        assert asked[0]["reason"] == WITHIN_DOUBT
         assert asked[0]["evidence"] > told["path"][0]["threshold"]
 
 

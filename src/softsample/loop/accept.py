@@ -5,11 +5,9 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from softsample.loop.errors import Error
+from softsample.loop.errors import Error, Errors
 from softsample.loop.noise import NoiseSettings
-from softsample.loop.select import WITHIN_FLOOR, Selection, SelectionSettings, driven_to_an_end
-
-Errors = Mapping[str, Mapping[str, Error]]
+from softsample.loop.select import WITHIN_DOUBT, Selection, SelectionSettings, driven_to_an_end
 
 OPEN_MODULUS = float(np.log(2.0))
 """Standard deviation of ln(mu) above which a fit leaves the modulus open: a factor of two."""
@@ -68,7 +66,7 @@ def objection_to(
     and what folds leave out of the fitted records is no less likely with the effects than without.
     """
     last, named = selection.steps[-1], bool(selection.final.model.effects)
-    if last.refused and last.why != WITHIN_FLOOR and not named:
+    if last.refused and last.why != WITHIN_DOUBT and not named:
         return last.why
     scale = noise.sizes(selection.problem.variances)["scale"]
     enough = named and fold_ratio(before.folds, after.folds) <= rules.unknown_share

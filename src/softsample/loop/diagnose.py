@@ -7,11 +7,12 @@ from typing import Any, Self
 import numpy as np
 from numpy.typing import NDArray
 
-from softsample.loop.accept import Errors, Judged, far_off, objection_to
+from softsample.loop.accept import Judged, far_off, objection_to
 from softsample.loop.correction import Confirmed, confirmed
 from softsample.loop.effects import library
 from softsample.loop.effects.base import Effect
 from softsample.loop.errors import (
+    Errors,
     Fold,
     cross_validated,
     errors,

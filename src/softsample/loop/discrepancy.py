@@ -71,11 +71,17 @@ def estimated(problem: Problem, fit: Fit) -> Problem:
     prior[:-1][Packing(fit.model, problem.fractions).at_end(fit.state)] = FIXED_THERE
     width = np.log(problem.settings.spread)
     here = problem.whiteners[0].variances
-    start = [0.5 * np.log(here[name]) for name in names]
-    found = minimize(
-        _restricted, start, (tests, prior, width), jac=True, method="L-BFGS-B",
-        bounds=[(-width * FURTHEST, width * FURTHEST * (name != FORM)) for name in names],
-        options={"maxiter": 30, "ftol": 1e-6},
+    starts = [np.zeros(len(names)), np.array([0.5 * np.log(here[name]) for name in names])]
+    bounds = [(-width * FURTHEST, width * FURTHEST * (name != FORM)) for name in names]
+    found = min(
+        (
+            minimize(
+                _restricted, start, (tests, prior, width), jac=True, method="L-BFGS-B",
+                bounds=bounds, options={"maxiter": 30, "ftol": 1e-6},
+            )
+            for start in starts[: 2 if starts[1].any() else 1]
+        ),
+        key=lambda result: result.fun,
     )  # fmt: skip
     variances = dict(zip(names, np.exp(2.0 * found.x).tolist(), strict=True))
     return problem.with_variances(variances)

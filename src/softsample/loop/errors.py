@@ -45,6 +45,10 @@ class Error:
         }
 
 
+Errors = Mapping[str, Mapping[str, Error]]
+"""By two names, as fold and test, or test and phase."""
+
+
 def error_of(residual: Array, noise: float, peak: float) -> Error:
     """Error of residuals (n,) [N] whose noise has a standard deviation [N]."""
     square = float(np.mean(residual**2))

@@ -21,8 +21,8 @@ MOST_BLOCKS = 1000
 FORM = "form"
 """Part of the discrepancy that is error in the form of the effects that were chosen."""
 
-FREE = ("rough", FORM)
-"""Parts of the discrepancy that errors of geometry and mesh have nothing to do with."""
+GEOMETRY = ("smooth", "history")
+"""Parts of the discrepancy that errors of geometry, mesh and element type make."""
 
 FURTHEST = 4.0
 """Standard deviations of its prior that a size is sought from its median."""
@@ -97,10 +97,13 @@ class NoiseSettings:
         most = {FORM: self.spread ** (-2.0 * FURTHEST)}
         return {name: min(most.get(name, 1.0), v) for name, v in variances.items()}
 
-    def stated(self, variances: Mapping[str, float]) -> dict[str, float]:
-        """Factors of the variances that errors of geometry and mesh may have, but for `FREE`."""
-        most = {name: self.spread**2 for name in ("smooth", "history")}
-        return {name: v if name in FREE else most.get(name, 1.0) for name, v in variances.items()}
+    def doubted(self, variances: Mapping[str, float], floor: bool) -> dict[str, float]:
+        """Factors of the variances that no record may show to be so large.
+
+        Of errors of form, and with `floor` of those of geometry and mesh.
+        """
+        least = {name: self.spread**2 for name in (FORM, *(GEOMETRY if floor else ()))}
+        return {name: max(least.get(name, 0.0), v) for name, v in variances.items()}
 
 
 @dataclass(frozen=True)

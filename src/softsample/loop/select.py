@@ -10,6 +10,7 @@ from numpy.typing import NDArray
 
 from softsample.loop.discrepancy import settled
 from softsample.loop.effects.base import Effect
+from softsample.loop.errors import cross_validated, log_density
 from softsample.loop.fit import STARTS, Fit, Problem
 from softsample.loop.model import FIXED, Model
 from softsample.loop.screen import (
@@ -28,8 +29,11 @@ Array = NDArray[np.float64]
 ALIKE = 10
 """Blocks over which what another law changes is alike."""
 
-WITHIN_FLOOR = "errors of geometry, mesh and element type of the stated sizes may be this large"
-"""Why a change of law or shape is not given that records ask for."""
+WITHIN_DOUBT = "errors of geometry and mesh, or in the form of other effects, may be this large"
+"""Why an effect is not given that records ask for."""
+
+EARNED = float(np.log(20.0))
+"""How much likelier an effect beside others makes what folds leave out, at least: its logarithm."""
 
 PROMISING = 0.1
 """Candidates whose linear gain is below this part of the best one's, or of the threshold, are not
@@ -184,7 +188,7 @@ def select(problem: Problem, effects: Sequence[Effect], settings: SelectionSetti
     search.forward()
     if search.exchange():
         search.forward()
-    final, fit = search.within_ranges()
+    final, fit = search.earning(*search.within_ranges())
     return Selection(
         final,
         first.settled,
@@ -275,6 +279,19 @@ class _Search:
             self.current = fit
         return problem, fit
 
+    def earning(self, problem: Problem, fit: Fit) -> tuple[Problem, Fit]:
+        """The same less effects without which what folds leave out is nearly as likely."""
+        while len(self.classes) > 1:
+            less = {name: settled(*self._doubting_others(name)) for name in self.classes}
+            found = {name: _density(*model) for name, model in less.items()}
+            name = max(found, key=lambda name: found[name])
+            if _density(problem, fit) > found[name] + EARNED:
+                break
+            del self.classes[name]
+            problem, fit = less[name]
+            self.current = fit
+        return problem, fit
+
     def _round(self, problem: Problem, current: Fit) -> Step:
         open_effects = [e for e in self.library if e.name not in current.model.names]
         return _round(_Round.of(problem, current), open_effects, self.threshold, self.settings)
@@ -301,6 +318,11 @@ class _Search:
             fit = problem.fit(model, replace(self.current.state, values=known))
             problem = self._doubting(problem, fit)
         return problem, problem.fit(model, fit.state)
+
+
+def _density(problem: Problem, fit: Fit) -> float:
+    """Logarithm of the predictive density of what folds leave out."""
+    return log_density(problem, fit, cross_validated(problem, fit))
 
 
 def driven_to_an_end(fit: Fit) -> str:
@@ -368,8 +390,8 @@ def _round(
     acceptable = [c for c in candidates if c.evidence >= threshold]
     if not acceptable:
         return Step(threshold, candidates, None)
-    if not _above_floor(here, acceptable[0], threshold):
-        return Step(threshold, candidates, None, refused=acceptable[0], why=WITHIN_FLOOR)
+    if not _beyond_doubt(here, acceptable[0], threshold):
+        return Step(threshold, candidates, None, refused=acceptable[0], why=WITHIN_DOUBT)
     inside = [c for c in acceptable if not driven_to_an_end(c.settled)]
     refused = None if acceptable[0] in inside else acceptable[0]
     why = f"{driven_to_an_end(refused.settled)} lies at the end of its range" if refused else ""
@@ -390,16 +412,22 @@ def _round(
     return Step(threshold, candidates, best, members, refused, why)
 
 
-def _above_floor(here: _Round, candidate: Candidate, threshold: float) -> bool:
-    """Whether a candidate is more than errors of geometry, mesh and element type may be."""
+def _beyond_doubt(here: _Round, candidate: Candidate, threshold: float) -> bool:
+    """Whether a candidate is more than errors along it may be that no record shows.
+
+    Those of geometry, mesh and element type for some, those in the form of effects that were
+    chosen before for all.
+    """
     effect = candidate.fit.model.effects[-1]
-    if not effect.like_floor:
-        return True
-    misfits = []
-    for posed, fit in ((here.settled, here.base), (candidate.posed, candidate.settled)):
-        stated = posed.with_variances(posed.settings.stated(posed.variances))
-        misfits.append(stated.misfit(stated.fit(fit.model, fit.state)))
-    before, after = misfits
+    alone = _without(here, candidate)
+
+    def misfit(posed: Problem, fit: Fit) -> float:
+        doubted = posed.settings.doubted(posed.variances, effect.like_floor)
+        posed = posed.with_variances(doubted)
+        return posed.misfit(posed.fit(fit.model, fit.state))
+
+    before = min(misfit(here.settled, here.base), misfit(*alone))
+    after = misfit(candidate.posed, candidate.settled)
     return before - after - penalty(effect, len(here.base.white)) >= threshold
 
 

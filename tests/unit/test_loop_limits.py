@@ -82,13 +82,14 @@ def test_the_modulus_to_quote_allows_for_what_would_not_have_been_seen(nothing):
     plain = State(found.final.state.material)
     model, state = Model((effect,)), replace(plain, values={effect.name: {"nu": size}})
     problem = found.selection.problem
+    problem = problem.with_variances(SETTINGS.noise.doubted(problem.variances, floor=True))
     fit = problem.with_forces(problem.predicted(model, state)).fit(Model(), plain)
     factor = fit.state.material.mu / plain.material.mu
     assert limit["modulus_percent"] == pytest.approx(100.0 * (factor - 1.0), abs=0.05)
     assert abs(factor - 1.0) > 0.005
     quoted = verdict["recommended"]
     assert quoted["mu"]["value"] == mu["value"]
-    assert quoted["widened_by"] == ["poisson_ratio"]
+    assert "poisson_ratio" in quoted["widened_by"]
     assert quoted["mu"]["low"] <= mu["low"] / max(1.0, factor) * (1.0 + 1e-9)
     assert quoted["mu"]["high"] >= mu["high"] / min(1.0, factor) * (1.0 - 1e-9)
     assert f"Modulus to quote: **{mu['value']:.4g} Pa**" in page("A1", verdict)

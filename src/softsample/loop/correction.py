@@ -179,6 +179,8 @@ def confirmed(
 ) -> Confirmed | None:
     """What predicts best what folds leave out; none if it is not far better than the first model.
 
+    What is no more than the stated floor is not corrected.
+
     Parameters
     ----------
     models : sequence of (problem, fit, folds)
@@ -197,6 +199,8 @@ def confirmed(
         corrected = _corrected(folds, {name: one.only(held) for name, one in known.items()})
         if place == 0:
             reference = _rms(bare)
+            if reference <= problem.settings.floor_percent:
+                return None
         else:
             found.append(Confirmed(problem, fit, None, folds, reference, _rms(bare)))
         left = _rms(_squares(problem, corrected, told, noises))

@@ -41,7 +41,8 @@ def detection_limits(selection: Selection) -> dict[str, Limit]:
 
     What the material and the effect predict is taken for a record and fitted by the plain model:
     what that leaves, not what derivatives say it would leave, has to earn penalty and threshold.
-    The fit follows contact that comes late, for one, further than its derivative knows.
+    The fit follows contact that comes late, for one, further than its derivative knows. Errors of
+    geometry, mesh and form are as large as those that a candidate has to exceed.
 
     Parameters
     ----------
@@ -65,7 +66,8 @@ def detection_limits(selection: Selection) -> dict[str, Limit]:
 
 def _limit(problem: Problem, plain: State, signature: Signature, need: float) -> Limit | None:
     """Where as much is left as is needed, None beyond the range."""
-    highest = _highest(signature.effect)
+    sizes = problem.settings.doubted(problem.variances, signature.effect.like_floor)
+    problem, highest = problem.with_variances(sizes), _highest(signature.effect)
     size = min(float(np.sqrt(need)) / signature.strength, highest)
     for _ in range(ROUNDS):
         fit = _plain_fit(problem, plain, signature.effect, _sized(signature, size))

@@ -28,7 +28,7 @@ ALLOWED = {
     "plausibility": {"errors", "formats"},
     "holdout": {"errors", "records", "validation"},
     "files": {"errors"},
-    "workflow": {"errors", "files"},
+    "workflow": {"errors", "files", "progress"},
     "manifest": {"errors", "files"},
     "costs": {"errors", "workflow"},
     "formats": {"errors"},

@@ -379,7 +379,7 @@ def test_verdicts_come_as_file_page_and_picture(study):
     run("verdicts")
     for folder in ("loop/AB", "loop/AB/ideal"):
         verdict = load(results, f"{folder}/verdict.json")
-        assert verdict["verdict"] in {"explained", "none", "unknown"}
+        assert verdict["verdict"] in {"explained", "explained_class", "none", "unknown"}
         assert verdict["provenance"]["inputs"]
         for mode in ("tension", "compression"):
             after = verdict["error_after"][mode]["all"]

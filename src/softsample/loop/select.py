@@ -352,6 +352,34 @@ def _round(
     Where the best one has found another fit that is far better without it, the round begins anew
     from there.
     """
+    candidates = _fitted(here, effects, threshold, settings)
+    if candidates:
+        alone = _without(here, candidates[0])
+        over = here.settled.misfit(here.base) - alone[0].misfit(alone[1])
+        if over > settings.least_gain and again:
+            return _round(_Round.of(*alone), effects, threshold, settings, again=False)
+        candidates = [replace(c, evidence=c.evidence - max(over, 0.0)) for c in candidates]
+    acceptable = [c for c in candidates if c.evidence >= threshold]
+    if not acceptable:
+        return Step(threshold, candidates, None)
+    asked_for = min(acceptable, key=_comes_later)
+    if not _beyond_doubt(here, asked_for, threshold):
+        return Step(threshold, candidates, None, refused=asked_for, why=WITHIN_DOUBT)
+    inside = [c for c in acceptable if not driven_to_an_end(c.settled)]
+    refused = None if acceptable[0] in inside else acceptable[0]
+    why = f"{driven_to_an_end(refused.settled)} lies at the end of its range" if refused else ""
+    if not inside:
+        return Step(threshold, candidates, None, refused=refused, why=why)
+    best = min(inside, key=_comes_later)
+    alike = [explained_alike(here.current, c.fit, best.fit) for c in candidates]
+    candidates = [replace(c, cosine=x) for c, x in zip(candidates, alike, strict=True)]
+    return Step(threshold, candidates, best, _members(candidates, best, settings), refused, why)
+
+
+def _fitted(
+    here: _Round, effects: Sequence[Effect], threshold: float, settings: SelectionSettings
+) -> list[Candidate]:
+    """Promising effects fitted jointly with the material, the one of most evidence first."""
     problem, current, n = here.problem, here.current, len(here.current.white)
     found = best_of_each(signatures(problem, current, effects), current.white)
     ranked = sorted(
@@ -380,26 +408,14 @@ def _round(
         candidates.append(
             Candidate(signature.effect.name, fit, posed, likely, gain, evidence, doubted < exact)
         )
-    candidates.sort(key=lambda c: c.evidence, reverse=True)
-    if candidates:
-        alone = _without(here, candidates[0])
-        over = before - alone[0].misfit(alone[1])
-        if over > settings.least_gain and again:
-            return _round(_Round.of(*alone), effects, threshold, settings, again=False)
-        candidates = [replace(c, evidence=c.evidence - max(over, 0.0)) for c in candidates]
-    acceptable = [c for c in candidates if c.evidence >= threshold]
-    if not acceptable:
-        return Step(threshold, candidates, None)
-    if not _beyond_doubt(here, acceptable[0], threshold):
-        return Step(threshold, candidates, None, refused=acceptable[0], why=WITHIN_DOUBT)
-    inside = [c for c in acceptable if not driven_to_an_end(c.settled)]
-    refused = None if acceptable[0] in inside else acceptable[0]
-    why = f"{driven_to_an_end(refused.settled)} lies at the end of its range" if refused else ""
-    if not inside:
-        return Step(threshold, candidates, None, refused=refused, why=why)
-    best = min(inside, key=lambda c: not c.fit.model.effects[-1].idealised)
-    candidates = [replace(c, cosine=explained_alike(current, c.fit, best.fit)) for c in candidates]
-    members = [best.name] + [
+    return sorted(candidates, key=lambda c: c.evidence, reverse=True)
+
+
+def _members(
+    candidates: Sequence[Candidate], best: Candidate, settings: SelectionSettings
+) -> list[str]:
+    """The class of the best candidate, itself first: of as much evidence, or alike."""
+    return [best.name] + [
         c.name
         for c in candidates
         if c.name != best.name
@@ -409,7 +425,11 @@ def _round(
             or (c.cosine > settings.class_cosine and c.gain > 0.7 * best.gain)
         )
     ]
-    return Step(threshold, candidates, best, members, refused, why)
+
+
+def _comes_later(candidate: Candidate) -> bool:
+    """Whether what the model is known to leave out comes before a candidate."""
+    return not candidate.fit.model.effects[-1].idealised
 
 
 def _beyond_doubt(here: _Round, candidate: Candidate, threshold: float) -> bool:

@@ -64,41 +64,11 @@ $(stamp):
 	$(bin)/python -m pip install --quiet --disable-pip-version-check --no-deps --no-build-isolation -e .
 	touch $@
 
-# A lock that a killed run left behind is removed, if no other run is alive: the operating system
-# releases the locks of both files with their processes; every Snakemake process and every job on a
-# cluster holds the second one. If samples failed, the report holds the others.
-busy := echo "Another run is working in this folder; wait for it, or stop it." >&2; exit 1
-define alone
-	mkdir -p .snakemake
-	exec 9> .snakemake/run.lock
-	if command -v flock > /dev/null; then
-	  flock -n 9 || { $(busy); }
-	  if [ -n "$$(ls -A .snakemake/locks 2> /dev/null)" ]; then
-	    flock -n .snakemake/alive.lock true 9>&- || { $(busy); }
-	    $(bin)/snakemake --unlock --quiet all $(1) > /dev/null 2>&1 9>&- || true
-	  fi
-	fi
-endef
-define study
-	$(call alone,$(1))
-	status=0
-	$(bin)/snakemake --cores $(CORES) $(1) 9>&- || status=$$?
-	if [ $$status -ge 128 ]; then
-	  echo "The run was stopped; what is finished is kept, the same command goes on from there." >&2
-	  exit $$status
-	elif [ $$status != 0 ]; then
-	  export SOFTSAMPLE_PARTIAL=1
-	  $(bin)/snakemake --cores $(CORES) reported $(1) 9>&- || exit $$status
-	fi
-	echo "Report: $(2)/report.html"
-	exit $$status
-endef
-
 run: $(stamp)
-	@$(call study,,results)
+	@$(bin)/python -m softsample run --cores $(CORES)
 
 quick: $(stamp)
-	@$(call study,--configfile config/quick.yaml,results-quick)
+	@$(bin)/python -m softsample run --quick --cores $(CORES)
 
 # refuses a missing value, such as the folder of a study
 given = $(foreach name,$(1),$(if $($(name)),,$(error name it: make $@ $(name)=...)))
@@ -108,23 +78,22 @@ new-study: $(stamp)
 	$(bin)/python -m softsample new "$(DIR)"
 
 # what the row of the sample may hold besides, as options of the command
-cells := IMAGE SURFACE SHAPE LENGTH WIDTH HEIGHT DIAMETER SAMPLE GROUP SPECIMEN ENDS FORMAT CYCLE
-lower = $(shell echo $(1) | tr A-Z a-z)
+cells := IMAGE SURFACE SHAPE LENGTH WIDTH HEIGHT DIAMETER SAMPLE GROUP SPECIMEN ENDS FORMAT CYCLE \
+  LOADING_AXIS SHEAR_AXIS SEGMENTATION BOND_MASK LABELS
+option = $(shell echo $(1) | tr A-Z_ a-z-)
 
 add-sample: $(stamp)
 	@$(call given,DIR RECORD MODE)
 	$(bin)/python -m softsample add "$(DIR)" --mode "$(MODE)" --record "$(RECORD)" \
-	  $(foreach cell,$(cells),$(if $($(cell)),--$(call lower,$(cell)) "$($(cell))"))
+	  $(foreach cell,$(cells),$(if $($(cell)),--$(call option,$(cell))="$($(cell))"))
 
 check-study: $(stamp)
 	@$(call given,DIR)
 	$(bin)/python -m softsample check "$(DIR)"
 
-# Snakemake refuses a file of settings without keys
-study: own = $(shell grep -qsE '^[[:space:]]*[^#[:space:]]' "$(DIR)/study.yaml" && echo '"$(DIR)/study.yaml"')
 study: $(stamp)
 	@$(call given,DIR)
-	$(call study,$(if $(CONFIG)$(own),--configfile $(CONFIG) $(own)) --config "samples=$(DIR)/samples.tsv" "results=$(DIR)/results",$(DIR)/results)
+	$(bin)/python -m softsample run "$(DIR)" $(if $(CONFIG),--settings $(CONFIG)) --cores $(CORES)
 
 docs: $(stamp)
 	$(bin)/snakemake --cores $(CORES) reproduction
@@ -176,13 +145,12 @@ blind-full: $(stamp)
 # every study is run by the ordinary workflow; one that fails does not stop the others
 measured: $(stamp)
 	@studies=$$($(bin)/python -m softsample.measured "$${SOFTSAMPLE_MEASURED_ROOT:-resources/measured}" results/measured/studies $(SETS))
-	$(call alone,)
 	failed=
 	while IFS= read -r study; do
 	  name=$${study##*/}
 	  echo "Study $$name"
-	  $(bin)/snakemake --cores $(CORES) --keep-going --configfile "$$study/study.yaml" \
-	    --config "samples=$$study/samples.tsv" "results=results/measured/$$name" -- verdicts reported < /dev/null 9>&- || failed="$$failed $$name"
+	  $(bin)/python -m softsample run "$$study" --results "results/measured/$$name" --cores $(CORES) \
+	    --target verdicts --target reported < /dev/null || failed="$$failed $$name"
 	done <<< "$$studies"
 	$(bin)/python -m softsample.measured.summary results/measured
 	if [ -n "$$failed" ]; then echo "Did not come through:$$failed" >&2; exit 1; fi

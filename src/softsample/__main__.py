@@ -1,4 +1,4 @@
-"""Look at any result, and set up a study: `python -m softsample show|new|add|check`."""
+"""Set up, check and run a study, and look at any result: `softsample new|add|check|run|show`."""
 
 import argparse
 import shlex
@@ -19,8 +19,7 @@ from softsample.io import (
     read_table,
     written_aside,
 )
-from softsample.protocol import MODES
-from softsample.validation import ANY_DIMENSION
+from softsample.study import columns
 
 KINDS = f".json, .csv, .tsv, .vtu, .stl, {', '.join(IMAGE_ENDINGS)}"
 """Files that can be shown."""
@@ -29,6 +28,9 @@ LONG = 12
 """Longer lists are abbreviated when printed."""
 
 MM = 1e-3
+
+PROGRAM = "softsample"
+"""Name of the installed command; `python -m softsample` is the same."""
 
 
 def main(arguments: Sequence[str] | None = None) -> int:
@@ -43,7 +45,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
 
 def command_line() -> argparse.ArgumentParser:
     """The commands and their options."""
-    parser = argparse.ArgumentParser(prog="python -m softsample", description=__doc__)
+    parser = argparse.ArgumentParser(prog=PROGRAM, description=__doc__)
     commands = parser.add_subparsers(required=True)
     show = commands.add_parser("show", help="print or draw a result file")
     show.add_argument("file", help=f"{KINDS} or a DICOM folder")
@@ -60,25 +62,36 @@ def _add_study_commands(commands: Any) -> None:
     new = commands.add_parser("new", help="make a study folder with a worked sample")
     new.set_defaults(run=lambda g: _new(g.folder))
     add = commands.add_parser("add", help="copy the files of a sample into a study, add its row")
-    add.set_defaults(run=lambda g: _add(g))
-    add.add_argument("--mode", required=True, choices=MODES)
-    add.add_argument("--record", required=True, help="the test, as the machine wrote it")
-    add.add_argument("--image", help="MRI volume, or a folder of DICOM files")
-    add.add_argument("--surface", help="closed surface (.stl, .ply, .vtp), in place of an image")
-    add.add_argument("--shape", help="cuboid or cylinder: with dimensions in place of an image")
-    for name in ANY_DIMENSION:
-        what = name.removesuffix("_mm")
-        add.add_argument(f"--{what}", dest=name, metavar="MM", help=f"{what} in mm")
-    add.add_argument("--sample", help="its id (default: the name of the image or record)")
-    add.add_argument("--group", help="id of its animal (default: the sample's)")
-    add.add_argument("--specimen", help="id of its piece, if several tests were made on it")
-    add.add_argument("--ends", help="bonded, sliding, a friction coefficient, or unknown")
-    add.add_argument("--format", help="name of a block of formats in study.yaml")
-    add.add_argument("--cycle", help="the loading to calibrate on: first, last or a number")
+    add.set_defaults(run=_add)
+    for column, meaning in columns().items():
+        option = column.removesuffix("_mm").replace("_", "-")
+        needed = column in ("mode", "record")
+        add.add_argument(f"--{option}", dest=column, required=needed, help=meaning)
     check = commands.add_parser("check", help="tell everything that is wrong with a study")
     check.set_defaults(run=lambda g: _check(g.folder))
     for command in (new, add, check):
         command.add_argument("folder", help="of the study")
+    run = commands.add_parser("run", help="run a study, to its report")
+    run.set_defaults(run=_run)
+    run.add_argument("folder", nargs="?", help="of the study (default: the shipped samples)")
+    run.add_argument("--quick", action="store_true", help="at 1 mm, for a look in minutes")
+    run.add_argument("--settings", action="append", default=[], help="a file of settings to use")
+    run.add_argument("--results", help="folder of the results (default: results in the study)")
+    run.add_argument("--cores", type=int, default=2, help="jobs side by side (default: 2)")
+    run.add_argument("--target", action="append", default=[], help="rule or file (default: all)")
+
+
+def _spoken(make: str, command: str) -> str:
+    """A command as one gives it: of make in a clone, of the program `softsample` elsewhere."""
+    return f"  {command if Path(sys.argv[0]).stem == PROGRAM else make}"
+
+
+def _run(given: argparse.Namespace) -> int:
+    from softsample.study import ROOT
+    from softsample.study.run import run_study
+
+    settings = [*([ROOT / "config/quick.yaml"] if given.quick else []), *given.settings]
+    return run_study(given.folder, settings, given.results, given.target, given.cores)
 
 
 def _new(folder: str) -> None:
@@ -88,19 +101,24 @@ def _new(folder: str) -> None:
     print(f"{folder} holds a table of samples (samples.tsv), settings (study.yaml), and a sample.")
     print("Next, add your own sample, in place of the worked one, or check what is there:")
     files = "IMAGE=scan.nii.gz RECORD=test.csv MODE=compression"
-    print(f"  make add-sample DIR={shlex.quote(folder)} {files}")
-    print("  (without an image: SHAPE=cylinder DIAMETER=20 HEIGHT=10 in its place, in mm)")
-    print(f"  make check-study DIR={shlex.quote(folder)}")
+    options = "--image scan.nii.gz --record test.csv --mode compression"
+    where = shlex.quote(folder)
+    print(_spoken(f"make add-sample DIR={where} {files}", f"softsample add {where} {options}"))
+    size = _spoken(
+        "SHAPE=cylinder DIAMETER=20 HEIGHT=10", "--shape cylinder --diameter 20 --height 10"
+    )
+    print(f"  (without an image: {size.strip()} in its place, in mm)")
+    print(_spoken(f"make check-study DIR={where}", f"softsample check {where}"))
 
 
 def _add(given: argparse.Namespace) -> None:
     from softsample.study.folder import add_sample
 
-    folder = given.folder
-    cells = {name: cell for name, cell in vars(given).items() if name not in ("folder", "run")}
+    folder, cells = given.folder, {name: getattr(given, name) for name in columns()}
     name = add_sample(folder, {column: cell for column, cell in cells.items() if cell})
     print(f"Sample {name} is in {folder}. Next:")
-    print(f"  make check-study DIR={shlex.quote(folder)}")
+    where = shlex.quote(folder)
+    print(_spoken(f"make check-study DIR={where}", f"softsample check {where}"))
 
 
 def _check(folder: str) -> int:
@@ -117,8 +135,10 @@ def _check(folder: str) -> int:
         return 1
     outcome = "Nothing is refused, but look at the doubts" if result.doubts else "No fault found"
     print(f"\n{outcome}; samples: {result.samples}. Please compare units, signs and zero with")
-    print("what the machine does. Next, at 1 mm for a look in minutes, or without CONFIG in full:")
-    print(f"  make study DIR={shlex.quote(folder)} CONFIG=config/quick.yaml")
+    print("what the machine does. Next, for a look in minutes (without the last word in full):")
+    where = shlex.quote(folder)
+    make = f"make study DIR={where} CONFIG=config/quick.yaml"
+    print(_spoken(make, f"softsample run {where} --quick"))
     return 0
 
 

@@ -55,7 +55,7 @@ ALLOWED = {
         "records", "shapes", "validation",
     },
     "measured": {"errors", "figures", "files", "io", "report", "study"},
-    "__main__": {"errors", "figures", "formats", "io", "protocol", "study", "validation"},
+    "__main__": {"errors", "figures", "formats", "io", "study"},
     "__init__": set(),
 }  # fmt: skip
 """What each part of the package may import, and nothing else of it."""

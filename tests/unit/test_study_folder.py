@@ -182,6 +182,18 @@ def add_stated(study, name, *cells, mode="compression", record=None):
     return main(["add", str(study), "--mode", mode, "--record", str(test), *cells])
 
 
+def test_a_mask_and_an_axis_are_added_with_the_sample(study):
+    mask = image(study.parent / "glue.nii.gz")
+    picture, test = study.parent / "M1.nii.gz", study.parent / "M1.csv"
+    image(picture)
+    machines.write(test, default_record())
+    files = ("--image", str(picture), "--record", str(test), "--bond-mask", str(mask))
+    assert main(["add", str(study), "--mode", "tension", *files, "--loading-axis=-z"]) == 0
+    row = read_samples(study / "samples.tsv").iloc[-1]
+    assert row[["sample", "bond_mask", "loading_axis"]].tolist() == ["M1", "glue.nii.gz", "-z"]
+    assert (study / "glue.nii.gz").read_bytes() == mask.read_bytes()
+
+
 ROUND = ("--shape", "cylinder", "--diameter", "20", "--height", "10")
 
 
@@ -291,7 +303,7 @@ def test_marks_that_are_no_whole_numbers_are_refused_before_the_run(study, colum
 )
 def test_a_folder_without_a_study_says_how_to_make_one(command, tmp_path, capsys):
     assert main([*command, str(tmp_path / "none")]) == 1
-    assert "no such table; make a study with: make new-study DIR=" in capsys.readouterr().err
+    assert "no such table; make a study with: softsample new " in capsys.readouterr().err
 
 
 @pytest.mark.parametrize("content", ["", "- a\n", "a: [\n", "\0", "records: 3\n"])

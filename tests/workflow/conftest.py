@@ -1,9 +1,7 @@
 import json
 import os
-import shlex
 import shutil
 import signal
-import stat
 import subprocess
 import sys
 import time
@@ -11,8 +9,6 @@ from pathlib import Path
 
 import pytest
 import toy
-
-from softsample.files import sha256
 
 ROOT = Path(__file__).resolve().parents[2]
 PARTS = (
@@ -150,24 +146,19 @@ class Project:
         script.write_text(before + wait + writes + after)
         return held
 
-    def make(self, goal: str, *targets: str):
-        """Run make, with this environment for its own and the toy study for the cohort.
+    def run_study(self, *targets: str):
+        """Run the toy study by the program's own command, as `make study` does.
 
         Returns exit status and everything that it printed.
         """
-        bin_folder = self.folder / "environment/bin"
-        bin_folder.mkdir(parents=True, exist_ok=True)
-        snakemake = bin_folder / "snakemake"
-        command, goals = shlex.join([sys.executable, "-m", "snakemake"]), shlex.join(targets)
-        study = shlex.join(self.command()[3:])
-        snakemake.write_text(f'#!/bin/sh\nexec {command} {goals} "$@" {study}\n')
-        snakemake.chmod(stat.S_IRWXU)
-        lock = sha256(self.folder / "requirements.lock")[:16]
-        (bin_folder.parent / f".lock-{lock}").touch()
+        options = [word for target in targets for word in ("--target", target)]
         run = subprocess.run(
-            ["make", goal, "VENV=environment"],
+            [
+                *(self.python, "-m", "softsample", "run", self.study, "--cores", self.cores),
+                *("--settings", self.config_file, "--results", self.results, *options),
+            ],
             cwd=self.folder,
-            env=self.environment(),
+            env=self.environment(PYTHONPATH="src"),
             stdout=subprocess.PIPE,
             stderr=subprocess.STDOUT,
             text=True,

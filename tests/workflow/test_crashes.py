@@ -50,7 +50,7 @@ def test_a_killed_job_stops_itself_alone_and_is_named(project):
     assert made(checked(project, "B")) == finished
 
 
-def test_after_a_kill_of_snakemake_its_jobs_end_and_make_goes_on(project):
+def test_after_a_kill_of_snakemake_its_jobs_end_and_the_study_goes_on(project):
     held = project.hold("check_inputs", "A")
     targets = [str(checked(project, sample)) for sample in "AB"]
     run = project.start(*targets)
@@ -65,8 +65,8 @@ def test_after_a_kill_of_snakemake_its_jobs_end_and_make_goes_on(project):
     held.release()
     status, text = project.run(*targets)
     assert status != 0
-    assert "--unlock" in text  # Snakemake cannot know that the other is dead; make can
-    status, text = project.make("run", *targets)
+    assert "--unlock" in text  # Snakemake cannot know that the other is dead; `softsample run` can
+    status, text = project.run_study(*targets)
     assert status == 0, text
     assert checked(project, "A").exists()
     assert made(checked(project, "B")) == finished
@@ -80,7 +80,7 @@ def test_two_runs_in_one_folder_do_not_meet(project):
     status, text = project.run(target)
     assert status != 0
     assert "Directory cannot be locked" in text
-    status, text = project.make("run", target)
+    status, text = project.run_study(target)
     assert status != 0
     assert "Another run is working in this folder; wait for it, or stop it." in text
     held.release()

@@ -24,7 +24,7 @@ PAGES = [
     *sorted((ROOT / "resources").glob("*/README.md")),
 ]
 PROGRAM = re.compile(
-    r"(?m)^ {4}((?:make|snakemake|python|ccx|abaqus|febio4|uv|git|pip|cd|\.) [^\n]*)"
+    r"(?m)^ {4}((?:make|snakemake|softsample|python|ccx|abaqus|febio4|uv|git|pip|cd|\.) [^\n]*)"
 )
 INLINE = re.compile(r"`((?:make|snakemake|python -m softsample) [a-z][^`…]*)`")
 
@@ -37,6 +37,10 @@ NOT_RUN = {
 ELSEWHERE = {
     "ccx real_calculix": ("tests/regression/test_export.py", '["ccx", "test"]'),
     ". .venv/bin/activate": ("Makefile", "VENV ?= .venv"),
+    "softsample new": ("tests/workflow/test_wheel.py", 'program, "new"'),
+    "softsample add": ("tests/unit/test_study_folder.py", '"add"'),
+    "softsample check": ("tests/workflow/test_wheel.py", 'program, "check"'),
+    "softsample run": ("tests/workflow/test_wheel.py", 'program, "run"'),
     "uv pip compile": ("Makefile", "--require-hashes -r requirements.lock"),
 }
 """Commands that another place runs or that need a network, with what holds them there."""

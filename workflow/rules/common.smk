@@ -10,12 +10,18 @@ from itertools import accumulate, chain
 from pathlib import Path
 
 ROOT = Path(workflow.basedir)
-SOURCES = str(ROOT / "src")
-if SOURCES not in sys.path:
-    sys.path.insert(0, SOURCES)
+# installed from a wheel, the library lies apart from the workflow
+CLONE = (ROOT / "src/softsample").is_dir()
+if CLONE and str(ROOT / "src") not in sys.path:
+    sys.path.insert(0, str(ROOT / "src"))
+
+import softsample
+
+SOURCES = Path(softsample.__file__).parents[1]
 # Snakemake puts the path of its Python into commands as it is, where a space would split it
 sys.executable = shlex.quote(sys.executable)
-search_path = [SOURCES, *filter(None, os.environ.get("PYTHONPATH", "").split(os.pathsep))]
+search_path = [str(SOURCES)] if CLONE else []
+search_path += filter(None, os.environ.get("PYTHONPATH", "").split(os.pathsep))
 os.environ.update(PYTHONPATH=os.pathsep.join(dict.fromkeys(search_path)))
 
 from softsample.errors import SoftsampleError
@@ -134,7 +140,7 @@ wildcard_constraints:
 
 @cache
 def imported(path):
-    """Files of src/ that a file imports directly, or by looking through its own folder."""
+    """Files of the library that a file imports directly, or by looking through its own folder."""
     text = path.read_text(encoding="utf-8")
     found = list(path.parent.glob("*.py")) if "iter_modules(__path__)" in text else []
     for node in ast.walk(ast.parse(text)):
@@ -146,13 +152,13 @@ def imported(path):
             continue
         parts = (accumulate(name.split("."), "{}/{}".format) for name in names)
         for name in chain.from_iterable(parts):
-            files = (ROOT / f"src/{name}.py", ROOT / f"src/{name}/__init__.py")
+            files = (SOURCES / f"{name}.py", SOURCES / f"{name}/__init__.py")
             found += [file for file in files if file.is_file()]
     return found
 
 
 def library(script):
-    """Files of src/ that a script imports, directly or not: its hidden inputs."""
+    """Files of the library that a script imports, directly or not: its hidden inputs."""
     seen, todo = set(), [ROOT / script]
     while todo:
         new = set(imported(todo.pop())) - seen
@@ -174,7 +180,7 @@ OF_MESHES = {
 # of the compiled sources, elastic laws included, has a cache of its own. Kernels do without threads: jobs run side by side.
 kernels = [
     path
-    for path in sorted((ROOT / "src").rglob("*.py"))
+    for path in sorted((SOURCES / "softsample").rglob("*.py"))
     if "numba" in path.read_text("utf-8") or "constitutive" in path.parts
 ]
 state_of_kernels = sha256_of_files(kernels)[:16]

@@ -4,7 +4,6 @@ import difflib
 import re
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
-from functools import cache
 from pathlib import Path
 from typing import Any
 
@@ -25,7 +24,7 @@ from softsample.meshing.regions import relative_stiffness
 from softsample.plausibility import Limits, doubts
 from softsample.records import RecordSettings, aligned_record
 from softsample.shapes import IdealShape
-from softsample.study import ROOT, SETTINGS, TABLE, table_of
+from softsample.study import ROOT, SETTINGS, TABLE, schema, table_of
 from softsample.study.compare import Seen, compared
 from softsample.validation import (
     ANY_DIMENSION,
@@ -73,14 +72,13 @@ def check_study(folder: PathLike) -> Inspection:
     home = Path(folder)
     result = Inspection()
     settings = _settings(home, result)
-    schema = _schema("samples")
     try:
         table = read_samples(table_of(home))
         rows = sample_rows(table, str(home / TABLE))
     except InputError as error:
         result.faults.append(str(error))
         return result
-    faults = list(sample_faults(table, rows, schema, settings["formats"]))
+    faults = list(sample_faults(table, rows, schema("samples"), settings["formats"]))
     result.faults += [f"{home / TABLE}, {fault}" for fault in faults]
     result.samples = len(rows)
     wrong = {(fault.line, fault.column) for fault in faults}
@@ -130,11 +128,6 @@ def _check_hold_out(
         result.faults.append(f"{home / SETTINGS}: {error}")
 
 
-@cache
-def _schema(name: str) -> Any:
-    return read_yaml(ROOT / f"workflow/schemas/{name}.schema.yaml")
-
-
 def _settings(home: Path, result: Inspection) -> dict[str, Any]:
     """Configuration of the study; the defaults if its own is wrong."""
     defaults = read_yaml(ROOT / "config/config.yaml")
@@ -145,7 +138,7 @@ def _settings(home: Path, result: Inspection) -> dict[str, Any]:
         if not isinstance(own, dict):
             raise InputError(f"{home / SETTINGS}: holds no keys; give some, such as records: ...")
         merged = overlaid(defaults, own)
-        check_config(merged, _schema("config"), str(home / SETTINGS))
+        check_config(merged, schema("config"), str(home / SETTINGS))
     except InputError as error:
         first, *more = str(error).split("\n")
         result.faults += [f"{home / SETTINGS}: {line.strip()}" for line in more] or [first]
@@ -313,9 +306,9 @@ def _record(
     result.found += [f"    {line}" for line in described(raw.reading)]
     if "mode" not in row:
         return None
-    schema, which = _schema("record"), resolved(row)["cycle"]
+    form, which = schema("record"), resolved(row)["cycle"]
     stated, known = sizes
-    test = (raw.reading, row["mode"], given, schema, path, stated, which)
+    test = (raw.reading, row["mode"], given, form, path, stated, which)
     _, facts = aligned_record(raw.table, *test)
     result.found += [f"    {line}" for line in _aligned(facts)]
     cells = {name: row[name] for name in ANY_DIMENSION if name in row} if stated else {}

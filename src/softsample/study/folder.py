@@ -6,12 +6,12 @@ from pathlib import Path
 from tempfile import TemporaryDirectory
 
 from softsample.errors import InputError
-from softsample.io import PathLike, read_lines, read_samples, read_yaml, write_text
-from softsample.study import ROOT, SETTINGS, TABLE, table_of
-from softsample.validation import sample_faults, sample_rows
+from softsample.io import PathLike, read_lines, read_samples, write_text
+from softsample.study import ROOT, SETTINGS, TABLE, schema, table_of
+from softsample.validation import FILE_COLUMNS, sample_faults, sample_rows
 
-FILES = ("image", "surface", "record")
-"""Columns of the files that come with a sample; the first one there names it."""
+NAMING = ("image", "surface", "record")
+"""Columns of files, of which the first one that is given names the sample."""
 
 WORKED = {"image": "images/C3.nii.gz", "record": "records/C3.csv"}
 """Files of the cohort that make the worked sample."""
@@ -48,7 +48,7 @@ def add_sample(folder: PathLike, cells: Mapping[str, str]) -> str:
         Of the study.
     cells
         Of the row by column, empty ones may be absent; columns that the table lacks are added to
-        it. Files (`record`, `image` or `surface`) are named from where they are; the image may be a
+        it. Files are named from where they are; the image may be a
         folder of DICOM files. `sample` is by default the name of the first of image, surface and
         record, `group` is the sample.
 
@@ -64,9 +64,9 @@ def add_sample(folder: PathLike, cells: Mapping[str, str]) -> str:
         copied then.
     """
     table = table_of(Path(folder))
-    files = {name: Path(cells[name]) for name in FILES if cells.get(name)}
+    files = {name: Path(cells[name]) for name in FILE_COLUMNS if cells.get(name)}
     row = {name: cell for name, cell in cells.items() if cell}
-    row.setdefault("sample", next(iter(files.values())).name.split(".")[0])
+    row.setdefault("sample", next(files[c] for c in NAMING if c in files).name.split(".")[0])
     row.setdefault("group", row["sample"])
     targets = {column: table.parent / source.name for column, source in files.items()}
     for column, source in files.items():
@@ -102,7 +102,7 @@ def _check_row(text: str, sample: str, table: Path) -> None:
         aside.write_text(text, encoding="utf-8")
         cells = read_samples(aside)
     rows = sample_rows(cells, str(table))
-    faults = sample_faults(cells, rows, read_yaml(ROOT / "workflow/schemas/samples.schema.yaml"))
+    faults = sample_faults(cells, rows, schema("samples"))
     wrong = [str(fault) for fault in faults if fault.line == max(rows)]
     if wrong:
         lines = "\n".join(f"  {fault}" for fault in wrong)

@@ -63,6 +63,7 @@ def test_plain_effects_are_named_and_nothing_is_found_where_nothing_is(cases):
     assert rows["5 confidently wrong"] <= 0.25
 
 
+@pytest.mark.long
 def test_verdicts_do_not_depend_on_the_order_of_the_records(bench):
     body, curves, models = bench
     experiment = Experiment("effect", ("force_offset",), "B", 1.0, 0.0, 33)

@@ -158,11 +158,12 @@ def test_a_full_disk_stops_what_does_not_fit(project, small_disk):
     assert [made(path) for path in there] == finished
 
 
+@pytest.mark.long
 @pytest.mark.parametrize(
     ("kills", "names"),
     [
         (5, ("inputs/A.json", "cuboid/B.json", "mesh/A/ideal.vtu")),
-        pytest.param(50, ("checks/passed.json", "tables/table1.csv"), marks=pytest.mark.long),
+        (50, ("checks/passed.json", "tables/table1.csv")),
     ],
 )
 def test_random_kills_change_no_result(project, kills, names):

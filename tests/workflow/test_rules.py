@@ -220,6 +220,7 @@ def test_a_sample_without_platen_stops_itself_alone(project):
     assert re.search(rf"segment/A: .*{message}", text.split("Some jobs failed")[1])
 
 
+@pytest.mark.long
 def test_other_axes_and_a_segmentation_made_elsewhere(project):
     """A is imaged lying on its side; B comes with a mask, and an image that shows nothing."""
     lying = np.array([[1, 0, 0, 0], [0, 0, -1, 0], [0, 1, 0, 0], [0, 0, 0, 1]], dtype=float)
@@ -285,6 +286,7 @@ def slicer_segments(path, labels, affine, names):
     nrrd.write(str(path), labels[box].astype(np.uint8), header)
 
 
+@pytest.mark.long
 def test_a_dicom_folder_and_a_segmentation_of_slicer(project):
     """A is a series of slices; B is a NRRD that shows nothing, with a segmentation beside it."""
     data, affine = toy.image(0)
@@ -345,6 +347,7 @@ def draw(project, name, values):
     nibabel.save(image, project.study / f"{name}.nii.gz")
 
 
+@pytest.mark.long
 def test_glue_and_regions_drawn_in_the_image_reach_the_real_mesh(project):
     """The images have a grid of their own in the world of the sample's image."""
     x, _, heights = np.indices((20, 20, 16)) - np.array([10, 10, 2]).reshape(3, 1, 1, 1)
@@ -408,6 +411,7 @@ def test_after_a_failure_the_report_holds_the_groups_that_came_through(project):
     assert "no group of samples came through" in partial()
 
 
+@pytest.mark.long
 def test_a_killed_run_leaves_no_half_file_and_resumes(project):
     script = project.folder / "workflow/scripts/check_inputs.py"
     whole = script.read_text()

@@ -124,6 +124,7 @@ def test_every_animal_has_its_row_and_its_share_in_the_means(study):
     assert (contact["ideal_percent"] > 99.0).all()
 
 
+@pytest.mark.long
 def test_effects_of_the_geometry_are_found_on_demand(study):
     results, run = study
     run("geometry_effects")
@@ -140,6 +141,7 @@ def test_effects_of_the_geometry_are_found_on_demand(study):
     assert prescribed["agrees_2_percent_strain"].loc[:, "real"].max() == 0.0
 
 
+@pytest.mark.long
 def test_effects_of_a_verdict_are_run_at_their_sizes_on_demand(study):
     results, run = study
     run("verdicts")
@@ -154,6 +156,7 @@ def test_effects_of_a_verdict_are_run_at_their_sizes_on_demand(study):
     assert (table["difference_percent"] > 0.0).all()
 
 
+@pytest.mark.long
 def test_a_study_of_one_shear_sample_has_its_tables_and_no_others(study, tmp_path):
     """The sample's own results are taken over from the larger study, as if it had shrunk."""
     results, run_larger = study

@@ -7,10 +7,7 @@ import numpy as np
 
 from softsample.loop.errors import Error, Errors
 from softsample.loop.noise import NoiseSettings
-from softsample.loop.select import WITHIN_DOUBT, Selection, SelectionSettings, driven_to_an_end
-
-OPEN_MODULUS = float(np.log(2.0))
-"""Standard deviation of ln(mu) above which a fit leaves the modulus open: a factor of two."""
+from softsample.loop.select import WITHIN_DOUBT, Selection, SelectionSettings, unusable
 
 
 @dataclass(frozen=True)
@@ -76,10 +73,8 @@ def objection_to(
         return f"the scales of the tests differ by {scale:.3g} %, which no effect explains"
     if not named:
         return ""
-    if at_end := driven_to_an_end(selection.final):
-        return f"{at_end} lies at the end of its range"
-    if np.sqrt(selection.final.covariance[0, 0]) > OPEN_MODULUS:
-        return "the modulus is open with these effects"
+    if why := unusable(selection.final):
+        return why
     if after.density < before.density:
         less = before.density - after.density
         return f"what folds leave out is exp({less:.3g}) times less likely with the effects"

@@ -15,10 +15,6 @@ Array = NDArray[np.float64]
 Mask = NDArray[np.bool_]
 
 
-FLAT, TINY = 12.0, 1e-9
-"""Precision of a flat prior over a range of one, and of none."""
-
-
 @dataclass(frozen=True)
 class Error:
     """Root mean square of block means.
@@ -186,9 +182,7 @@ def log_density(problem: Problem, fit: Fit, found: Mapping[str, Fold]) -> float:
 
 def _evidence(problem: Problem, fit: Fit) -> float:
     """Logarithm of the evidence of a model, up to a constant of the model."""
-    information = fit.jacobian.T @ fit.jacobian
-    information += np.diag([FLAT if k >= FIXED else TINY for k in range(len(information))])
-    _, determinant = np.linalg.slogdet(information)
+    _, determinant = np.linalg.slogdet(fit.information)
     return -0.5 * (problem.misfit(fit) + float(determinant))
 
 

@@ -7,7 +7,17 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.optimize import least_squares
 
-from softsample.loop.model import CONTACT_ZERO, FIXED, Material, Model, Packing, State, residuals
+from softsample.loop.model import (
+    CONTACT_ZERO,
+    FIXED,
+    SOFTEST,
+    STIFFEST,
+    Material,
+    Model,
+    Packing,
+    State,
+    residuals,
+)
 from softsample.loop.noise import NoiseSettings, Whitener
 from softsample.loop.specimen import FORCE, Specimen, blocks
 
@@ -20,6 +30,12 @@ CORNER, CORNER_TIME = 0.2, 0.05
 
 STARTS = tuple(Material(1000.0, r) for r in (0.2, 0.5, 0.8, 0.95))
 """Materials from which fits set out that know nothing."""
+
+FLAT = 12.0
+"""Information of a flat prior over a range of length one."""
+
+RANGES = (np.log(STIFFEST / SOFTEST), 1.0, 2.0)
+"""Ranges of the packed ln(mu), fraction and contact zero; those of all others are one long."""
 
 DIFFERENCE = 1e-5
 """Step of the packed parameters for derivatives."""
@@ -53,10 +69,19 @@ class Fit:
     at_bound: tuple[str, ...]
 
     @property
+    def information(self) -> Array:
+        """Inverse of the covariance (p, p) of the packed parameters, Laplace's approximation.
+
+        All have flat priors over their ranges.
+        """
+        prior = np.full(self.jacobian.shape[1], FLAT)
+        prior[: len(RANGES)] /= np.square(RANGES)
+        return np.asarray(self.jacobian.T @ self.jacobian + np.diag(prior))
+
+    @property
     def covariance(self) -> Array:
-        """Covariance (p, p) of the packed parameters, Laplace's approximation."""
-        information = self.jacobian.T @ self.jacobian
-        return np.asarray(np.linalg.pinv(information, rcond=1e-12, hermitian=True))
+        """Covariance (p, p) of the packed parameters."""
+        return np.asarray(np.linalg.inv(self.information))
 
 
 def labels(specimens: Sequence[Specimen]) -> list[str]:

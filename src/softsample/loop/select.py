@@ -32,8 +32,14 @@ ALIKE = 10
 WITHIN_DOUBT = "errors of geometry and mesh, or in the form of other effects, may be this large"
 """Why an effect is not given that records ask for."""
 
+NOT_EARNED = "what folds leave out is hardly likelier with it"
+"""Why an effect beside others is not given."""
+
 EARNED = float(np.log(20.0))
 """How much likelier an effect beside others makes what folds leave out, at least: its logarithm."""
+
+OPEN_MODULUS = float(np.log(2.0))
+"""Standard deviation of ln(mu) above which a fit leaves the modulus open: a factor of two."""
 
 PROMISING = 0.1
 """Candidates whose linear gain is below this part of the best one's, or of the threshold, are not
@@ -188,7 +194,7 @@ def select(problem: Problem, effects: Sequence[Effect], settings: SelectionSetti
     search.forward()
     if search.exchange():
         search.forward()
-    final, fit = search.earning(*search.within_ranges())
+    final, fit = search.within_ranges()
     return Selection(
         final,
         first.settled,
@@ -279,19 +285,6 @@ class _Search:
             self.current = fit
         return problem, fit
 
-    def earning(self, problem: Problem, fit: Fit) -> tuple[Problem, Fit]:
-        """The same less effects without which what folds leave out is nearly as likely."""
-        while len(self.classes) > 1:
-            less = {name: settled(*self._doubting_others(name)) for name in self.classes}
-            found = {name: _density(*model) for name, model in less.items()}
-            name = max(found, key=lambda name: found[name])
-            if _density(problem, fit) > found[name] + EARNED:
-                break
-            del self.classes[name]
-            problem, fit = less[name]
-            self.current = fit
-        return problem, fit
-
     def _round(self, problem: Problem, current: Fit) -> Step:
         open_effects = [e for e in self.library if e.name not in current.model.names]
         return _round(_Round.of(problem, current), open_effects, self.threshold, self.settings)
@@ -340,6 +333,15 @@ def driven_to_an_end(fit: Fit) -> str:
     return ""
 
 
+def unusable(fit: Fit) -> str:
+    """Why a fit explains nothing; empty if it may."""
+    if at_end := driven_to_an_end(fit):
+        return f"{at_end} lies at the end of its range"
+    if np.sqrt(fit.covariance[0, 0]) > OPEN_MODULUS:
+        return "the modulus is open with these effects"
+    return ""
+
+
 def _round(
     here: _Round,
     effects: Sequence[Effect],
@@ -362,15 +364,16 @@ def _round(
     acceptable = [c for c in candidates if c.evidence >= threshold]
     if not acceptable:
         return Step(threshold, candidates, None)
-    asked_for = min(acceptable, key=_comes_later)
-    if not _beyond_doubt(here, asked_for, threshold):
-        return Step(threshold, candidates, None, refused=asked_for, why=WITHIN_DOUBT)
-    inside = [c for c in acceptable if not driven_to_an_end(c.settled)]
+    inside = [c for c in acceptable if not unusable(c.settled)]
     refused = None if acceptable[0] in inside else acceptable[0]
-    why = f"{driven_to_an_end(refused.settled)} lies at the end of its range" if refused else ""
+    why = unusable(refused.settled) if refused else ""
     if not inside:
         return Step(threshold, candidates, None, refused=refused, why=why)
     best = min(inside, key=_comes_later)
+    if not _beyond_doubt(here, best, threshold):
+        return Step(threshold, candidates, None, refused=best, why=WITHIN_DOUBT)
+    if not _earned(here, best):
+        return Step(threshold, candidates, None, refused=best, why=NOT_EARNED)
     alike = [explained_alike(here.current, c.fit, best.fit) for c in candidates]
     candidates = [replace(c, cosine=x) for c, x in zip(candidates, alike, strict=True)]
     return Step(threshold, candidates, best, _members(candidates, best, settings), refused, why)
@@ -449,6 +452,13 @@ def _beyond_doubt(here: _Round, candidate: Candidate, threshold: float) -> bool:
     before = min(misfit(here.settled, here.base), misfit(*alone))
     after = misfit(candidate.posed, candidate.settled)
     return before - after - penalty(effect, len(here.base.white)) >= threshold
+
+
+def _earned(here: _Round, candidate: Candidate) -> bool:
+    """Whether an effect beside others makes what folds leave out likelier."""
+    if not here.base.model.effects:
+        return True
+    return _density(candidate.posed, candidate.settled) > _density(here.settled, here.base) + EARNED
 
 
 def _smooth_excess(white: Sequence[Array]) -> float:

@@ -3,6 +3,7 @@
 All times are CPU seconds, of one thread. Machines differ and are busy: compare ratios within a run.
 """
 
+import argparse
 import os
 import platform
 import subprocess
@@ -179,4 +180,6 @@ def main(target: str) -> None:
 
 
 if __name__ == "__main__":
-    main(sys.argv[1] if len(sys.argv) > 1 else "results/bench/solver.json")
+    parser = argparse.ArgumentParser(description=__doc__)
+    parser.add_argument("target", nargs="?", default="results/bench/solver.json")
+    main(parser.parse_args().target)

@@ -10,6 +10,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from softsample import __version__
 from softsample.errors import InputError, SoftsampleError
 from softsample.formats import IMAGE_ENDINGS, read_image
 from softsample.io import (
@@ -46,6 +47,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
 def command_line() -> argparse.ArgumentParser:
     """The commands and their options."""
     parser = argparse.ArgumentParser(prog=PROGRAM, description=__doc__)
+    parser.add_argument("--version", action="version", version=f"{PROGRAM} {__version__}")
     commands = parser.add_subparsers(required=True)
     show = commands.add_parser("show", help="print or draw a result file")
     show.add_argument("file", help=f"{KINDS} or a DICOM folder")

@@ -1,0 +1,60 @@
+"""Files that other programs read: versions agree, and commands are those that there are."""
+
+import json
+import re
+from pathlib import Path
+
+import pytest
+import yaml
+
+from softsample import __version__
+from softsample.__main__ import command_line
+
+ROOT = Path(__file__).resolve().parents[2]
+
+
+def targets():
+    return set(re.findall(r"^([a-z-]+):", (ROOT / "Makefile").read_text(encoding="utf-8"), re.M))
+
+
+def test_versions_and_titles_agree():
+    meta = json.loads((ROOT / "codemeta.json").read_text(encoding="utf-8"))
+    citation = yaml.safe_load((ROOT / "CITATION.cff").read_text(encoding="utf-8"))
+    assert meta["version"] == citation["version"] == __version__
+    assert meta["referencePublication"]["name"] == citation["references"][0]["title"]
+    names = [a["familyName"] for a in meta["referencePublication"]["author"]]
+    assert names == [a["family-names"] for a in citation["references"][0]["authors"]]
+
+
+def test_continuous_integration_calls_what_make_knows():
+    jobs = yaml.safe_load((ROOT / ".github/workflows/tests.yml").read_text(encoding="utf-8"))[
+        "jobs"
+    ]
+    commands = [step["run"] for job in jobs.values() for step in job["steps"] if "run" in step]
+    called = {c.split()[1] for c in commands if c.startswith("make ")}
+    assert called >= {"check", "test", "study", "site"}
+    assert called <= targets()
+
+
+def test_the_container_builds_the_environment_of_the_lock_and_runs_the_program():
+    text = (ROOT / "Dockerfile").read_text(encoding="utf-8")
+    assert "make env VENV=/venv" in text
+    assert "env" in targets()
+    assert 'ENTRYPOINT ["softsample"]' in text
+    ignored = (ROOT / ".dockerignore").read_text(encoding="utf-8").split()
+    for needed in (
+        "Makefile",
+        "requirements.lock",
+        "pyproject.toml",
+        "src",
+        "Snakefile",
+        "LICENSE",
+    ):
+        assert needed not in ignored
+        assert (ROOT / needed).exists()
+
+
+def test_the_program_tells_its_version(capsys):
+    with pytest.raises(SystemExit, match="^0$"):
+        command_line().parse_args(["--version"])
+    assert capsys.readouterr().out.strip() == f"softsample {__version__}"

@@ -18,12 +18,13 @@ DIRECTIONS = {
     "shear": (1.0, 0.0, 0.0),
     "pure_shear": (0.0, 0.0, 1.0),
     "confined_compression": (0.0, 0.0, -1.0),
+    "indentation": (0.0, 0.0, -1.0),
 }
 """Direction of the moving platen's displacement in each test mode (sample frame)."""
 
 MODES = tuple(DIRECTIONS)
 
-PRESSED_MODES = ("compression", "confined_compression")
+PRESSED_MODES = ("compression", "confined_compression", "indentation")
 """Modes in which the platen presses and can leave the sample."""
 
 REACHED = 0.95

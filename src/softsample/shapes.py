@@ -20,6 +20,8 @@ STATED = {
 }
 """Columns of the study table that hold length, width and height of each kind."""
 
+BONDED, SLIDING = "bonded", "sliding"
+
 KINDS = tuple(STATED)
 """Shapes that a sample can be idealised as."""
 
@@ -177,3 +179,49 @@ def element_size(shape: IdealShape, wanted: float, across: Sequence[float]) -> f
             "and ascending numbers"
         )
     return min(max(wanted, shape.smallest / most), shape.smallest / fewest)
+
+
+INDENTERS = ("sphere", "punch")
+
+
+@dataclass(frozen=True)
+class Indenter:
+    """A rigid indenter that comes down along the axis of a sample glued to its base.
+
+    Parameters
+    ----------
+    kind : {"sphere", "punch"}
+        A ball, or an upright cylinder with a flat end.
+    radius : float
+        Of the ball or of the flat end [m], > 0.
+    ends : str or float
+        What the sample does on it: `bonded` (no slip), `sliding`, or a coefficient of friction.
+
+    Raises
+    ------
+    InputError
+        If the kind is unknown or the radius is no positive number.
+    """
+
+    kind: str
+    radius: float
+    ends: str | float = BONDED
+
+    @classmethod
+    def of_row(cls, row: Mapping[str, str]) -> Self | None:
+        """From cells of the study table; none in tests without one."""
+        if row.get("mode") != "indentation":
+            return None
+        ends = row.get("ends", BONDED)
+        held: str | float = ends if ends in (BONDED, SLIDING) else float(ends)
+        return cls(row["indenter"], MM * float(row["indenter_radius_mm"]), held)
+
+    def __post_init__(self) -> None:
+        if self.kind not in INDENTERS:
+            raise InputError(f"indenter {self.kind!r} is unknown; give {' or '.join(INDENTERS)}")
+        if not (math.isfinite(self.radius) and self.radius > 0.0):
+            raise InputError(f"radius of the indenter is {self.radius / MM:g} mm; give one > 0")
+
+
+ALONG_RADIUS = 16
+"""Elements along the radius of an indenter, where it meets the sample."""

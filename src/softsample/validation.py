@@ -14,16 +14,11 @@ from jsonschema import Draft202012Validator
 from jsonschema.exceptions import ValidationError
 
 from softsample.errors import InputError
+from softsample.shapes import Indenter
 
 Schema = Mapping[str, Any]
 
-NOT_SUPPORTED = {
-    "indenter": "tests with an indenter are planned",
-    "indenter_radius_mm": "tests with an indenter are planned",
-}
-"""Columns of the study table that are planned and not built yet."""
-
-PLANNED_MODES = ("indentation", "torsion")
+PLANNED_MODES = ("torsion",)
 """Modes of a test that are planned and not built yet."""
 
 DIMENSIONS = {
@@ -36,10 +31,13 @@ ANY_DIMENSION = tuple(dict.fromkeys(name for names in DIMENSIONS.values() for na
 
 LARGEST_MM = 1000.0
 
+INDENTER_COLUMNS = ("indenter", "indenter_radius_mm")
+"""Columns that say what a sample is indented with."""
+
 IMAGE_COLUMNS = ("loading_axis", "shear_axis", "segmentation", "bond_mask", "labels")
 """Columns that concern an image."""
 
-OF_SHAPES = ("pure_shear", "confined_compression")
+OF_SHAPES = ("pure_shear", "confined_compression", "indentation")
 """Modes that are simulated on ideal shapes only."""
 
 FILE_COLUMNS = ("image", "surface", "record", "segmentation", "bond_mask", "labels")
@@ -61,13 +59,18 @@ def resolved(row: Mapping[str, str]) -> dict[str, str]:
     return {"specimen": row.get("sample", ""), **DEFAULTS, **row}
 
 
-def ends_of(row: Mapping[str, str]) -> str | float:
-    """What the ends of a sample do: `bonded`, `sliding`, `unknown` or a coefficient of friction."""
+def ends_of(row: Mapping[str, str]) -> str | float | Indenter:
+    """What holds a sample: its indenter, or what its ends do.
+
+    Ends are `bonded`, `sliding`, `unknown`, or have a coefficient of friction.
+    """
+    if indenter := Indenter.of_row(resolved(row)):
+        return indenter
     cell = resolved(row)["ends"]
     return float(cell) if _is_number(cell) else cell
 
 
-def modelled_ends(row: Mapping[str, str]) -> str | float:
+def modelled_ends(row: Mapping[str, str]) -> str | float | Indenter:
     """The same in the model, which bonds ends that are unknown."""
     ends = ends_of(row)
     return "bonded" if ends == "unknown" else ends
@@ -303,14 +306,12 @@ def _wrong_cells(
     row: Mapping[str, str], columns: Sequence[str], schema: Schema
 ) -> Iterator[tuple[str, str]]:
     """Column and reason of each wrong cell of a row, apart from columns that are wrong in all."""
-    planned = [*NOT_SUPPORTED, *(["mode"] if row.get("mode") in PLANNED_MODES else [])]
+    planned = ["mode"] if row.get("mode") in PLANNED_MODES else []
     for column, reason in refusals(dict(row), schema):
         if column in columns and column in schema["properties"] and column not in planned:
             yield column, reason + _meant(row.get(column, ""), column, schema)
     for column in (name for name in planned if name in row):
-        why = NOT_SUPPORTED.get(
-            column, f"supported are {', '.join(schema['properties']['mode']['enum'])}"
-        )
+        why = f"supported are {', '.join(schema['properties']['mode']['enum'])}"
         yield column, f"{row[column]!r} is not supported yet ({why}); leave the row out"
     for column in (name for name in FILE_COLUMNS if name in row):
         path = PurePosixPath(row[column].replace("\\", "/"))
@@ -322,6 +323,7 @@ def _wrong_cells(
             )
     yield from _wrong_geometry(row)
     yield from _wrong_ends(row)
+    yield from _wrong_indenter(row)
     if row.get("mode") == "compression" and "bond_mask" in row:
         yield "bond_mask", "the top is not glued in compression; leave the cell empty"
     loading, shear = (row.get(name, default) for name, default in DEFAULT_AXES.items())
@@ -403,7 +405,12 @@ def _wrong_ends(row: Mapping[str, str]) -> Iterator[tuple[str, str]]:
     """What is wrong with how the ends of a sample are held in its test."""
     ends, mode = row.get("ends", "bonded"), row.get("mode", "")
     real = "image" in row or "surface" in row
-    if _is_number(ends) and mode != "compression":
+    if ends == "unknown" and mode == "indentation":
+        yield (
+            "ends",
+            "unknown on an indenter; give bonded, sliding or a coefficient of friction",
+        )
+    if _is_number(ends) and mode not in ("compression", "indentation"):
         yield (
             "ends",
             f"{ends}: Coulomb friction holds only what is pressed, and not in {mode}; give bonded "
@@ -415,6 +422,20 @@ def _wrong_ends(row: Mapping[str, str]) -> Iterator[tuple[str, str]]:
             f"{ends!r} in {mode} needs a shape with dimensions; with an image or a surface the "
             "bond decides, so leave the cell empty",
         )
+
+
+def _wrong_indenter(row: Mapping[str, str]) -> Iterator[tuple[str, str]]:
+    """What is wrong with the indenter of a test."""
+    radius = row.get("indenter_radius_mm", "")
+    if row.get("mode") != "indentation":
+        for column in (name for name in INDENTER_COLUMNS if name in row):
+            yield column, "belongs to mode indentation; leave the cell empty, or change the mode"
+        return
+    for column in (name for name in INDENTER_COLUMNS if name not in row):
+        yield column, "is missing; give the kind (sphere or punch) and the radius in mm"
+    sizes = [float(row[name]) for name in ANY_DIMENSION if _is_number(row.get(name, ""))]
+    if _is_number(radius) and sizes and not 0.0 < float(radius) <= max(sizes):
+        yield "indenter_radius_mm", f"{radius} mm is no radius on this sample; give it in mm"
 
 
 def _doubled_samples(rows: Rows) -> Iterator[Fault]:

@@ -21,7 +21,7 @@ ALLOWED = {
     "phantom": set(),
     "constitutive": {"errors"},
     "protocol": {"errors"},
-    "validation": {"errors"},
+    "validation": {"errors", "shapes"},
     "images": {"errors"},
     "progress": set(),
     "records": {"errors", "protocol", "validation"},
@@ -33,7 +33,7 @@ ALLOWED = {
     "costs": {"errors", "workflow"},
     "formats": {"errors"},
     "io": {"errors", "files", "formats", "meshing", "records"},
-    "fem": {"errors", "meshing", "constitutive", "protocol"},
+    "fem": {"errors", "meshing", "constitutive", "protocol", "shapes"},
     "response": {"protocol"} | MECHANICS,
     "calibration": {
         "errors", "protocol", "records", "holdout", "constitutive", "fem", "response",

@@ -25,9 +25,11 @@ from softsample.records import RecordSettings
 from softsample.response.exponents import ExponentSettings
 from softsample.response.floor import FloorSettings
 from softsample.response.unit import ResponseSettings
+from softsample.shapes import Indenter
 from softsample.validation import (
     check_config,
     check_samples,
+    modelled_ends,
     overlaid,
     record_settings,
     resolved,
@@ -288,18 +290,9 @@ def test_a_bad_table_is_refused_with_row_column_and_cure(name):
         check_samples(table(*changes), SCHEMAS["samples"], "t.tsv")
 
 
-@pytest.mark.parametrize(
-    ("column", "value"),
-    [
-        ("mode", "indentation"),
-        ("mode", "torsion"),
-        ("indenter", "sphere"),
-        ("indenter_radius_mm", "3"),
-    ],
-)
-def test_columns_that_are_planned_are_refused_with_words(column, value):
-    with pytest.raises(InputError, match=f"column '{column}': .*not supported yet"):
-        check_samples(table({column: value}), SCHEMAS["samples"], "t.tsv")
+def test_a_mode_that_is_planned_is_refused_with_words():
+    with pytest.raises(InputError, match="column 'mode': .*not supported yet"):
+        check_samples(table({"mode": "torsion"}), SCHEMAS["samples"], "t.tsv")
 
 
 CUBOID = {"shape": "cuboid", "length_mm": "20", "width_mm": "21.5", "height_mm": "10"}
@@ -502,3 +495,29 @@ def test_a_table_without_a_required_column_or_row_is_refused():
         check_samples(table({}).drop(columns="mode"), SCHEMAS["samples"], "t.tsv")
     with pytest.raises(InputError, match=r"t\.tsv has no rows; add one line"):
         check_samples(table({}).iloc[:0], SCHEMAS["samples"], "t.tsv")
+
+
+INDENTED = {**CYLINDER, "mode": "indentation", "indenter": "sphere", "indenter_radius_mm": "2"}
+
+
+@pytest.mark.parametrize("ends", ["", "bonded", "sliding", "0.2"])
+def test_an_indented_sample_has_its_indenter_for_ends(ends):
+    (row,) = check_samples(stated({**INDENTED, "ends": ends}), SCHEMAS["samples"], "t.tsv")
+    held = {"": "bonded", "0.2": 0.2}.get(ends, ends)
+    assert modelled_ends(row) == Indenter("sphere", 2e-3, held)
+
+
+@pytest.mark.parametrize(
+    ("cells", "message"),
+    [
+        ({"indenter": ""}, "column 'indenter': is missing; give the kind"),
+        ({"indenter": "cone"}, "column 'indenter': 'cone' is not one of sphere, punch"),
+        ({"indenter_radius_mm": ""}, "column 'indenter_radius_mm': is missing"),
+        ({"indenter_radius_mm": "2000"}, "2000 mm is no radius on this sample"),
+        ({"mode": "compression"}, "belongs to mode indentation"),
+        ({"ends": "unknown"}, "column 'ends': unknown on an indenter"),
+    ],
+)
+def test_a_wrong_indenter_is_refused_with_its_cure(cells, message):
+    with pytest.raises(InputError, match=message):
+        check_samples(stated({**INDENTED, **cells}), SCHEMAS["samples"], "t.tsv")

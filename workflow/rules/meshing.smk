@@ -23,6 +23,7 @@ rule mesh:
         mesh=config["mesh"],
         coarsening=coarsening(1),
         preload_mm=config["protocol"]["preload_mm"],
+        ends=row_modelled_ends,
     message:
         "Mesh: {wildcards.sample}, {wildcards.geometry} geometry"
     script:
@@ -42,5 +43,6 @@ use rule mesh as mesh_coarse with:
         mesh=config["mesh"],
         coarsening=coarsening(2),
         preload_mm=config["protocol"]["preload_mm"],
+        ends=row_modelled_ends,
     message:
         "Mesh, elements of twice the size: {wildcards.sample}, {wildcards.geometry} geometry"

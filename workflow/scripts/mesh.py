@@ -11,7 +11,7 @@ from softsample.io import (
 from softsample.meshing.hexahedral import MeshSettings
 from softsample.meshing.sample import mesh_ideal, mesh_real
 from softsample.meshing.surface import boundary_surface
-from softsample.shapes import IdealShape, element_size
+from softsample.shapes import IdealShape, Indenter, element_size
 from softsample.workflow import logged_to, provenance
 
 MM = 1e-3
@@ -33,7 +33,8 @@ with logged_to(snakemake):
             **marks,
         )
     else:
-        made = mesh_ideal(ideal, size)
+        indenter = given.ends if isinstance(given.ends, Indenter) else None
+        made = mesh_ideal(ideal, size, indenter, given.coarsening)
     write_mesh(snakemake.output.mesh, made.mesh, made.point_data, made.cell_data)
     write_surface(snakemake.output.surface, boundary_surface(made.mesh))
     write_json(snakemake.output.report, {**made.report, "provenance": provenance(snakemake)})

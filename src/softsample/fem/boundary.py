@@ -9,11 +9,13 @@ from softsample.errors import InputError
 from softsample.fem.kernels import BASE, FREE, PLATEN, Platens
 from softsample.meshing.mesh import HexMesh, face_vectors
 from softsample.protocol import DIRECTIONS
+from softsample.shapes import BONDED, SLIDING, Indenter
 
-Ends = str | float
-"""What the ends of a sample do on the platens: BONDED, SLIDING or a coefficient of friction."""
+PlatenEnds = str | float
+"""What ends do on platens: BONDED, SLIDING or a coefficient of friction."""
 
-BONDED, SLIDING = "bonded", "sliding"
+Ends = PlatenEnds | Indenter
+"""What holds a sample: platens, or an indenter and a base that it is glued to."""
 
 
 @dataclass(frozen=True)
@@ -65,6 +67,12 @@ class Boundary:
         no slip. Nodes that are held from the start and no candidates do not slip.
     confined : tuple of int
         Axes along which walls without friction keep every node from moving.
+    local : bool
+        Whether the force of the moving platen stands for that of the test, and not its mean with
+        that of the base.
+    ball : tuple of float
+        Centre at zero travel and radius [m] of a ball that stands for the moving platen; a radius
+        of zero stands for the plane.
     """
 
     held: NDArray[np.int8]
@@ -74,12 +82,15 @@ class Boundary:
     release: bool = False
     friction: tuple[float, float] = (np.inf, np.inf)
     confined: tuple[int, ...] = ()
+    local: bool = False
+    ball: tuple[float, float, float, float] = (0.0, 0.0, 0.0, 0.0)
 
     def platens(self) -> Platens:
         """Kernel argument `platens`."""
         return Platens(
             (self._glued(BASE), self._glued(PLATEN)), self.candidates, self.planes,
-            np.array(self.friction), self.direction, self.release, self._mobile(),
+            np.array(self.ball), np.array(self.friction), self.direction, self.release,
+            self._mobile(),
         )  # fmt: skip
 
     def _mobile(self) -> NDArray[np.float64]:
@@ -113,7 +124,8 @@ def mode_boundary(
         The sample on its base.
     mode : str
         `tension`, `compression`, `shear`, `pure_shear` (planar tension: a strip whose width, along
-        x, is kept) or `confined_compression` (in a chamber of the sample's own section).
+        x, is kept), `confined_compression` (in a chamber of the sample's own section) or
+        `indentation`, whose `ends` are an `Indenter`.
     glued : (m,) int64
         Top nodes that follow the platen where it does not meet the sample by contact.
     contact : ContactSettings
@@ -135,6 +147,11 @@ def mode_boundary(
     holds it sideways, and nothing needs to. ``tests/verification/test_ends.py`` has the closed
     forms of all tests with sliding ends.
     """
+    if isinstance(ends, Indenter) != (mode == "indentation"):
+        raise InputError(f"ends: {mode} with {ends!r}; an indenter belongs to indentation alone")
+    if isinstance(ends, Indenter):
+        _check_ends("compression", ends.ends)
+        return indenter_boundary(mesh, _rubbing(contact, ends.ends), ends.kind, ends.radius)
     _check_ends(mode, ends)
     if mode == "compression":
         return platen_boundary(mesh, _rubbing(contact, ends))
@@ -146,7 +163,7 @@ def mode_boundary(
     return _sliding_boundary(mesh, mode, glued)
 
 
-def _check_ends(mode: str, ends: Ends) -> None:
+def _check_ends(mode: str, ends: PlatenEnds) -> None:
     """Refuse ends that are none, and those that a mode cannot have."""
     valid = ends in (BONDED, SLIDING) if isinstance(ends, str) else 0.0 <= ends < np.inf
     if not valid:
@@ -164,7 +181,7 @@ def _check_ends(mode: str, ends: Ends) -> None:
         )
 
 
-def _rubbing(contact: ContactSettings, ends: Ends) -> ContactSettings:
+def _rubbing(contact: ContactSettings, ends: PlatenEnds) -> ContactSettings:
     """Rules of contact with the friction of the ends, where they give none themselves."""
     if ends == BONDED:
         return contact
@@ -243,6 +260,60 @@ def platen_boundary(
         np.array(DIRECTIONS["compression"]),
         contact.release,
         (_coefficient(contact.base_friction), _coefficient(contact.friction)),
+    )
+
+
+def indenter_boundary(
+    mesh: HexMesh, contact: ContactSettings, kind: str, radius: float
+) -> Boundary:
+    """A rigid indenter on the z axis that touches the first node: indentation.
+
+    Parameters
+    ----------
+    mesh : HexMesh
+        The sample on its base, which is glued.
+    contact : ContactSettings
+        Rules of contact; the friction is that of the moving platen.
+    kind : {"sphere", "punch"}
+        The nodes of the upper side within the radius of a punch meet its flat end; those of all
+        of the upper side may meet a ball.
+    radius : float
+        Of the indenter [m].
+
+    Raises
+    ------
+    InputError
+        If no node of the mesh lies below a punch.
+    """
+    held = _held(mesh, np.empty(0, dtype=np.int64))
+    upper = _upward_nodes(mesh)
+    upper = upper[held[upper] == FREE]
+    away = np.hypot(*mesh.points[upper, :2].T)
+    height = mesh.points[upper, 2]
+    planes = np.array([[0.0, 0.0, -1.0, np.inf], [0.0, 0.0, 1.0, np.inf]])
+    ball = (0.0, 0.0, 0.0, 0.0)
+    if kind == "punch":
+        below = away <= radius * (1.0 + 1e-6)
+        if not below.any():
+            raise InputError(
+                f"no node of the mesh lies below a punch of radius {1e3 * radius:g} mm; choose "
+                "smaller elements"
+            )
+        upper = upper[below]
+        planes[1, 3] = height[below].max()
+    else:
+        near = away < radius
+        centre = (height[near] + np.sqrt(radius**2 - away[near] ** 2)).max()
+        ball = (0.0, 0.0, float(centre), radius)
+    return Boundary(
+        held,
+        upper.astype(np.int32),
+        planes,
+        np.array(DIRECTIONS["indentation"]),
+        contact.release,
+        (np.inf, _coefficient(contact.friction)),
+        local=True,
+        ball=ball,
     )
 
 

@@ -856,6 +856,9 @@ class Platens(NamedTuple):
     planes: NDArray
     """(2, 4) base and moving platen at zero travel: unit normal from the sample into the platen,
     offset [m]; an infinite offset switches a platen's contact off."""
+    ball: NDArray
+    """(4,) centre at zero travel and radius [m] of a ball that stands for the moving platen; a
+    radius of zero stands for the plane."""
     friction: NDArray
     """(2,) coefficients of Coulomb friction in contact with base and moving platen; infinite
     for no slip."""
@@ -891,7 +894,6 @@ def advance(path, gravity, relax, dt, dt_before, motion, elements, solid, platen
         See `internal_force`.
     """
     u, force = motion.u, motion.force
-    approach = _dot(platens.planes[1], platens.direction)
     steps = path.size - 1
     force[:] = 0.0
     for step in range(steps):
@@ -910,14 +912,13 @@ def advance(path, gravity, relax, dt, dt_before, motion, elements, solid, platen
         _carry(platens.glued[1], rate, velocity, motion, platens.mobile, record, PLATEN)
         for node in platens.candidates:
             if motion.held[node] != FREE:
-                _press(node, kick, speed, dt, motion, platens, record)
+                _press(node, kick, path[step], speed, dt, motion, platens, record)
         _move(motion.registers, kick, dt, last, lane)
         for node in platens.candidates:
             if motion.held[node] == FREE:
                 _catch(node, BASE, 0.0, dt, kick, motion, platens, record)
             if motion.held[node] == FREE:
-                shift = path[step + 1] * approach
-                _catch(node, PLATEN, shift, dt, kick, motion, platens, record)
+                _catch(node, PLATEN, path[step + 1], dt, kick, motion, platens, record)
         dt_before = dt
 
 
@@ -1002,10 +1003,33 @@ def _carry(nodes, rate, velocity, motion, mobile, record, holder):
 
 
 @_inline
-def _press(node, kick, speed, dt, motion, platens, record):
+def _contact(node, holder, travel, motion, platens):
+    """Unit normal from the sample into a platen where a node meets it, and how far [m] it is in."""
+    x = (
+        motion.points[node, 0] + motion.u[node, 0],
+        motion.points[node, 1] + motion.u[node, 1],
+        motion.points[node, 2] + motion.u[node, 2],
+    )
+    if holder == PLATEN and platens.ball[3] > 0.0:
+        way = (
+            platens.ball[0] + travel * platens.direction[0] - x[0],
+            platens.ball[1] + travel * platens.direction[1] - x[1],
+            platens.ball[2] + travel * platens.direction[2] - x[2],
+        )
+        distance = np.sqrt(_dot(way, way))
+        return _times(1.0 / distance, way), platens.ball[3] - distance
+    n = platens.planes[holder - 1]
+    gap = -n[3] - travel * _dot(n, platens.direction)
+    for i in range(3):
+        gap += x[i] * n[i]
+    return (n[0], n[1], n[2]), gap
+
+
+@_inline
+def _press(node, kick, travel, speed, dt, motion, platens, record):
     """Hold a touching node as long as its platen pushes, with no more than friction sideways."""
     holder = motion.held[node]
-    n = platens.planes[holder - 1]
+    n, gap = _contact(node, holder, travel, motion, platens)
     velocity = _times(speed if holder == PLATEN else 0.0, platens.direction)
     push = _each(_reaction(node, 1.0 / kick, velocity, motion), platens.mobile)
     pull = _dot(push, n)
@@ -1026,15 +1050,14 @@ def _press(node, kick, speed, dt, motion, platens, record):
             _add3(record, _column(holder), -excess, sideways)
             _add3(motion.v[node], 0, -mobility, sideways)
             record[6] -= limit * mobility * size * dt
+        if holder == PLATEN and platens.ball[3] > 0.0:  # back from the tangent onto the ball
+            _add3(motion.v[node], 0, -gap / dt, n)
 
 
 @_inline
-def _catch(node, holder, shift, dt, kick, motion, platens, record):
+def _catch(node, holder, travel, dt, kick, motion, platens, record):
     """Stop a free node at the platen it has just passed; it is held from then on."""
-    n = platens.planes[holder - 1]
-    gap = -n[3] - shift
-    for i in range(3):
-        gap += (motion.points[node, i] + motion.u[node, i]) * n[i]
+    n, gap = _contact(node, holder, travel, motion, platens)
     if gap > 0.0:
         motion.held[node] = holder
         for i in range(3):

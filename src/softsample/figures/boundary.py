@@ -29,7 +29,7 @@ Array = NDArray[np.float64]
 
 BASE, GLUED = PALETTE[0], PALETTE[1]
 PLATEN_MARGIN_MM, ARROW_MM, LIFT_MM = 1.5, 6.0, 2.5
-PRESSED = ("compression", "confined_compression")
+PRESSED = ("compression", "confined_compression", "indentation")
 """Modes in which the platen presses and nothing is glued to it."""
 
 GEOMETRY_NAMES = {"real": "real", "ideal": "idealised"}

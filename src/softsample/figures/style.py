@@ -31,6 +31,7 @@ MODE_COLOURS = {
     "compression": "#D55E00",
     "pure_shear": "#CC79A7",
     "confined_compression": "#E69F00",
+    "indentation": "#56B4E9",
 }
 """Colour of each loading mode, in the order in which figures show them."""
 

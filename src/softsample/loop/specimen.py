@@ -14,7 +14,11 @@ from softsample.response.elastic import Elastic
 Array = NDArray[np.float64]
 Mask = NDArray[np.bool_]
 
-KINDS = {"pure_shear": "tension", "confined_compression": "compression"}
+KINDS = {
+    "pure_shear": "tension",
+    "confined_compression": "compression",
+    "indentation": "compression",
+}
 """Modes that are a pull or a push as far as machine and platens are concerned."""
 
 FORCE, NORMAL = "force", "force_normal"

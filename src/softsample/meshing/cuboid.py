@@ -39,13 +39,14 @@ def mesh_cuboid(length: float, width: float, height: float, element_size: float)
             f"cuboid edge of {1e3 * edges.min():.3g} mm is shorter than half an element of "
             f"{1e3 * element_size:.3g} mm: choose a smaller mesh element size"
         )
-    return _grid(edges, parts)
-
-
-def _grid(edges: np.ndarray, parts: np.ndarray) -> HexMesh:
-    """Regular grid of `parts` (3,) cells over the box of `edges` (3,) [m]."""
     x, y, z = (np.linspace(0.0, e, n + 1) for e, n in zip(edges, parts, strict=True))
-    grid = np.meshgrid(z, y - 0.5 * edges[1], x - 0.5 * edges[0], indexing="ij")
+    return grid_of(x - 0.5 * length, y - 0.5 * width, z)
+
+
+def grid_of(x: np.ndarray, y: np.ndarray, z: np.ndarray) -> HexMesh:
+    """Hexahedra between ascending coordinates (n,) [m] along three axes, x fastest."""
+    parts = np.array([len(x), len(y), len(z)]) - 1
+    grid = np.meshgrid(z, y, x, indexing="ij")
     points = np.stack(grid[::-1], axis=-1).reshape(-1, 3)
     node = np.arange(len(points)).reshape(parts[::-1] + 1)
     lower = [node[:-1, :-1, :-1], node[:-1, :-1, 1:], node[:-1, 1:, 1:], node[:-1, 1:, :-1]]

@@ -64,7 +64,7 @@ def mesh_cylinder(diameter: float, height: float, element_size: float) -> HexMes
     step = 0.5 * np.pi / parts[0]  # angle between neighbouring nodes of the wall
     outward = np.sqrt(step / np.sin(step))
     plane, quads = _disc(outward * radius, int(parts[0]), int(parts[1]))
-    return _extruded(plane, quads, np.linspace(0.0, height, parts[2] + 1))
+    return extruded(plane, quads, np.linspace(0.0, height, parts[2] + 1))
 
 
 def _disc(radius: float, across: int, rings: int) -> tuple[Array, Ids]:
@@ -89,7 +89,33 @@ def _disc(radius: float, across: int, rings: int) -> tuple[Array, Ids]:
     return np.concatenate([square, around.reshape(-1, 2)]), np.concatenate(quads)
 
 
-def _extruded(plane: Array, quads: Ids, heights: Array) -> HexMesh:
+def disc_of(rings: Array, near: float) -> tuple[Array, Ids]:
+    """Points (n, 2) [m] and quads (m, 4) of a disc with rings at given radii.
+
+    Parameters
+    ----------
+    rings : (n,) float64
+        Ascending radii [m] from 0 on; those up to `near` are those of an inner disc of square
+        core, the others are circles around it.
+    near : float
+        Radius of the inner disc [m].
+    """
+    inside = int(np.searchsorted(rings, near * (1.0 + 1e-9))) - 1
+    across = 2 * max(1, round(0.6 * inside))  # even: a node lies in the middle
+    core = max(1, inside - across // 2)
+    plane, quads = _disc(near, across, core)
+    wall = np.arange(len(plane) - 4 * across, len(plane))  # the last ring of the inner disc
+    angle = np.arctan2(plane[wall, 1], plane[wall, 0])
+    circles = rings[inside + 1 :, None, None] * np.column_stack([np.cos(angle), np.sin(angle)])
+    ids = np.vstack([wall, len(plane) + np.arange(circles[..., 0].size).reshape(-1, len(wall))])
+    ids = np.column_stack([ids, ids[:, 0]])
+    around = np.stack([ids[:-1, :-1], ids[1:, :-1], ids[1:, 1:], ids[:-1, 1:]], axis=-1)
+    return np.concatenate([plane, circles.reshape(-1, 2)]), np.concatenate(
+        [quads, around.reshape(-1, 4)]
+    )
+
+
+def extruded(plane: Array, quads: Ids, heights: Array) -> HexMesh:
     """Layers of hexahedra over quads (m, 4) of points `plane` (n, 2) [m], at `heights` [m]."""
     points = np.column_stack([np.tile(plane, (len(heights), 1)), np.repeat(heights, len(plane))])
     lower = quads + len(plane) * np.arange(len(heights) - 1)[:, None, None]

@@ -10,13 +10,20 @@ from numpy.typing import NDArray
 from softsample.meshing.bond import bonded_nodes
 from softsample.meshing.cuboid import mesh_cuboid
 from softsample.meshing.cylinder import mesh_cylinder
+from softsample.meshing.graded import graded_hexes
 from softsample.meshing.hexahedral import MeshSettings, mesh_solid
 from softsample.meshing.levelset import LevelSet
 from softsample.meshing.marks import MarkedImage
 from softsample.meshing.mesh import HexMesh
 from softsample.meshing.quality import quality_report, scaled_jacobian
 from softsample.meshing.regions import element_regions
-from softsample.shapes import IdealShape
+from softsample.shapes import ALONG_RADIUS, IdealShape, Indenter
+
+REACH = 0.6
+"""Radius of contact with a ball, in radii of it, up to which elements are fine."""
+
+LEAST_ACROSS = 8
+"""Elements along the shortest extent of an indented sample, at least, away from the indenter."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -81,7 +88,9 @@ def mesh_real(
     return _with_fields(mesh, glued, report, seconds, regions)
 
 
-def mesh_ideal(shape: IdealShape, element_size: float) -> SampleMesh:
+def mesh_ideal(
+    shape: IdealShape, element_size: float, indenter: Indenter | None = None, coarser: float = 1.0
+) -> SampleMesh:
     """Mesh an idealised sample; glued is its top face.
 
     Parameters
@@ -89,17 +98,40 @@ def mesh_ideal(shape: IdealShape, element_size: float) -> SampleMesh:
     shape : IdealShape
     element_size : float
         Wanted edge of the elements [m].
+    indenter : Indenter, optional
+        What the sample is indented with; elements are finer below it.
+    coarser : float
+        What the wanted edge is of that of the study's mesh, which has `ALONG_RADIUS` elements
+        along the radius of the indenter.
 
     Raises
     ------
     MeshError
-        If the shape is too small for such elements.
+        If the shape is too small for such elements, or for the indenter.
     """
     start = process_time()
-    mesh = ideal_hexes(shape, element_size)
+    mesh = (
+        indented_hexes(shape, element_size, indenter, coarser)
+        if indenter
+        else ideal_hexes(shape, element_size)
+    )
     seconds = process_time() - start
     report = quality_report(mesh, element_size, shape.volume)
     return _with_fields(mesh, mesh.glued(0.0), report, seconds)
+
+
+def indented_hexes(
+    shape: IdealShape, element_size: float, indenter: Indenter, coarser: float = 1.0
+) -> HexMesh:
+    """Hexahedra that are fine below an indenter; parameters and errors as of `mesh_ideal`.
+
+    They are fine as far as a ball may reach, or up to the edge of a punch: its outermost nodes
+    stand for half an element beyond them.
+    """
+    fine = min(element_size, coarser * indenter.radius / ALONG_RADIUS)
+    near = REACH * indenter.radius if indenter.kind == "sphere" else indenter.radius - 0.5 * fine
+    coarse = max(element_size, shape.smallest / LEAST_ACROSS)
+    return graded_hexes(shape, fine, near, coarse)
 
 
 def ideal_hexes(shape: IdealShape, element_size: float) -> HexMesh:

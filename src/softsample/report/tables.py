@@ -125,7 +125,9 @@ def _moduli_row(pair: Mapping[str, Mapping[str, Any]], model: str) -> dict[str, 
 
 def loading(modes: Iterable[str]) -> str:
     """Loading of a group in one word: its modes, tension before compression, joined by a plus."""
-    order = ("shear", "tension", "compression", "pure_shear", "confined_compression")
+    order = (
+        "shear", "tension", "compression", "pure_shear", "confined_compression", "indentation",
+    )  # fmt: skip
     return "+".join(sorted(set(modes), key=order.index))
 
 

@@ -92,7 +92,9 @@ class Elastic:
             perturbations["real_geometry"] = difference
         pressed, nu = mode in PRESSED_MODES and channel == "force", solid.poisson_ratio
         across = channel != "force"
-        laws = LawResponse(found, shape, mode, solid.alpha, nu, across, runs) if shape else None
+        # of an indented sample there is no closed form to set out from
+        known = shape if mode != "indentation" else None
+        laws = LawResponse(found, known, mode, solid.alpha, nu, across, runs) if known else None
         return cls(found, perturbations, pressed, nu, laws)
 
     @cached_property

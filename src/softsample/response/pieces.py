@@ -9,14 +9,14 @@ from numpy.typing import NDArray
 
 from softsample.constitutive.material import Material
 from softsample.constitutive.ogden import unit_modulus
-from softsample.fem.boundary import Boundary, ContactSettings, mode_boundary
+from softsample.fem.boundary import Boundary, ContactSettings, Ends, mode_boundary
 from softsample.fem.explicit import ExplicitModel, SolverSettings
 from softsample.meshing.hexahedral import MeshSettings
 from softsample.meshing.marks import MarkedImage
 from softsample.meshing.mesh import HexMesh
 from softsample.meshing.regions import relative_stiffness
 from softsample.meshing.sample import SampleMesh, mesh_ideal, mesh_real
-from softsample.shapes import IdealShape, element_size
+from softsample.shapes import IdealShape, Indenter, element_size
 
 Array = NDArray[np.float64]
 
@@ -83,7 +83,7 @@ class MechanicalTest:
     contact: ContactSettings
     solver: SolverSettings
     steps: PerturbationSettings
-    ends: str | float = "bonded"
+    ends: Ends = "bonded"
     normal: bool = False
 
     @classmethod
@@ -104,7 +104,7 @@ class MechanicalTest:
         )
 
     @property
-    def base_ends(self) -> str | float:
+    def base_ends(self) -> Ends:
         """Ends of the unchanged model."""
         return "bonded" if self.ends == "unknown" else self.ends
 
@@ -115,9 +115,10 @@ class MechanicalTest:
     @property
     def platen_contact(self) -> ContactSettings:
         """Contact of a pressed sample, its friction that of the ends."""
-        if self.base_ends == "bonded" or self.contact.friction is not None:
+        ends = self.base_ends
+        if isinstance(ends, Indenter) or ends == "bonded" or self.contact.friction is not None:
             return self.contact
-        friction = 0.0 if self.base_ends == "sliding" else float(self.base_ends)
+        friction = 0.0 if isinstance(ends, str) else float(ends)
         return replace(self.contact, friction=friction, base_friction=friction)
 
 
@@ -175,12 +176,14 @@ def mesher(
         Reads, for the real geometry, its signed distance, where the origin of that is [m], and the
         spacing [m]; and `bond_mask` and `labels` if there are any.
     given : mapping
-        `mesh`, `preload_mm`, `element_size_mm` and `region_stiffness` of the job.
+        `mesh`, `ends`, `preload_mm`, `element_size_mm` and `region_stiffness` of the job.
     """
     mesh = given["mesh"]
     size = element_size(shape, given["element_size_mm"] * MM, mesh["elements_across"])
     if geometry == "ideal":
-        return lambda out: MeshedSample.of(mesh_ideal(shape.grown(out), size))
+        indenter = given["ends"] if isinstance(given["ends"], Indenter) else None
+        coarser = given["element_size_mm"] / mesh["element_size_mm"]
+        return lambda out: MeshedSample.of(mesh_ideal(shape.grown(out), size, indenter, coarser))
     segmented = mesh["boundary_shift_mm"] * MM
     grid, marks = real()
     return lambda out: MeshedSample.of(

@@ -17,7 +17,7 @@ from softsample.constitutive.homogeneous import homogeneous_force, homogeneous_n
 from softsample.constitutive.material import Material
 from softsample.constitutive.ogden import unit_modulus
 from softsample.errors import CrushedError, SimulationError
-from softsample.fem.boundary import Boundary
+from softsample.fem.boundary import Boundary, Ends
 from softsample.fem.explicit import ExplicitModel, Run
 from softsample.protocol import travel_sign
 from softsample.shapes import IdealShape
@@ -345,7 +345,7 @@ def homogeneous_response(
     }
 
 
-def is_homogeneous(mode: str, ends: str | float) -> bool:
+def is_homogeneous(mode: str, ends: Ends) -> bool:
     """Whether an ideal shape deforms uniformly: ends or walls without friction."""
     return ends == "sliding" or mode == "confined_compression"
 

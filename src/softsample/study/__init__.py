@@ -7,7 +7,6 @@ from typing import Any
 
 from softsample.errors import InputError
 from softsample.io import read_yaml
-from softsample.validation import NOT_SUPPORTED
 
 
 def _root() -> Path:
@@ -45,7 +44,5 @@ def columns() -> dict[str, str]:
     """Columns of the table of samples and what they mean."""
     properties = schema("samples")["properties"]
     return {
-        name: about.get("description", name.replace("_", " "))
-        for name, about in properties.items()
-        if name not in NOT_SUPPORTED
+        name: about.get("description", name.replace("_", " ")) for name, about in properties.items()
     }

@@ -3,7 +3,7 @@
 import difflib
 import re
 from collections.abc import Callable, Iterator, Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import Any
 
@@ -41,7 +41,7 @@ from softsample.validation import (
 
 MM = 1e-3
 
-PRESSED = ("compression", "confined_compression")
+PRESSED = ("compression", "confined_compression", "indentation")
 """Modes in which what counts as positive may be either of tension and loading."""
 
 
@@ -313,6 +313,8 @@ def _record(
     result.found += [f"    {line}" for line in _aligned(facts)]
     cells = {name: row[name] for name in ANY_DIMENSION if name in row} if stated else {}
     limits = Limits(**settings["plausibility"])
+    if row["mode"] == "indentation":  # whose force is not that of the sample's section
+        limits = replace(limits, stiffness_pa=(0.0, np.inf), strain=(0.0, limits.strain[1]))
     own = [*doubts(facts, known, limits, cells, given.block)]
     result.doubts += [f"{where}: {path}: {doubt}" for doubt in (*facts["warnings"], *own)]
     result.doubts += [f"{where}: {path}: {doubt}" for doubt in _unused(facts, row)]

@@ -11,12 +11,15 @@ Row = Mapping[str, str]
 
 GEOMETRIES = ("real", "ideal")
 
-MODES = ("shear", "tension", "compression", "pure_shear", "confined_compression")
+MODES = (
+    "shear", "tension", "compression", "pure_shear", "confined_compression", "indentation",
+)  # fmt: skip
 """Loading modes in the order in which figures and tables show them."""
 
 PIECE = (
     "group", "image", "surface", "shape", "length_mm", "width_mm", "height_mm", "diameter_mm",
     "segmentation", "bond_mask", "labels", "loading_axis", "shear_axis", "mode", "ends",
+    "indenter", "indenter_radius_mm",
 )  # fmt: skip
 """Cells of a row that its mesh and its response depend on."""
 

@@ -111,9 +111,8 @@ def _alone(snakemake: Sequence[str]) -> Iterator[None]:
         if locks.is_dir() and any(locks.iterdir()):
             with (STATE / "alive.lock").open("w") as alive:
                 _hold(alive)
-            subprocess.run(
-                [*snakemake, "--unlock", "--quiet", "all"], capture_output=True, check=False
-            )
+            unlock = [*snakemake, "--unlock", "--quiet", "all"]
+            subprocess.call(unlock, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
         yield
 
 

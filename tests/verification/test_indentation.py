@@ -27,7 +27,10 @@ def indented(mesh, indenter, depth, nu, loading_time=0.6):
     return model.run(solid, held, depth, loading_time=loading_time)
 
 
-@pytest.mark.parametrize(("kind", "nu", "apart"), [("cylinder", 0.3, 0.03), ("cuboid", 0.3, 0.03)])
+@pytest.mark.parametrize(
+    ("kind", "nu", "apart"),
+    [pytest.param("cylinder", 0.3, 0.03, marks=pytest.mark.long), ("cuboid", 0.3, 0.03)],
+)
 def test_a_smooth_ball_is_that_of_hertz(kind, nu, apart):
     """H. Hertz, J. reine angew. Math. 92 (1882) 156, doi:10.1515/crll.1882.92.156."""
     shape = IdealShape(kind, 80e-3, 80e-3, 60e-3)

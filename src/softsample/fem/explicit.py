@@ -115,8 +115,8 @@ class Run:
     force, platen_force, base_force : (n_points,) float64
         Component of the force on the sample along the direction of travel [N]: quasi-static
         estimate ``(platen - 2 base) / 3`` (of an indenter, its own force), by the moving platen,
-        by the base. Own weight is
-        borne by both; its part at zero travel is what a taring afterwards takes off.
+        by the base. Own weight is borne by both; its part at zero travel is what a taring
+        afterwards takes off.
     force_vector : (n_points, 3) float64
         The quasi-static estimate in the sample frame [N]. Forces of the walls of a confined test
         are not in it.

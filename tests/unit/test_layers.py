@@ -52,7 +52,7 @@ ALLOWED = {
     "figures": {"loop", "meshing", "protocol", "report"},
     "study": {
         "errors", "formats", "holdout", "images", "imaging", "io", "meshing", "plausibility",
-        "records", "shapes", "validation",
+        "protocol", "records", "shapes", "validation",
     },
     "measured": {"errors", "figures", "files", "io", "report", "study"},
     "__main__": {"errors", "figures", "formats", "io", "study"},

@@ -23,14 +23,12 @@ from softsample.figures.style import (
 )
 from softsample.figures.surface import OBLIQUE, mesh_surface
 from softsample.meshing.mesh import HexMesh, face_vectors
-from softsample.protocol import DIRECTIONS
+from softsample.protocol import DIRECTIONS, PRESSED_MODES
 
 Array = NDArray[np.float64]
 
 BASE, GLUED = PALETTE[0], PALETTE[1]
 PLATEN_MARGIN_MM, ARROW_MM, LIFT_MM = 1.5, 6.0, 2.5
-PRESSED = ("compression", "confined_compression", "indentation")
-"""Modes in which the platen presses and nothing is glued to it."""
 
 GEOMETRY_NAMES = {"real": "real", "ideal": "idealised"}
 
@@ -97,10 +95,10 @@ def _draw(ax: Axes, held: HeldSample, renderer: Renderer) -> None:
     draw_surface(ax, mesh_surface(mesh), OBLIQUE, Look(), renderer)
     seen = _seen_nodes(mesh)
     _dots(ax, mesh.points[np.intersect1d(seen, mesh.bottom)], BASE)
-    if held.mode in PRESSED:
-        _draw_platen(ax, mesh)
-    else:
+    if held.mode not in PRESSED_MODES:
         _dots(ax, mesh.points[np.intersect1d(seen, held.glued)], GLUED)
+    elif held.mode != "indentation":  # where the arrow stands for the indenter
+        _draw_platen(ax, mesh)
     direction = np.array(DIRECTIONS[held.mode])
     middle = np.array([0.0, 0.0, mesh.highest / 1e-3 + LIFT_MM])
     back = 0.5 * direction[0] + max(-direction[2], 0.0)  # the tip, middle or tail over the sample

@@ -22,6 +22,7 @@ from softsample.io import PathLike, read_image, read_samples, read_surface, read
 from softsample.meshing.marks import MarkedImage
 from softsample.meshing.regions import relative_stiffness
 from softsample.plausibility import Limits, doubts
+from softsample.protocol import PRESSED_MODES
 from softsample.records import RecordSettings, aligned_record
 from softsample.shapes import IdealShape
 from softsample.study import ROOT, SETTINGS, TABLE, schema, table_of
@@ -40,9 +41,6 @@ from softsample.validation import (
 )
 
 MM = 1e-3
-
-PRESSED = ("compression", "confined_compression", "indentation")
-"""Modes in which what counts as positive may be either of tension and loading."""
 
 
 @dataclass
@@ -109,7 +107,9 @@ def _for_their_rows(messages: Sequence[str], seen: Sequence[Seen]) -> list[str]:
             told.setdefault(body, []).append(message)
 
     def of_rows(body: str) -> str:
-        concerned = [one for one in seen if "loading" not in body or one.row.get("mode") in PRESSED]
+        concerned = [
+            one for one in seen if "loading" not in body or one.row.get("mode") in PRESSED_MODES
+        ]
         theirs = [one for one in seen if any(m.startswith(one.where) for m in told[body])]
         if all(one in theirs for one in concerned):
             return f"`records: {body}`"

@@ -21,7 +21,7 @@ export PYTHONPATH := src
 export NUMBA_CACHE_DIR ?= $(CURDIR)/.numba/$(shell cat src/softsample/fem/*.py src/softsample/constitutive/*.py src/softsample/constitutive/laws/*.py | sha256sum | cut -c1-16)
 unexport VIRTUAL_ENV
 
-.PHONY: help env run quick new-study add-sample check-study study extended docs site test test-long check bench bench-solver bench-imaging bench-scale verify undeclared blind blind-full \
+.PHONY: help env run quick new-study add-sample check-study study extended docs site test test-study test-long check bench bench-solver bench-imaging bench-scale verify undeclared blind blind-full \
 	measured measured-docs format clean clean-env
 
 help:
@@ -36,7 +36,8 @@ help:
 	echo "make site       the documentation as a site: results/site/index.html"
 	echo "make extended   what takes longer: free exponents, a simulation per evaluation, effects of shape"
 	echo "make test       unit, verification, regression and workflow tests"
-	echo "make test-long  also the tests that take minutes each"
+	echo "make test-study  tests that run small studies, to their reports"
+	echo "make test-long  all tests, those that take minutes each too"
 	echo "make check      ruff, snakefmt, mypy, snakemake --lint"
 	echo "make bench      bench-solver (speed of the solver, into results/bench/) and bench-imaging"
 	echo "make bench-scale  what 1,000 samples take on 2, 64 and 1,024 cores, by the study in results/: docs/cluster.md"
@@ -109,9 +110,14 @@ site: $(stamp)
 extended: $(stamp)
 	$(bin)/snakemake --cores $(CORES) extended
 
+in_parallel = -n $(CORES) --dist loadfile --no-loadscope-reorder
+
 test: $(stamp)
-	$(bin)/python -m pytest -m "not long" -n $(CORES) --dist loadfile --no-loadscope-reorder
+	$(bin)/python -m pytest -m "not long and not study" $(in_parallel)
 	NUMBA_DISABLE_JIT=1 $(bin)/python -m pytest -q -m nojit tests/verification
+
+test-study: $(stamp)
+	$(bin)/python -m pytest -m "study and not long" $(in_parallel)
 
 test-long: $(stamp)
 	$(bin)/python -m pytest

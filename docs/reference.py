@@ -1,6 +1,7 @@
 """Pages of reference that are made from schemas and from the command line itself."""
 
 import argparse
+import re
 from collections.abc import Iterator, Mapping
 from pathlib import Path
 from typing import Any
@@ -18,6 +19,9 @@ PAGES = {
 }
 
 
+MARK = re.compile(r"# ASSUME: (.*(?:\n *# .*)*)")
+"""An assumption and the lines of comment that go on with it."""
+
 SIGNS = {"minimum": "≥", "exclusiveMinimum": ">", "maximum": "≤", "exclusiveMaximum": "<"}
 """How the bounds of a schema are written."""
 
@@ -34,6 +38,7 @@ def write_reference(root: Path, folder: Path) -> None:
         (folder / f"{name}.md").write_text("\n".join(page), encoding="utf-8")
     page = ["# Command line", "", *command_pages(command_line())]
     (folder / "commands.md").write_text("\n".join(page), encoding="utf-8")
+    (folder / "assumptions.md").write_text("\n".join(assumptions(root / "src")), encoding="utf-8")
     (folder / "code.md").write_text("\n".join(code_page(root / "src")), encoding="utf-8")
 
 
@@ -72,6 +77,18 @@ def command_pages(parser: argparse.ArgumentParser) -> Iterator[str]:
         if isinstance(action, argparse._SubParsersAction):
             for name, command in action.choices.items():
                 yield from [f"## {name}", "", "```text", command.format_help().rstrip(), "```", ""]
+
+
+def assumptions(sources: Path) -> Iterator[str]:
+    """Every comment that begins with `ASSUME:`, with the module that it stands in."""
+    yield from ["# Assumptions", "", "Where the code assumes what no source fixes.", ""]
+    yield from ["| module | assumption |", "|---|---|"]
+    for path in sorted(sources.rglob("*.py")):
+        module = ".".join(path.relative_to(sources).with_suffix("").parts)
+        for text in MARK.findall(path.read_text(encoding="utf-8")):
+            words = " ".join(line.strip().removeprefix("#").strip() for line in text.splitlines())
+            yield f"| `{module}` | {words} |"
+    yield ""
 
 
 def code_page(sources: Path) -> Iterator[str]:

@@ -1,7 +1,11 @@
 """Shear modulus of very soft tissue from an image and a force record, on real geometry."""
 
+import sys
 from importlib import import_module
 from typing import Any
+
+if sys.platform == "win32":
+    raise ImportError("softsample runs on Linux and macOS; on Windows, install and run it in WSL")
 
 __version__ = "0.1.0"
 

@@ -170,7 +170,12 @@ POWERS = {
 }
 """Power of each figure in the scale of displacement, dimensions, force and time."""
 
-STANDS_FOR = {"strain": "displacement", "stress": "force"}
+STANDS_FOR = {
+    "strain": "displacement",
+    "stress": "force",
+    "angle": "displacement",
+    "torque": "force",
+}
 """Quantities of a file that scale as others."""
 
 

@@ -19,13 +19,21 @@ DIRECTIONS = {
     "pure_shear": (0.0, 0.0, 1.0),
     "confined_compression": (0.0, 0.0, -1.0),
     "indentation": (0.0, 0.0, -1.0),
+    "torsion": (1.0, 0.0, 0.0),
 }
-"""Direction of the moving platen's displacement in each test mode (sample frame)."""
+"""Direction of the moving platen's displacement in each test mode (sample frame); in torsion the
+displacement is that of a point on the rim, and the first component stands for the way around."""
 
 MODES = tuple(DIRECTIONS)
 
 PRESSED_MODES = ("compression", "confined_compression", "indentation")
 """Modes in which the platen presses and can leave the sample."""
+
+SHEARED_MODES = ("shear", "torsion")
+"""Modes in which either direction of the displacement is the mirror image of the other."""
+
+NEVER_UNIFORM = ("indentation", "torsion")
+"""Modes in which no sample deforms uniformly."""
 
 REACHED = 0.95
 """A ramp reaches the largest displacement of a record if it comes to this part of it."""
@@ -329,7 +337,7 @@ class Course:
         """
         found = phases(time, displacement)
         origin = float(displacement[0])
-        if mode == "shear" and _is_sweep(found, displacement):
+        if mode in SHEARED_MODES and _is_sweep(found, displacement):
             origin = 0.0
             found = phases(time, displacement, origin)
         away = displacement - origin

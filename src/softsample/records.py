@@ -9,7 +9,7 @@ import pandas as pd
 from numpy.typing import NDArray
 
 from softsample.errors import InputError, records_setting
-from softsample.protocol import LARGEST, Course, Loading, Phase, phases, travel_sign
+from softsample.protocol import LARGEST, SHEARED_MODES, Course, Loading, Phase, phases, travel_sign
 from softsample.validation import refusals
 
 Array = NDArray[np.float64]
@@ -157,7 +157,7 @@ def reach(records: Iterable[Record], mode: str) -> float:
 
     What lies beyond in a hold is noise of the reading.
     """
-    sign = 0.0 if mode == "shear" else travel_sign(mode)
+    sign = 0.0 if mode in SHEARED_MODES else travel_sign(mode)
     found = []
     for record in records:
         loading = record.displacement[(record.phase == "ramp") | record.calibrated]
@@ -254,7 +254,7 @@ def aligned_record(
     """
     _refuse(_no_numbers(table, source))
     _refuse(_wrong_time(table, source))
-    aligned = _forces(table.astype(np.float64), size, source)
+    aligned = _forces(table.astype(np.float64), size, mode, source)
     positive, turned = {}, {}
     for quantity, column in COLUMNS.items():
         positive[column], turned[quantity] = _positive(quantity, reading, settings, table, mode)
@@ -264,7 +264,7 @@ def aligned_record(
         aligned[ZEROED["force_normal"]] *= _sign(said, mode)
         positive[ZEROED["force_normal"]] = said
     subtracted = {
-        column: _zero(settings.zero.get(quantity, "file"), aligned, column, source)
+        column: _zero(_zero_of(quantity, mode, settings), aligned, column, source)
         for quantity, column in ZEROED.items()
         if column in aligned
     }
@@ -280,11 +280,25 @@ def aligned_record(
     }
 
 
-def _forces(table: pd.DataFrame, size: Sized | None, source: str) -> pd.DataFrame:
-    """The table with force and displacement in place of nominal stress, strain and stretch.
+def _forces(table: pd.DataFrame, size: Sized | None, mode: str, source: str) -> pd.DataFrame:
+    """The table with force and displacement in place of what a file may state for them.
 
-    Nominal stress is force over the undeformed section; strain is displacement over height.
+    Nominal stress is force over the undeformed section; strain is displacement over height. In
+    torsion the displacement is that of the rim, angle times radius, and the force is torque over
+    radius, so that they do the same work.
     """
+    if mode == "torsion":
+        if size is None:
+            raise InputError(
+                f"{source}: the radius is not known; give shape cylinder with diameter_mm and "
+                "height_mm in the table"
+            )
+        radius = np.sqrt(size.area / np.pi)
+        rim = {
+            "displacement_mm": table["angle_rad"] * radius / MM,
+            "force_N": table["torque_Nmm"] * MM / radius,
+        }
+        return table.assign(**rim).drop(columns=["angle_rad", "torque_Nmm"])
     stated = [name for name in ("strain", "stretch", "stress_Pa") if name in table]
     if not stated:
         return table
@@ -319,6 +333,12 @@ def _positive(
         return "compression", TITLED
     said = settings.positive[quantity]
     return said, _other_sign(_sign(said, mode), mode)
+
+
+def _zero_of(quantity: str, mode: str, settings: RecordSettings) -> str:
+    """Where a quantity has its zero; of the force in torsion, where the torque has it."""
+    of_torque = settings.zero.get("torque") if (quantity, mode) == ("force", "torsion") else None
+    return of_torque or settings.zero.get(quantity, "file")
 
 
 def _zero(zero: str, table: pd.DataFrame, column: str, source: str) -> float:

@@ -18,9 +18,6 @@ from softsample.shapes import Indenter
 
 Schema = Mapping[str, Any]
 
-PLANNED_MODES = ("torsion",)
-"""Modes of a test that are planned and not built yet."""
-
 DIMENSIONS = {
     "cuboid": ("length_mm", "width_mm", "height_mm"),
     "cylinder": ("diameter_mm", "height_mm"),
@@ -37,7 +34,7 @@ INDENTER_COLUMNS = ("indenter", "indenter_radius_mm")
 IMAGE_COLUMNS = ("loading_axis", "shear_axis", "segmentation", "bond_mask", "labels")
 """Columns that concern an image."""
 
-OF_SHAPES = ("pure_shear", "confined_compression", "indentation")
+OF_SHAPES = ("pure_shear", "confined_compression", "indentation", "torsion")
 """Modes that are simulated on ideal shapes only."""
 
 FILE_COLUMNS = ("image", "surface", "record", "segmentation", "bond_mask", "labels")
@@ -306,13 +303,9 @@ def _wrong_cells(
     row: Mapping[str, str], columns: Sequence[str], schema: Schema
 ) -> Iterator[tuple[str, str]]:
     """Column and reason of each wrong cell of a row, apart from columns that are wrong in all."""
-    planned = ["mode"] if row.get("mode") in PLANNED_MODES else []
     for column, reason in refusals(dict(row), schema):
-        if column in columns and column in schema["properties"] and column not in planned:
+        if column in columns and column in schema["properties"]:
             yield column, reason + _meant(row.get(column, ""), column, schema)
-    for column in (name for name in planned if name in row):
-        why = f"supported are {', '.join(schema['properties']['mode']['enum'])}"
-        yield column, f"{row[column]!r} is not supported yet ({why}); leave the row out"
     for column in (name for name in FILE_COLUMNS if name in row):
         path = PurePosixPath(row[column].replace("\\", "/"))
         if path.is_absolute() or ".." in path.parts or re.match("[A-Za-z]:", row[column]):
@@ -388,6 +381,8 @@ def _wrong_shape(row: Mapping[str, str]) -> Iterator[tuple[str, str]]:
             yield column, f"{row[column]} mm is no size of a sample; give it in mm"
     if row.get("mode") == "pure_shear" and shape == "cylinder":
         yield "shape", "a strip in pure shear (planar tension) is a cuboid; give its three edges"
+    if row.get("mode") == "torsion" and shape == "cuboid":
+        yield "shape", "what is turned about its axis is a cylinder; give diameter_mm and height_mm"
 
 
 def _misplaced(row: Mapping[str, str], shape: str) -> str:
@@ -410,6 +405,8 @@ def _wrong_ends(row: Mapping[str, str]) -> Iterator[tuple[str, str]]:
             "ends",
             "unknown on an indenter; give bonded, sliding or a coefficient of friction",
         )
+    if ends in ("unknown", "sliding") and mode == "torsion":
+        yield "ends", f"{ends!r} in torsion, where only bonded ends turn a sample; leave it empty"
     if _is_number(ends) and mode not in ("compression", "indentation"):
         yield (
             "ends",

@@ -2,6 +2,8 @@
 
 import json
 import re
+import subprocess
+import sys
 from pathlib import Path
 
 import pytest
@@ -58,3 +60,11 @@ def test_the_program_tells_its_version(capsys):
     with pytest.raises(SystemExit, match="^0$"):
         command_line().parse_args(["--version"])
     assert capsys.readouterr().out.strip() == f"softsample {__version__}"
+
+
+def test_a_platform_that_is_not_supported_is_refused_by_name():
+    code = "import sys; sys.platform = 'win32'; import softsample"
+    done = subprocess.run([sys.executable, "-c", code], cwd=ROOT / "src", capture_output=True,
+                          text=True, check=False)  # fmt: skip
+    assert done.returncode == 1
+    assert "on Windows, install and run it in WSL" in done.stderr

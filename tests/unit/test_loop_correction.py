@@ -1,15 +1,16 @@
 """Corrections: what no effect explains, as a smooth function of the travel."""
 
 from dataclasses import replace
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
 
 import laboratory
-from softsample.loop.correction import NAME, confirmed, learned
+from softsample.loop.correction import NAME, _can_tell, confirmed, learned
 from softsample.loop.diagnose import LoopSettings, diagnose, judgement, pose, report
 from softsample.loop.effects import library
-from softsample.loop.errors import cross_validated, held_out_errors
+from softsample.loop.errors import cross_validated, folds, held_out_errors
 from softsample.loop.page import page
 from softsample.response.curves import ResponseCurves
 
@@ -107,3 +108,14 @@ def test_what_is_left_far_above_the_floor_is_not_corrected():
 def test_the_page_says_that_it_is_no_cause(found):
     text = page("G", report(found, SETTINGS))
     assert "Correction, not cause (class: elastic form): a smooth part." in text
+
+
+@pytest.mark.parametrize(("count", "told"), [(1, False), (2, True), (7, True)])
+def test_a_fold_tells_of_a_correction_if_tests_of_its_kind_are_left(count, told):
+    """Also where several tests are left out together; what follows the ramp is part of all."""
+    one = laboratory.Lab(seed=1).specimens(["tension"])[0]
+    problem, _ = pose([one] * count, SETTINGS.noise)
+    for name, masks in folds(problem).items():
+        fold = SimpleNamespace(masks=masks)
+        expected = told if name.startswith("leave_out") else name == "last_quarter"
+        assert _can_tell(problem, name, fold) == expected

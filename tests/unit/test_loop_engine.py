@@ -13,10 +13,26 @@ from laboratory import elastic
 from softsample.loop.diagnose import LoopSettings, diagnose, judgement, pose, report
 from softsample.loop.discrepancy import estimated, settled
 from softsample.loop.effects import library
-from softsample.loop.errors import cross_validated, errors, fold_errors, folds, log_density
+from softsample.loop.errors import (
+    MOST_LEFT_OUT,
+    cross_validated,
+    errors,
+    fold_errors,
+    folds,
+    log_density,
+)
 from softsample.loop.fit import Problem
 from softsample.loop.model import Material, Model, Packing, State
-from softsample.loop.noise import FORM, Noise, NoiseSettings, Whitener, covariances, measure_noise
+from softsample.loop.noise import (
+    FORM,
+    MOST_OF_GROUP,
+    Noise,
+    NoiseSettings,
+    Whitener,
+    block_size,
+    covariances,
+    measure_noise,
+)
 from softsample.loop.page import page
 from softsample.loop.resample import resampled, stretches
 from softsample.loop.screen import family_wise, null_threshold, penalty, signatures
@@ -29,7 +45,9 @@ SETTINGS = NoiseSettings()
 
 
 def covariance(specimen, noise, model, settings):
-    known, discrepancy = covariances(specimen, noise, model, settings)
+    known, discrepancy = covariances(
+        specimen, noise, model, settings, block_size(specimen.time, settings)
+    )
     return known + sum(discrepancy.values())
 
 
@@ -339,6 +357,16 @@ def test_two_tests_of_one_mode_keep_their_own_lines():
     assert {"leave_out_tension", "leave_out_tension_2"} <= set(folds(problem))
 
 
+def test_many_tests_share_folds_and_blocks(perfect):
+    """Each is left out once, and the covariances of a group stay small."""
+    problem, _ = pose(perfect * 4, SETTINGS)
+    assert sum(len(w.known) for w in problem.whiteners) <= MOST_OF_GROUP
+    found = {name: masks for name, masks in folds(problem).items() if name.startswith("leave_out")}
+    assert len(found) == MOST_LEFT_OUT
+    times = np.sum([[mask.any() for mask in masks] for masks in found.values()], axis=0)
+    assert times.tolist() == [1] * len(problem.specimens)
+
+
 def test_what_a_fold_leaves_out_stays_unknown_to_it():
     """An offset of tension cannot be known without tension, nor backlash without the way back."""
     offset = laboratory.Lab(offset={"tension": 20.0}).specimens(["tension", "shear"])
@@ -479,9 +507,8 @@ def drawn(specimens, settings, sizes, seed):
     rng, made = np.random.default_rng(seed), []
     for specimen in specimens:
         model = Model().predict(specimen, State(Material(laboratory.MU, laboratory.FRACTION)))
-        one = replace(settings, block_s=1e-9)
         few = specimen.reduced(20)
-        _, parts = covariances(few, Noise(0.0, 0.0, 1), blocks(model, 20), one)
+        _, parts = covariances(few, Noise(0.0, 0.0, 1), blocks(model, 20), settings, 1)
         total = sum(sizes[name] ** 2 * part for name, part in parts.items())
         error = np.linalg.cholesky(total + 1e-12 * np.eye(len(total))) @ rng.normal(size=len(total))
         made.append(replace(specimen, force=specimen.force + np.interp(

@@ -254,9 +254,12 @@ def test_changed_models_have_the_glue_and_the_regions_of_the_image():
         "bond_mask": MarkedImage((points[..., 0] > 0.0).astype(int), to_index),
         "labels": MarkedImage(np.where(points[..., 2] > 4.0 * MM, 2, 1), to_index),
     }
-    settings = asdict(MeshSettings()) | {"elements_across": (1, 100), "boundary_shift_mm": 0.0}
+    settings = asdict(MeshSettings()) | {
+        "element_size_mm": 1.5, "elements_across": (1, 100), "boundary_shift_mm": 0.0,
+    }  # fmt: skip
     given = {
-        "mesh": settings, "preload_mm": 1.0, "element_size_mm": 1.5,
+        "mesh": settings, "preload_mm": 1.0, "element_size_mm": 1.5, "mode": "tension",
+        "bond": {"rule": "within_depth", "fill_mm": 0.0},
         "region_stiffness": {"1": 1.0, "2": 3.0},
     }  # fmt: skip
     grid = (ball, origin, 0.5 * MM)
@@ -269,6 +272,18 @@ def test_changed_models_have_the_glue_and_the_regions_of_the_image():
     assert set(marked.stiffness[middle > 4.5 * MM]) == {3.0}
     assert plain.mesh.points[plain.glued, 0].min() < -MM < marked.mesh.points[marked.glued, 0].min()
     assert marked.model(SOLVER) is not None
+    simulated = {
+        "material": {"alpha": (-8.0, 16.0), "poisson_ratio": 0.49, "region_stiffness": {"1": 1.0}},
+        "contact": asdict(ContactSettings()), "solver": asdict(SOLVER),
+    }  # fmt: skip
+    deep = given | simulated | {"preload_mm": 2.5}
+    by_contact = deep | {"bond": {"rule": "contact", "fill_mm": 0.0}}
+    within, touched = (
+        mesher("real", shape, lambda: (grid, {}), of)(0.0).glued for of in (deep, by_contact)
+    )
+    assert set(touched) < set(within)
+    of_mask = mesher("real", shape, lambda: (grid, marks), by_contact)(0.0)
+    assert of_mask.glued.tolist() == marked.glued.tolist()
     larger = of_marked(0.2 * MM)
     assert np.ptp(larger.mesh.points[:, 0]) > np.ptp(marked.mesh.points[:, 0])
     assert larger.stiffness.max() == 3.0

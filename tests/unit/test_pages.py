@@ -6,6 +6,7 @@ from pathlib import Path
 import pandas as pd
 import pytest
 from jinja2 import UndefinedError
+from reference import assumptions
 
 from softsample.files import sha256
 from softsample.io import read_table
@@ -81,3 +82,16 @@ def test_a_template_that_asks_for_what_is_not_there_is_refused(tmp_path):
         render_page(template, {"table": pd.DataFrame({"mu": [1.0, 2.5]})})
     template.write_text("{% for row in table %}{{ row.mu | fixed }} {% endfor %}")
     assert render_page(template, {"table": pd.DataFrame({"mu": [1.0, 2.5]})}) == "1.0 2.5 "
+
+
+def test_every_assumption_is_listed():
+    listed = list(assumptions(ROOT / "src"))
+    marks = sum(
+        line.count("# ASSUME: ")
+        for path in (ROOT / "src").rglob("*.py")
+        for line in path.read_text().splitlines()
+    )
+    assert len([line for line in listed if line.startswith("| `")]) == marks >= 10
+    (two_lines,) = [line for line in listed if "videos" in line]
+    assert "`bond: rule: contact` simulates it" in two_lines
+    assert "#" not in two_lines

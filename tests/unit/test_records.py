@@ -9,6 +9,7 @@ from softsample.errors import InputError
 from softsample.io import read_record_table, read_yaml
 from softsample.protocol import loading_ramp
 from softsample.records import Record, RecordSettings, aligned_record, check_record
+from softsample.shapes import IdealShape
 
 ROOT = Path(__file__).resolve().parents[2]
 SCHEMA = read_yaml(ROOT / "workflow/schemas/record.schema.yaml")
@@ -380,3 +381,34 @@ def test_a_record_without_time_says_which_column_may_be_it():
         facts = aligned_record(table, reading, "compression", read, SCHEMA, "r.csv")[1]
         (warning,) = (one for one in facts["warnings"] if "no column is known to hold" in one)
         assert (told in warning) is (len(rising) == 1)
+
+
+def turned():
+    """A ramp to 10 degrees and 3 N mm, of a cylinder of 20 mm."""
+    way = np.linspace(0.0, 1.0, 101)
+    of = {"angle_rad": np.radians(10.0) * way, "torque_Nmm": 3.0 * way}
+    table = pd.DataFrame({"time_s": 10.0 * way, **of})
+    return aligned(table, "torsion", IdealShape("cylinder", 20e-3, 20e-3, 8e-3))[0]
+
+
+def test_in_torsion_rim_and_torque_over_radius_do_the_work():
+    found = turned()
+    assert found["displacement_mm"].iloc[-1] == pytest.approx(np.radians(10.0) * 10.0)
+    assert found["force_N"].iloc[-1] == pytest.approx(3.0 / 10.0)
+    assert not {"angle_rad", "torque_Nmm"} & set(found)
+
+
+def test_torsion_needs_the_radius():
+    way = np.linspace(0.0, 1.0, 101)
+    table = pd.DataFrame({"time_s": 10.0 * way, "angle_rad": way, "torque_Nmm": way})
+    with pytest.raises(InputError, match="the radius is not known; give shape cylinder"):
+        aligned(table, "torsion")
+
+
+def test_the_zero_of_the_torque_is_that_of_the_force():
+    way = np.linspace(0.0, 1.0, 101)
+    zero = {**AS_IN_FILE, "torque": "start"}
+    table = pd.DataFrame({"time_s": 10.0 * way, "angle_rad": way, "torque_Nmm": 3.0 * way + 1.0})
+    size = IdealShape("cylinder", 20e-3, 20e-3, 8e-3)
+    found, _ = aligned(table, "torsion", size, zero=zero)
+    assert found["force_N"].iloc[[0, -1]].tolist() == pytest.approx([0.0, 0.3])

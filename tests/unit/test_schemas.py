@@ -22,6 +22,7 @@ from softsample.meshing.hexahedral import MeshSettings
 from softsample.plausibility import Limits
 from softsample.protocol import MODES
 from softsample.records import RecordSettings
+from softsample.response.bond import BondSettings
 from softsample.response.exponents import ExponentSettings
 from softsample.response.floor import FloorSettings
 from softsample.response.unit import ResponseSettings
@@ -93,6 +94,7 @@ def test_settings_of_a_measured_study_are_accepted(name):
         ("segmentation", SegmentationSettings, set()),
         ("measurement", MeasurementSettings, {"-preload_mm"}),
         ("mesh", MeshSettings, {"element_size_mm", "elements_across", "boundary_shift_mm"}),
+        ("bond", BondSettings, set()),
         ("contact", ContactSettings, set()),
         ("solver", SolverSettings, set()),
         ("family", ResponseSettings, set()),
@@ -290,9 +292,28 @@ def test_a_bad_table_is_refused_with_row_column_and_cure(name):
         check_samples(table(*changes), SCHEMAS["samples"], "t.tsv")
 
 
-def test_a_mode_that_is_planned_is_refused_with_words():
-    with pytest.raises(InputError, match="column 'mode': .*not supported yet"):
-        check_samples(table({"mode": "torsion"}), SCHEMAS["samples"], "t.tsv")
+TURNED = {
+    "mode": "torsion",
+    "image": "",
+    "shape": "cylinder",
+    "diameter_mm": "20",
+    "height_mm": "8",
+}
+
+
+@pytest.mark.parametrize(
+    ("changes", "message"),
+    [
+        ({"shape": "cuboid", "diameter_mm": "", "length_mm": "20", "width_mm": "20"},
+         "'shape': what is turned about its axis is a cylinder"),
+        ({"ends": "sliding"}, "'ends': 'sliding' in torsion, where only bonded ends turn a sample"),
+        ({"image": "a.nii.gz", "diameter_mm": "", "height_mm": ""}, "torsion"),
+    ],
+)  # fmt: skip
+def test_torsion_is_for_bonded_cylinders_of_known_size(changes, message):
+    check_samples(table(TURNED), SCHEMAS["samples"], "t.tsv")
+    with pytest.raises(InputError, match=message):
+        check_samples(table(TURNED | changes), SCHEMAS["samples"], "t.tsv")
 
 
 CUBOID = {"shape": "cuboid", "length_mm": "20", "width_mm": "21.5", "height_mm": "10"}

@@ -314,6 +314,7 @@ def test_settings_of_any_content_are_a_fault_or_nothing(study, content):
     assert all("study.yaml" in fault for fault in faults)
 
 
+@pytest.mark.study
 def test_thirty_samples_are_checked_at_once(tmp_path):
     """The cohort twice, as any lab's folder; times depend on the machine and are no test."""
     rows = ["sample\tgroup\tmode\timage\trecord"]

@@ -8,17 +8,23 @@ from softsample.formats.machine import read
 from softsample.formats.titles import COLUMNS, NAMES, UNITS
 
 OURS = {"time": "Time (s)", "displacement": "Extension (mm)", "force": "Load (N)"}
-STANDS_FOR = {"strain": "displacement", "stretch": "displacement", "stress": "force"}
+TURNED = {"time": "Time (s)", "displacement": "Angle (rad)", "force": "Torque (Nmm)"}
+STANDS_FOR = {
+    "strain": "displacement", "stretch": "displacement", "angle": "displacement",
+    "stress": "force", "torque": "force",
+}  # fmt: skip
 VALUES = np.array([0.5, 1.5, 2.5])
 
 
 def reading(tmp_path, quantity, title, below=""):
     """Values of a quantity from a file with this title in place of ours."""
-    titles = {**OURS, STANDS_FOR.get(quantity, quantity): title}
+    ours = TURNED if quantity in ("angle", "torque") else OURS
+    titles = {**ours, STANDS_FOR.get(quantity, quantity): title}
     lines = [";".join(titles.values())]
     lines += [";".join(below if name == title else "" for name in titles.values())] * bool(below)
     lines += [";".join([f"{value}"] * 3) for value in VALUES]
-    found = read(machines.write(tmp_path / "r.csv", "\n".join(lines)))
+    mode = "torsion" if ours is TURNED else ""
+    found = read(machines.write(tmp_path / "r.csv", "\n".join(lines)), mode=mode)
     return found.table[COLUMNS[quantity]].to_numpy(float)
 
 

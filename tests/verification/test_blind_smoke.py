@@ -17,6 +17,8 @@ from softsample.response.pieces import PerturbationSettings
 BENCHES = Benches(cuboids=1, shapes=1, first=31)
 SOLVER = SolverSettings(loading_time_s=0.2, curve_error_percent=0.3)
 COARSE = Resolution(floor_percent=0.2, fine_percent=0.2, scale_percent=0.5, contact_zero_mm=0.01)
+pytestmark = pytest.mark.study
+
 NAMED = ("force_offset", "force_drift", "viscoelastic_relaxation", "self_weight")
 
 

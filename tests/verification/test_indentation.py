@@ -47,6 +47,7 @@ def test_a_smooth_ball_is_that_of_hertz(kind, nu, apart):
     np.testing.assert_allclose(np.linalg.norm(away - centre, axis=1), RADIUS, rtol=1e-6)
 
 
+@pytest.mark.long
 def test_a_smooth_flat_punch_is_that_of_boussinesq():
     """F = 2 E a d / (1 - nu^2); I. N. Sneddon 1965, doi:10.1016/0020-7225(65)90019-4."""
     shape, nu = IdealShape("cylinder", 100e-3, 100e-3, 80e-3), 0.3

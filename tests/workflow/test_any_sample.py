@@ -55,6 +55,7 @@ def write_table(folder, rows):
     table.to_csv(folder / "samples.tsv", sep="\t", index=False, na_rep="")
 
 
+@pytest.mark.study
 def test_records_of_three_machines_cycles_and_dimensions_alone(tmp_path):
     """Sliding ends in closed form: the modulus that made the records comes back within 1 %."""
     area, height = AREA["cuboid"], 12.0
@@ -91,6 +92,7 @@ def test_records_of_three_machines_cycles_and_dimensions_alone(tmp_path):
         assert verdict["verdict"] == "none"
 
 
+@pytest.mark.study
 def test_what_is_held_out_is_not_fitted_and_is_judged(tmp_path):
     """A wrong force beyond a strain, and in a whole sample, leaves the modulus as it is."""
     area, height = AREA["cuboid"], 12.0

@@ -14,6 +14,8 @@ import pytest
 
 from conftest import contents, wait_for
 
+pytestmark = pytest.mark.study
+
 NOTHING = "Nothing to be done"
 KILLED = "ended without a word: killed by hand or by the system"
 

@@ -95,6 +95,7 @@ def up_to_the_check(clone, given=BUILT):
     return run(clone, next_command(run(clone, add, given), "check-study"), given)
 
 
+@pytest.mark.study
 def test_three_commands_bring_a_newcomer_to_a_plan_of_the_study(clone):
     write_toy(clone.parent)
     told = up_to_the_check(clone)

@@ -150,6 +150,7 @@ def checked(project, sample="A"):
     return project.results / f"inputs/{sample}.json"
 
 
+@pytest.mark.study
 def test_only_what_depends_on_an_edit_reruns(project):
     targets = (str(checked(project, "A")), str(checked(project, "B")))
     status, text = project.run(*targets)
@@ -193,6 +194,7 @@ def test_the_environment_may_lie_in_a_folder_with_a_space(project):
     assert status == 0, text
 
 
+@pytest.mark.study
 def test_a_bad_sample_stops_itself_alone(project):
     record = project.study / "A.csv"
     lines = record.read_text().splitlines()
@@ -206,6 +208,7 @@ def test_a_bad_sample_stops_itself_alone(project):
     assert re.search(rf"check_inputs/A: .*{message}", text.split("Some jobs failed")[1])
 
 
+@pytest.mark.study
 def test_a_sample_without_platen_stops_itself_alone(project):
     """A floats: its underside is the mirror image of its top."""
     data, affine = toy.image(0)
@@ -380,6 +383,7 @@ def test_glue_and_regions_drawn_in_the_image_reach_the_real_mesh(project):
     assert "glue.nii.gz: marks no node of the top surface" in text
 
 
+@pytest.mark.study
 def test_after_a_failure_the_report_holds_the_groups_that_came_through(project):
     project.table.write_text(project.table.read_text() + "C\tCC\tshear\tA.nii.gz\tA.csv\n")
     table = [line.split("\t")[:2] for line in project.table.read_text().splitlines()[1:]]
@@ -439,6 +443,7 @@ def test_a_killed_run_leaves_no_half_file_and_resumes(project):
     assert not [name for name in os.listdir(checked(project).parent) if "partial" in name]
 
 
+@pytest.mark.study
 def test_undeclared_records_go_from_image_to_verdict(tmp_path):
     status, text = dry_run(
         "verdicts", "--configfile", "config/undeclared.yaml",

@@ -19,6 +19,8 @@ from jsonschema import Draft202012Validator
 
 from softsample.loop.confirm import SIMULATED
 
+pytestmark = pytest.mark.study
+
 ROOT = Path(__file__).resolve().parents[2]
 
 

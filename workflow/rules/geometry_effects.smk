@@ -24,6 +24,7 @@ rule geometry_curves:
         mode=row_value("mode"),
         mesh=config["mesh"],
         preload_mm=config["protocol"]["preload_mm"],
+        bond=config["bond"],
         top_normal_deg=config["measurement"]["top_normal_deg"],
         effects={key: EFFECTS[key] for key in EFFECTS if key != "prescribed_strain"},
         material=config["material"],

@@ -5,7 +5,11 @@ rule laws:
     input:
         "<results>/tables/laws.csv",
         expand("<results>/figures/laws.{kind}", kind=FORMATS),
-        [f"<results>/laws/{group}_confirmed.csv" for group in GROUPS if simulated_laws(group)],
+        [
+            f"<results>/laws/{group}_confirmed.csv"
+            for group in groups_with_laws()
+            if simulated_laws(group)
+        ],
     message:
         "Elastic laws compared: {input}"
 
@@ -20,9 +24,12 @@ use rule mesh as mesh_laws with:
     benchmark:
         "<benchmarks>/mesh/{sample}_{geometry}_laws.tsv"
     params:
-        mesh={**config["mesh"], "element_size_mm": config["laws"]["element_size_mm"]},
+        **{
+            **OF_SHAPES,
+            "mesh": {**config["mesh"], "element_size_mm": config["laws"]["element_size_mm"]},
+        },
         coarsening=1,
-        preload_mm=config["protocol"]["preload_mm"],
+        ends=row_modelled_ends,
     message:
         "Mesh for elastic laws: {wildcards.sample}, {wildcards.geometry} geometry"
 
@@ -69,8 +76,8 @@ rule laws_of_group:
 
 rule choose_law:
     input:
-        reports=expand("<results>/laws/{group}.json", group=GROUPS),
-        curves=expand("<results>/laws/{group}.csv", group=GROUPS),
+        reports=expand("<results>/laws/{group}.json", group=groups_with_laws()),
+        curves=expand("<results>/laws/{group}.csv", group=groups_with_laws()),
         code=library("workflow/scripts/choose_law.py"),
     output:
         table="<results>/tables/laws.csv",
@@ -79,7 +86,7 @@ rule choose_law:
     log:
         "<logs>/choose_law.log",
     params:
-        groups=list(GROUPS),
+        groups=groups_with_laws(),
         alpha=config["material"]["alpha"],
         laws=config["laws"],
     message:

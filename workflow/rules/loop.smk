@@ -1,10 +1,8 @@
 # Closing the loop: what the calibrated model leaves over, and the effect it points at.
 
 OF_CHANGED_MODELS = {
-    "mode": row_value("mode"),
+    **OF_SHAPES,
     "ends": row_ends,
-    "mesh": config["mesh"],
-    "preload_mm": config["protocol"]["preload_mm"],
     "region_stiffness": config["material"]["region_stiffness"],
     "element_size_mm": config["loop"]["element_size_mm"],
     "perturbations": config["loop"]["perturbations"],

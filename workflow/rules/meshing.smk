@@ -1,6 +1,17 @@
 # Hexahedral mesh of the real or of the idealised geometry, with a quality report.
 
 
+# What a sample is meshed with; a bond by contact is simulated.
+OF_SHAPES = {
+    "mode": row_value("mode"),
+    "mesh": config["mesh"],
+    "preload_mm": config["protocol"]["preload_mm"],
+    "bond": config["bond"],
+}
+if config["bond"]["rule"] == "contact":
+    OF_SHAPES |= {name: config[name] for name in ("material", "contact", "solver")}
+
+
 rule mesh:
     input:
         distance=for_real("_distance.nii.gz"),
@@ -20,9 +31,8 @@ rule mesh:
     resources:
         **OF_MESHES,
     params:
-        mesh=config["mesh"],
+        **OF_SHAPES,
         coarsening=coarsening(1),
-        preload_mm=config["protocol"]["preload_mm"],
         ends=row_modelled_ends,
     message:
         "Mesh: {wildcards.sample}, {wildcards.geometry} geometry"
@@ -40,9 +50,8 @@ use rule mesh as mesh_coarse with:
     benchmark:
         "<benchmarks>/mesh/{sample}_{geometry}_coarse.tsv"
     params:
-        mesh=config["mesh"],
+        **OF_SHAPES,
         coarsening=coarsening(2),
-        preload_mm=config["protocol"]["preload_mm"],
         ends=row_modelled_ends,
     message:
         "Mesh, elements of twice the size: {wildcards.sample}, {wildcards.geometry} geometry"

@@ -6,6 +6,7 @@ EXTENDED = ["direct.csv", "exponents.csv", "common_exponents.csv", "exponents.pn
 
 rule reproduction:
     input:
+        **fits("ogden2", "json"),
         tables=[
             *(name for name in tables() if name.endswith(".csv")),
             *(name for name in geometry_results() if name.endswith(".csv")),

@@ -15,7 +15,14 @@ with logged_to(snakemake):
         shipped = [files.table, *files.image, *files.surface, files.record]
         check_files(read_samples(files.manifest), files.manifest, shipped)
     settings = RecordSettings(**given.records)
-    raw = read(files.record, settings.columns, settings.units, settings.sheet, settings.block)
+    raw = read(
+        files.record,
+        settings.columns,
+        settings.units,
+        settings.sheet,
+        settings.block,
+        given.mode,
+    )
     size = IdealShape.of_row(given.shape) if given.shape else None
     schema, test = read_yaml(files.schema), (given.mode, settings)
     record, facts = aligned_record(

@@ -30,6 +30,11 @@ with logged_to(snakemake):
             f"{snakemake.input.mesh}: regions of different stiffness are not exported; "
             "leave the column labels of the table empty to export the sample without them"
         )
+    if given.mode == "torsion":
+        raise InputError(
+            f"{snakemake.wildcards.sample}: torsion is not exported; export a shear test of the "
+            "same shape, and turn its top in the other program"
+        )
     if given.ends != "bonded" and given.mode != "confined_compression":
         raise InputError(
             f"{snakemake.wildcards.sample}: ends that are {given.ends} are not exported; export a "

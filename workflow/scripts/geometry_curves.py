@@ -8,6 +8,8 @@ from softsample.geometry_effects.variants import EffectSettings, simulate, varia
 from softsample.io import read_distance, read_json, read_record, write_table
 from softsample.meshing.hexahedral import MeshSettings
 from softsample.meshing.sample import mesh_ideal, mesh_real
+from softsample.protocol import PRESSED_MODES
+from softsample.response.bond import CONTACT, touched_nodes
 from softsample.response.unit import ResponseSettings, modulus_fractions
 from softsample.shapes import IdealShape, element_size
 from softsample.workflow import logged_to, progress_bar
@@ -28,16 +30,23 @@ with logged_to(snakemake):
         MeshSettings.of_config(mesh),
         boundary_shift=mesh["boundary_shift_mm"] * MM,
     )
+    contact, solver = ContactSettings(**given.contact), SolverSettings(**given.solver)
+    law = given.material["alpha"], given.material["poisson_ratio"]
+    pressed, by_contact = given.mode in PRESSED_MODES, given.bond["rule"] == CONTACT
+    touched = (
+        None
+        if pressed
+        else touched_nodes(real.mesh, preload, given.bond["fill_mm"] * MM, *law, contact, solver)
+    )
     shape = Shape(real.mesh, mesh_ideal(ideal, size).mesh, ideal, given.top_normal_deg)
     table = simulate(
-        variants(shape, given.mode, preload, EffectSettings(**effects)),
+        variants(shape, given.mode, preload, EffectSettings(**effects), touched, by_contact),
         given.mode,
         MeasuredCurve.of_record(read_record(files.record), given.mode).travel,
         [*modulus_fractions(ResponseSettings(**given.family))],
-        given.material["alpha"],
-        given.material["poisson_ratio"],
-        ContactSettings(**given.contact),
-        SolverSettings(**given.solver),
+        *law,
+        contact,
+        solver,
         read_json(files.family)["loading_time_s"],
         progress_bar(),
     )

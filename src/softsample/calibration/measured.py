@@ -36,6 +36,7 @@ class MeasuredCurve:
         Exact for the two polygons, also where they cross between points. Without that the
         objective would have a kink wherever a point changes sides.
         """
+        # ASSUME: areas of several samples are added as they are; the paper names no weights.
         order = np.argsort(self.displacement, kind="stable")
         gap = (self.force - force)[order]
         before, after = np.abs(gap[:-1]), np.abs(gap[1:])

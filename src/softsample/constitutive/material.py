@@ -160,6 +160,7 @@ class Material:
     @property
     def volumetric_modulus(self) -> float:
         """K [Pa] of ``K/2 (J - 1)^2``: the bulk modulus without what foams have of it."""
+        # ASSUME: one volumetric term, D2 = 0: the paper gives a Poisson's ratio alone.
         shared = sum(
             term.modulus
             for term in self.terms

@@ -7,6 +7,7 @@ from numpy.typing import NDArray
 
 from softsample.errors import InputError
 from softsample.fem.kernels import BASE, FREE, PLATEN, Platens
+from softsample.meshing.bond import bonded_area
 from softsample.meshing.mesh import HexMesh, face_vectors
 from softsample.protocol import DIRECTIONS
 from softsample.shapes import BONDED, SLIDING, Indenter
@@ -73,6 +74,10 @@ class Boundary:
     ball : tuple of float
         Centre at zero travel and radius [m] of a ball that stands for the moving platen; a radius
         of zero stands for the plane.
+    spin : float
+        Angle by which the moving platen turns about the z axis over its travel [rad/m], that of
+        a point on the sample's rim; zero for one that does not turn. Forces along the direction
+        are then torques times it, and work on the travel as torques do on the angle.
     """
 
     held: NDArray[np.int8]
@@ -84,12 +89,13 @@ class Boundary:
     confined: tuple[int, ...] = ()
     local: bool = False
     ball: tuple[float, float, float, float] = (0.0, 0.0, 0.0, 0.0)
+    spin: float = 0.0
 
     def platens(self) -> Platens:
         """Kernel argument `platens`."""
         return Platens(
             (self._glued(BASE), self._glued(PLATEN)), self.candidates, self.planes,
-            np.array(self.ball), np.array(self.friction), self.direction, self.release,
+            np.array(self.ball), np.array(self.friction), self.direction, self.spin, self.release,
             self._mobile(),
         )  # fmt: skip
 
@@ -125,7 +131,8 @@ def mode_boundary(
     mode : str
         `tension`, `compression`, `shear`, `pure_shear` (planar tension: a strip whose width, along
         x, is kept), `confined_compression` (in a chamber of the sample's own section) or
-        `indentation`, whose `ends` are an `Indenter`.
+        `indentation`, whose `ends` are an `Indenter`, or `torsion` about the z axis, whose travel
+        is that of a point on the rim of a round top of the bonded area.
     glued : (m,) int64
         Top nodes that follow the platen where it does not meet the sample by contact.
     contact : ContactSettings
@@ -158,6 +165,10 @@ def mode_boundary(
     if mode == "confined_compression":
         smooth = replace(contact, friction=0.0, base_friction=0.0)
         return replace(platen_boundary(mesh, smooth), confined=(0, 1))
+    if mode == "torsion":
+        held = glued_boundary(mesh, mode, glued)
+        radius = np.sqrt(bonded_area(mesh, glued).sum() / np.pi)
+        return replace(held, spin=float(1.0 / radius))
     if ends == BONDED:
         return glued_boundary(mesh, mode, glued)
     return _sliding_boundary(mesh, mode, glued)
@@ -170,6 +181,8 @@ def _check_ends(mode: str, ends: PlatenEnds) -> None:
         raise InputError(
             f"ends: {ends!r} is neither {BONDED}, {SLIDING} nor a coefficient of friction >= 0"
         )
+    if mode == "torsion" and ends != BONDED:
+        raise InputError(f"ends: {ends} would turn on a sample in torsion; choose {BONDED}")
     if not isinstance(ends, str) and mode in ("tension", "shear", "pure_shear"):
         raise InputError(
             f"ends: friction ({ends:g}) holds no sample in {mode}; choose {BONDED} or {SLIDING}"
@@ -208,6 +221,7 @@ def glued_boundary(mesh: HexMesh, mode: str, glued: NDArray[np.int64]) -> Bounda
     """Base fixed, `glued` nodes moved rigidly: bonded ends in tension, shear and planar tension."""
     if len(glued) == 0:
         raise InputError("no node of the mesh is glued to the platen; check the bond")
+    # ASSUME: glue neither yields nor slips, and the platens are rigid.
     nowhere = np.array([[0.0, 0.0, -1.0, np.inf], [0.0, 0.0, 1.0, np.inf]])
     return Boundary(
         _held(mesh, glued),
@@ -250,6 +264,7 @@ def platen_boundary(
     if not base_glued:
         candidates = np.union1d(candidates, mesh.bottom)
     normal = _tilted(tilt_deg)
+    # ASSUME: at zero displacement the platen meets the highest point; the paper fixes no zero.
     top = (mesh.points[candidates] @ normal).max() if start is None else start * normal[2]
     base_offset = 0.0 if contact.base_platen or not base_glued else np.inf
     planes = np.array([[0.0, 0.0, -1.0, base_offset], [*normal, top + gap * normal[2]]])

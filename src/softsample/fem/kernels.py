@@ -864,6 +864,9 @@ class Platens(NamedTuple):
     for no slip."""
     direction: NDArray
     """(3,) unit vector of the moving platen's travel."""
+    spin: float
+    """Angle by which the moving platen turns about the z axis over its travel [rad/m]; zero for one
+    that does not turn. Forces along the direction are then torques times this."""
     release: bool
     """Whether a touching node lets go of a platen that would have to pull on it."""
     mobile: NDArray
@@ -907,9 +910,13 @@ def advance(path, gravity, relax, dt, dt_before, motion, elements, solid, platen
         record[:] = 0.0
         if gravity[step, 0] != 0.0 or gravity[step, 1] != 0.0 or gravity[step, 2] != 0.0:
             record[6] += _weigh(gravity[step], dt, motion)
-        velocity = _times(speed, platens.direction)
-        _carry(platens.glued[0], rate, (0.0, 0.0, 0.0), motion, platens.mobile, record, BASE)
-        _carry(platens.glued[1], rate, velocity, motion, platens.mobile, record, PLATEN)
+        if platens.spin > 0.0:
+            _turn(BASE, rate, dt, 0.0, motion, platens, record)
+            _turn(PLATEN, rate, dt, platens.spin * path[step + 1], motion, platens, record)
+        else:
+            velocity = _times(speed, platens.direction)
+            _carry(platens.glued[0], rate, (0.0, 0.0, 0.0), motion, platens.mobile, record, BASE)
+            _carry(platens.glued[1], rate, velocity, motion, platens.mobile, record, PLATEN)
         for node in platens.candidates:
             if motion.held[node] != FREE:
                 _press(node, kick, path[step], speed, dt, motion, platens, record)
@@ -1000,6 +1007,25 @@ def _carry(nodes, rate, velocity, motion, mobile, record, holder):
         x, y, z = x + a, y + b, z + c
         motion.v[node, 0], motion.v[node, 1], motion.v[node, 2] = velocity
     _add3(record, _column(holder), 1.0, _each((x, y, z), mobile))
+
+
+@_inline
+def _turn(holder, rate, dt, angle, motion, platens, record):
+    """Turn glued nodes about the z axis to an angle; record torque times spin, and axial force."""
+    cosine, sine = np.cos(angle), np.sin(angle)
+    around = along = 0.0
+    for node in platens.glued[holder - 1]:
+        first, second = motion.points[node, 0], motion.points[node, 1]
+        x, y = first + motion.u[node, 0], second + motion.u[node, 1]
+        velocity = (
+            (cosine * first - sine * second - x) / dt,
+            (sine * first + cosine * second - y) / dt,
+            0.0,
+        )
+        a, b, c = _reaction(node, rate, velocity, motion)
+        around, along = around + platens.spin * (x * b - y * a), along + c
+        motion.v[node, 0], motion.v[node, 1], motion.v[node, 2] = velocity
+    _add3(record, _column(holder), 1.0, (around, 0.0, along))
 
 
 @_inline

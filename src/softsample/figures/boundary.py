@@ -104,7 +104,8 @@ def _draw(ax: Axes, held: HeldSample, renderer: Renderer) -> None:
     back = 0.5 * direction[0] + max(-direction[2], 0.0)  # the tip, middle or tail over the sample
     start = middle - back * ARROW_MM * direction
     tail, tip = OBLIQUE.project(np.array([start, start + ARROW_MM * direction]))
-    arrow = {"arrowstyle": "-|>", "lw": 1.6, "color": "black"}
+    bend = "arc3,rad=-0.6" if held.mode == "torsion" else "arc3"
+    arrow = {"arrowstyle": "-|>", "lw": 1.6, "color": "black", "connectionstyle": bend}
     ax.annotate("", tip, tail, arrowprops=arrow, zorder=6)
 
 

@@ -32,6 +32,7 @@ MODE_COLOURS = {
     "pure_shear": "#CC79A7",
     "confined_compression": "#E69F00",
     "indentation": "#56B4E9",
+    "torsion": "#000000",
 }
 """Colour of each loading mode, in the order in which figures show them."""
 

@@ -23,11 +23,16 @@ from softsample.formats.text import read_lines
 from softsample.formats.titles import BESIDE, COLUMNS, COMPRESSIVE, NAMES, UNITS
 from softsample.formats.workbook import is_workbook, read_sheets
 
-NEEDED = {
+Form = Mapping[str, Sequence[str]]
+
+NEEDED: Form = {
     "displacement": ("displacement", "strain", "stretch"),
     "force": ("force", "stress"),
 }
 """What every record holds, and the quantities that may stand for it, the first one first."""
+
+TURNED: Form = {"displacement": ("angle",), "force": ("torque",)}
+"""What stands for these where the sample is turned."""
 
 ON_REQUEST = ("force_normal", "torque")
 """Quantities that are read where the settings name their column, and from our own tables."""
@@ -146,6 +151,7 @@ def read(
     units: Mapping[str, str] | None = None,
     sheet: str | None = None,
     block: str = "",
+    mode: str = "",
 ) -> MachineRecord:
     """Read a record of any of the known kinds, or a table whose columns are named.
 
@@ -161,6 +167,8 @@ def read(
         Name of the sheet of a workbook; by default the first one with a line of titles.
     block
         Name of the block of `formats` that these come from, for the cures of messages.
+    mode
+        Of the test: one in torsion has an angle and a torque.
 
     Raises
     ------
@@ -168,7 +176,8 @@ def read(
         If a column or a unit is missing, ambiguous or contradictory, or the file is no such
         text; names file, line and cure. Wrong cells are left for `softsample.records`.
     """
-    text, heading = _text_with_titles(path, columns or {}, sheet, block)
+    form = TURNED if mode == "torsion" else NEEDED
+    text, heading = _text_with_titles(path, columns or {}, sheet, block, form)
     found = heading.columns
     rows, kept, names = _rows(text, heading)
     found = [_with_unit(column, names, units or {}, text, block) for column in found]
@@ -219,24 +228,24 @@ class _Heading:
 
 
 def _text_with_titles(
-    path: PathLike, wanted: Mapping[str, str], sheet: str | None, block: str
+    path: PathLike, wanted: Mapping[str, str], sheet: str | None, block: str, form: Form
 ) -> tuple[_Text, _Heading]:
     """The text of a file, or the first sheet of a workbook that has a line of titles."""
     if not is_workbook(path):
         if sheet is not None and Path(path).suffix.lower() in (".xlsx", ".xls"):
             raise InputError(f"{path}: no workbook, so it has no sheet {sheet!r}; save it as .xlsx")
         text = _Text.of_file(path)
-        return text, _heading(text, wanted, block)
+        return text, _heading(text, wanted, block, form)
     refused: list[InputError] = []
     for text in _Text.of_sheets(path, sheet):
         try:
-            return text, _heading(text, wanted, block)
+            return text, _heading(text, wanted, block, form)
         except InputError as error:
             refused.append(error)
     raise refused[0] if refused else InputError(f"{path}: no sheet with cells; export the test")
 
 
-def _heading(text: _Text, wanted: Mapping[str, str], block: str) -> _Heading:
+def _heading(text: _Text, wanted: Mapping[str, str], block: str, form: Form) -> _Heading:
     """The first line with titles of all quantities, or else of all but time."""
     untimed: _Heading | None = None
     best: tuple[int, list[str], list[str]] = (0, [], [*COLUMNS])
@@ -245,10 +254,10 @@ def _heading(text: _Text, wanted: Mapping[str, str], block: str) -> _Heading:
             continue
         for delimiter in ("\t", ";", ","):
             titles = text.cells(line, delimiter)
-            if len(titles) < len(NEEDED):
+            if len(titles) < len(form):
                 continue
-            candidates = _quantities(titles, wanted)
-            needed = dict.fromkeys((*NEEDED, *wanted))
+            candidates = _quantities(titles, wanted, form)
+            needed = dict.fromkeys((*form, *wanted))
             missing = [name for name in needed if not candidates.get(name, True)]
             if missing:
                 best = (number, titles, missing) if len(missing) < len(best[2]) else best
@@ -260,12 +269,17 @@ def _heading(text: _Text, wanted: Mapping[str, str], block: str) -> _Heading:
                 return heading
             untimed = untimed or heading
     if untimed is None:
-        _no_titles(text, *best, block)
+        _no_titles(text, *best, block, form)
     return untimed
 
 
 def _no_titles(
-    text: _Text, number: int, titles: Sequence[str], missing: Sequence[str], block: str
+    text: _Text,
+    number: int,
+    titles: Sequence[str],
+    missing: Sequence[str],
+    block: str,
+    form: Form,
 ) -> NoReturn:
     """Refuse a text without a line of titles; `missing` quantities lack in the best line."""
     if not any(line.strip() for line in text.lines):
@@ -275,9 +289,9 @@ def _no_titles(
             f"{text.path}: no line of titles such as time_s,displacement_mm,force_N; export the "
             "test with its titles, separated by commas, semicolons or tabs"
         )
-    ways = [" or ".join(NEEDED.get(name, (name,))) for name in missing]
+    ways = [" or ".join(form.get(name, (name,))) for name in missing]
     below = _numbers_below(text, number, titles)
-    found = {name: _plausible(titles, below, NEEDED.get(name, (name,))) for name in missing}
+    found = {name: _plausible(titles, below, form.get(name, (name,))) for name in missing}
     named = {name: title for name, title in found.items() if title}
     where = f"formats: {block}" if block else "records"
     cure = f"export the test with it, or name its column in the settings, section {where}"
@@ -324,14 +338,17 @@ def _plausible(titles: Sequence[str], below: Mapping[str, bool], ways: Sequence[
     return next((found[0] for found in (fitting, silent) if len(found) == 1), None)
 
 
-def _quantities(titles: Sequence[str], wanted: Mapping[str, str]) -> dict[str, list[Column]]:
+def _quantities(
+    titles: Sequence[str], wanted: Mapping[str, str], form: Form
+) -> dict[str, list[Column]]:
     """Columns that may hold each quantity, by quantity; of what may stand for one, the first."""
     found = {"time": _candidates("time", titles, wanted)}
-    for needed, ways in NEEDED.items():
+    for needed, ways in form.items():
         named = [way for way in ways if way in wanted] or ways
         candidates = (_candidates(way, titles, wanted) for way in named)
         found[needed] = next(filter(None, candidates), [])
-    asked = [name for name in ON_REQUEST if name in wanted or COLUMNS[name] in titles]
+    others = [name for name in ON_REQUEST if name not in form["force"]]
+    asked = [name for name in others if name in wanted or COLUMNS[name] in titles]
     return found | {name: _candidates(name, titles, wanted) for name in asked}
 
 

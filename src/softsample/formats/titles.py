@@ -3,6 +3,7 @@
 Synonyms of machines and languages go here, and `tests/unit/test_titles.py` reads each of them.
 """
 
+import math
 from collections.abc import Iterable
 
 COLUMNS = {
@@ -10,6 +11,7 @@ COLUMNS = {
     "displacement": "displacement_mm",
     "strain": "strain",
     "stretch": "stretch",
+    "angle": "angle_rad",
     "force": "force_N",
     "stress": "stress_Pa",
     "force_normal": "force_normal_N",
@@ -36,6 +38,8 @@ NAMES = {
     },
     "strain": {"strain", "dehnung", "stauchung", "scherung", "déformation", "deformación"},
     "stretch": {"stretch", "lambda", "λ"},
+    "angle": {"angle", "rotation", "twist", "winkel", "drehwinkel", "verdrehung", "ángulo"},
+    "torque": {"torque", "drehmoment", "moment", "couple", "par"},
     "stress": {
         *("stress", "spannung", "druckspannung", "zugspannung", "schubspannung", "contrainte"),
         *("tensión", "esfuerzo"),
@@ -92,6 +96,12 @@ UNITS = {
     ),
     "strain": _all(_RATIO, (("%", "percent", "Prozent"), 1e-2)),
     "stretch": _all(_RATIO),
+    "angle": _all(
+        (("rad", "radian", "radians"), 1.0),
+        (("deg", "°", "degree", "degrees", "Grad"), math.pi / 180.0),
+        (("mrad",), 1e-3),
+        (("rev", "turns"), 2.0 * math.pi),
+    ),
     "stress": _all(
         (("Pa", "N/m2", "N/m²", "N/m^2"), 1.0),
         (("kPa", "KPa", "kN/m2", "kN/m²", "kN/m^2"), 1e3),

@@ -51,21 +51,30 @@ class Variant:
         Nodes this near to the highest point are glued in tension and shear [m].
     gap : float
         Way of the platen before it meets the highest point in compression [m].
+    bonded : (n,) int64, optional
+        Nodes that are glued instead of those.
     """
 
     mesh: HexMesh
     bond_depth: float
     gap: float = 0.0
+    bonded: NDArray[np.int64] | None = None
 
     def boundary(self, mode: str, contact: ContactSettings) -> Boundary:
         """What holds the mesh in a test of a mode."""
         if mode == "compression":
             return platen_boundary(self.mesh, contact, gap=self.gap)
-        return glued_boundary(self.mesh, mode, self.mesh.glued(self.bond_depth))
+        glued = self.mesh.glued(self.bond_depth) if self.bonded is None else self.bonded
+        return glued_boundary(self.mesh, mode, glued)
 
 
 def variants(
-    shape: Shape, mode: str, preload: float, settings: EffectSettings
+    shape: Shape,
+    mode: str,
+    preload: float,
+    settings: EffectSettings,
+    touched: NDArray[np.int64] | None = None,
+    by_contact: bool = False,
 ) -> dict[str, Variant]:
     """All changed samples and cuboids of a test by name; `docs/geometry_effects.md` lists them.
 
@@ -79,6 +88,10 @@ def variants(
         Depth of the glue [m]. Flat tops are glued as they are.
     settings : EffectSettings
         Steps.
+    touched : (n,) int64, optional
+        Nodes of the sample that its platen touches in a simulated pre-load.
+    by_contact : bool
+        Whether these are bonded in the study; other shapes are glued to the depth all the same.
     """
     ideal, size = shape.ideal, shape.cuboid.edge_length
 
@@ -89,7 +102,7 @@ def variants(
 
     top_area, volume = (f(shape) / ideal.area for f in (_top_area, _mean_section))
     found = {
-        "real": Variant(shape.real, preload),
+        "real": Variant(shape.real, preload, bonded=touched if by_contact else None),
         "levelled": Variant(shape.levelled, 0.0),
         "tapered": Variant(shape.tapered, 0.0),
         "cuboid": Variant(shape.cuboid, 0.0),
@@ -110,6 +123,8 @@ def variants(
     else:
         for depth in settings.bond_depths_mm:
             found[f"bond_depth_{depth:g}_mm"] = Variant(shape.real, 1e-3 * depth)
+        if touched is not None:
+            found["bond_by_contact"] = Variant(shape.real, preload, bonded=touched)
     return found
 
 

@@ -242,6 +242,7 @@ def _core_heights(top: Array, share: Array) -> tuple[float, float]:
     if share.sum() == 0.0:
         raise SegmentationError("the core of the top is empty; look at the segmentation")
     height = np.where(share > 0.0, top, 0.0)
+    # ASSUME: the cuboid is as high as the mean of the top's core; the paper fixes no height.
     mean = float(np.sum(share * height) / share.sum())
     return mean, float(np.sqrt(np.sum(share * (height - mean) ** 2) / share.sum()))
 
@@ -288,6 +289,7 @@ def _three_sections(
     field: Array, origin: Array, spacing: float, height: float, offset: float
 ) -> list[Array]:
     """Sections at `offset` above the base, at half the height, and `offset` below the top."""
+    # ASSUME: the paper measures "at the top, middle and bottom"; how far from the ends is not said.
     if height < 2.0 * offset:
         raise SegmentationError(
             f"sample is {height / MM:.3g} mm high, lower than two section offsets; look at"

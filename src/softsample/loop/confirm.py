@@ -22,7 +22,7 @@ from softsample.loop.effects.base import Effect, Values
 from softsample.loop.fit import Fit, Problem
 from softsample.loop.model import Model, State
 from softsample.loop.screen import penalty
-from softsample.loop.specimen import Specimen
+from softsample.loop.specimen import KINDS, Specimen
 from softsample.response.perturbations import MARGIN, changed_boundaries, paced
 from softsample.response.pieces import MechanicalTest, MeshedSample
 
@@ -82,7 +82,7 @@ def simulate_sizes(
     pace = paced(model, material, held, reach)
     changes = {}
     for name, values in sizes.items():
-        if test.mode not in library()[name].modes:
+        if KINDS.get(test.mode, test.mode) not in library()[name].modes:
             continue
         if name == "boundary_shift":
             larger = mesh_shifted(1e-3 * values["shift_mm"])
@@ -134,7 +134,7 @@ def _runs(
     return [
         (weight, material, boundaries[variant])
         for variant, weight in weights.items()
-        if weight > 0.0
+        if weight > 0.0 and variant in boundaries
     ]
 
 

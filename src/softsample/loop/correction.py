@@ -222,7 +222,8 @@ def _can_tell(problem: Problem, name: str, fold: Fold) -> bool:
     """Whether a fold leaves out what others of its kind, or the rest of its record, tell of."""
     left = [_kind(s) for s, mask in zip(problem.specimens, fold.masks, strict=True) if mask.any()]
     kinds = [_kind(s) for s in problem.specimens]
-    return bool(left) and (name == LAST or (len(left) == 1 and kinds.count(left[0]) > 1))
+    told = all(kinds.count(kind) > left.count(kind) for kind in left)
+    return bool(left) and (name == LAST or told)
 
 
 def _squares(

@@ -32,6 +32,7 @@ from softsample.loop.noise import (
     block_size,
     covariances,
     measure_noise,
+    most_blocks,
     shared,
 )
 from softsample.loop.resample import confidence
@@ -146,7 +147,9 @@ def pose(specimens: Sequence[Specimen], settings: NoiseSettings) -> tuple[Proble
     The problem works with `PER_BLOCK` means of samples in a block, which say as much. What is held
     out of the records is no part of it.
     """
-    noises = shared([measure_noise(specimen, settings) for specimen in specimens])
+    most = most_blocks(len(specimens))
+    cells = [specimen.mode == "torsion" for specimen in specimens]
+    noises = shared([measure_noise(specimen, settings, most) for specimen in specimens], cells)
     specimens = [
         specimen.reduced(max(1, noise.size // PER_BLOCK))
         for specimen, noise in zip(specimens, noises, strict=True)
@@ -169,9 +172,9 @@ def pose(specimens: Sequence[Specimen], settings: NoiseSettings) -> tuple[Proble
     return posed, noises
 
 
-def _is_fitted(specimen: Specimen, settings: NoiseSettings) -> bool:
-    """Whether a block of the test is left that is not held out."""
-    size = block_size(specimen.time, settings)
+def _is_fitted(specimen: Specimen, settings: NoiseSettings, most: int) -> bool:
+    """Whether a block of the test, of which there are `most`, is left that is not held out."""
+    size = block_size(specimen.time, settings, most)
     return bool(np.any(blocks(specimen.held_out.astype(float), size) == 0.0))
 
 
@@ -182,10 +185,11 @@ def _whiteners(
     settings: NoiseSettings,
 ) -> list[Whitener]:
     """Whitener of every test, its scale by what a model predicts per sample [N]."""
-    sizes = [block_size(s.time, settings) for s in specimens]
+    most = most_blocks(len(specimens))
+    sizes = [block_size(s.time, settings, most) for s in specimens]
     found = []
     for s, noise, model, size in zip(specimens, noises, models, sizes, strict=True):
-        known, discrepancy = covariances(s, noise, blocks(model, size), settings)
+        known, discrepancy = covariances(s, noise, blocks(model, size), settings, size)
         kept = blocks(s.held_out.astype(float), size) == 0.0
         found.append(Whitener(known, size, kept, discrepancy))
     return found
@@ -207,7 +211,9 @@ def diagnose(
     effects : sequence of Effect, optional
         Library to choose from; all by default.
     """
-    problem, noises = pose([s for s in specimens if _is_fitted(s, settings.noise)], settings.noise)
+    most = most_blocks(len(specimens))
+    fitted = [s for s in specimens if _is_fitted(s, settings.noise, most)]
+    problem, noises = pose(fitted, settings.noise)
     known = list(library(tests=specimens).values()) if effects is None else list(effects)
     selection = select(problem, known, settings.selection)
     spread = [noise.block for noise in noises]

@@ -15,6 +15,10 @@ Array = NDArray[np.float64]
 Mask = NDArray[np.bool_]
 
 
+MOST_LEFT_OUT = 5
+"""Folds that leave out tests, at most: each is a fit of all the others."""
+
+
 @dataclass(frozen=True)
 class Error:
     """Root mean square of block means.
@@ -88,17 +92,21 @@ def form_error(problem: Problem, fit: Fit, noises: Sequence[float]) -> float:
 
 
 def folds(problem: Problem) -> dict[str, list[Mask]]:
-    """What each fold leaves out, blocks as one mask a test: a mode, what follows the ramp, ..."""
+    """What each fold leaves out, blocks as one mask a test: a test, what follows the ramp, ...
+
+    Of more than `MOST_LEFT_OUT` tests, several are left out together.
+    """
     n = len(problem.specimens)
     phases = [phase_of_blocks(problem, k) for k in range(n)]
     kept = [whitener.keep for whitener in problem.whiteners]
     none = [np.zeros(len(phase), bool) for phase in phases]
     found = {}
-    if n > 1:
-        for k, label in enumerate(problem.labels):
-            found[f"leave_out_{label}"] = [
-                kept[j] if j == k else mask for j, mask in enumerate(none)
-            ]
+    for k in range(min(n, MOST_LEFT_OUT) if n > 1 else 0):
+        left_out = [j % MOST_LEFT_OUT == k for j in range(n)]
+        name = "_and_".join(x for x, out in zip(problem.labels, left_out, strict=True) if out)
+        found[f"leave_out_{name}"] = [
+            own if out else mask for own, mask, out in zip(kept, none, left_out, strict=True)
+        ]
     after = [
         np.isin(phase, ("hold", "unloading")) & own for phase, own in zip(phases, kept, strict=True)
     ]

@@ -16,7 +16,6 @@ from softsample.loop.model import (
     Model,
     Packing,
     State,
-    residuals,
 )
 from softsample.loop.noise import NoiseSettings, Whitener
 from softsample.loop.specimen import FORCE, Specimen, blocks
@@ -206,8 +205,20 @@ class Problem:
 
     def residual(self, model: Model, state: State) -> Array:
         """White residual of a state, its last entry that of the prior of the contact zero."""
+        return self._left(self.predicted(model, state), state)
+
+    def _left(self, predicted: Sequence[Array], state: State) -> Array:
+        """White residual of a state whose predictions are known."""
         prior = state.contact_zero / self.settings.contact_zero_mm
-        return np.append(self.white(residuals(model, self.specimens, state)), prior)
+        parts = [s.force - force for s, force in zip(self.specimens, predicted, strict=True)]
+        return np.append(self.white(parts), prior)
+
+    def _beside(self, model: Model, here: Sequence[Array], state: State, k: int) -> list[Array]:
+        """Predictions of a state that differs in entry `k` from one whose predictions are known."""
+        return [
+            force if k == CONTACT_ZERO and not s.elastic.contact else model.predict(s, state)
+            for s, force in zip(self.specimens, here, strict=True)
+        ]
 
     def doubting(self, fit: Fit) -> "Problem":
         """The same with room for error in the form of a fit's last effect, a part of what it adds.
@@ -239,14 +250,23 @@ class Problem:
         margin = 1e-6 * (packing.high - packing.low)
         first = np.clip(packing.pack(start), packing.low + margin, packing.high - margin)
 
+        latest: list[tuple[bytes, list[Array]]] = []  # slopes are asked for where residuals were
+
+        def predicted(vector: Array) -> list[Array]:
+            if not latest or latest[0][0] != vector.tobytes():
+                forces = self.predicted(model, packing.unpack(vector))
+                latest[:] = [(vector.tobytes(), forces)]
+            return latest[0][1]
+
         def white(vector: Array) -> Array:
-            return self.residual(model, packing.unpack(vector))
+            return self._left(predicted(vector), packing.unpack(vector))
 
         def slope(vector: Array) -> Array:
             steps = np.where(vector + DIFFERENCE > packing.high, -DIFFERENCE, DIFFERENCE)
             moved = [packing.unpack(vector + step) for step in np.diag(steps)]
-            here = self.predicted(model, packing.unpack(vector))
-            changes = self.white_changes(here, [self.predicted(model, state) for state in moved])
+            here = predicted(vector)
+            there = [self._beside(model, here, state, k) for k, state in enumerate(moved)]
+            changes = self.white_changes(here, there)
             changes[-1, CONTACT_ZERO] = -steps[CONTACT_ZERO] / self.settings.contact_zero_mm
             return -changes / steps
 

@@ -22,7 +22,7 @@ STEP = 1e-3
 
 
 @dataclass(frozen=True)
-class Material:
+class Material:  # ASSUME: samples of a group are of one animal and region, hence of one material.
     """The material that the samples of a group share.
 
     Parameters

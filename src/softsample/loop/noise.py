@@ -15,8 +15,9 @@ Array = NDArray[np.float64]
 KINDS = ("baseline", "ramp", "hold", "unloading")
 """Phases of a record."""
 
-MOST_BLOCKS = 1000
-"""Blocks of a record at most: its covariance is a full matrix."""
+MOST_BLOCKS, MOST_OF_GROUP, FEWEST = 1000, 3000, 100
+"""Blocks of a record at most, as its covariance is a full matrix, and of all tests of a group, each
+of which may have `FEWEST`."""
 
 FORM = "form"
 """Part of the discrepancy that is error in the form of the effects that were chosen."""
@@ -130,13 +131,18 @@ class Noise:
         return float(np.hypot(self.white / np.sqrt(self.size), self.slow))
 
 
-def block_size(time: Array, settings: NoiseSettings) -> int:
-    """Samples in a block, and no more blocks than `MOST_BLOCKS`."""
-    enough = -(-len(time) // MOST_BLOCKS)
+def most_blocks(tests: int) -> int:
+    """Blocks of each record of a group of tests, at most."""
+    return min(MOST_BLOCKS, max(FEWEST, MOST_OF_GROUP // tests))
+
+
+def block_size(time: Array, settings: NoiseSettings, most: int = MOST_BLOCKS) -> int:
+    """Samples in a block, and no more blocks than `most`."""
+    enough = -(-len(time) // most)
     return max(1, enough, round(settings.block_s / float(np.median(np.diff(time)))))
 
 
-def measure_noise(specimen: Specimen, settings: NoiseSettings) -> Noise:
+def measure_noise(specimen: Specimen, settings: NoiseSettings, most: int = MOST_BLOCKS) -> Noise:
     """White noise from second differences, slow noise from what block means vary more than that.
 
     Block means are taken over 5 s in which the platen rests, less a parabola, or where there are
@@ -145,7 +151,7 @@ def measure_noise(specimen: Specimen, settings: NoiseSettings) -> Noise:
     corner of the record. Where a reading's last digit is coarser than its noise, the error of
     rounding is noise too, and one that goes on from sample to sample. What is held out is not read.
     """
-    size, fitted = block_size(specimen.time, settings), ~specimen.held_out
+    size, fitted = block_size(specimen.time, settings, most), ~specimen.held_out
     second = np.diff(specimen.force, 2)[fitted[:-2] & fitted[1:-1] & fitted[2:]]
     white = 0.0
     if len(second):
@@ -153,7 +159,8 @@ def measure_noise(specimen: Specimen, settings: NoiseSettings) -> Noise:
     rounding = _last_digit(specimen.force[fitted]) / np.sqrt(12.0)
     least = rounding if white < rounding else 0.0
     white = max(white, rounding)
-    long = max(8, round(5.0 / settings.block_s))
+    block = size * float(np.median(np.diff(specimen.time)))
+    long = max(8, round(5.0 / block))
     chunks, degree = _windows(specimen, size, long, ("baseline", "hold")), 2
     if len(chunks) < 2:
         chunks, degree = _windows(specimen, size, long) or _windows(specimen, size, 8), 5
@@ -164,7 +171,7 @@ def measure_noise(specimen: Specimen, settings: NoiseSettings) -> Noise:
     basis, _ = np.linalg.qr(np.stack([axis**k for k in range(degree + 1)], axis=1))
     left = np.eye(window) - basis @ basis.T
     variance = float(np.median([np.sum((left @ chunk) ** 2) for chunk in chunks]))
-    lag = np.abs(np.subtract.outer(range(window), range(window))) * settings.block_s
+    lag = np.abs(np.subtract.outer(range(window), range(window))) * block
     share = float(np.trace(left @ np.exp(-lag / settings.correlation_s)))
     excess = variance - np.trace(left) * white**2 / size
     return Noise(white, max(least, float(np.sqrt(max(excess, 0.0) / share))), size)
@@ -188,16 +195,24 @@ def _last_digit(force: Array) -> float:
     return float(np.min(steps, initial=np.inf, where=steps > 0.0)) if steps.any() else 0.0
 
 
-def shared(noises: Sequence[Noise]) -> list[Noise]:
-    """Noise of records of one machine: the medians, as one record alone shows it but roughly."""
-    white, slow = (
-        float(np.median([getattr(n, part) for n in noises])) for part in ("white", "slow")
-    )
-    return [Noise(white, slow, noise.size) for noise in noises]
+def shared(noises: Sequence[Noise], cells: Sequence[bool] | None = None) -> list[Noise]:
+    """Noise of records of one machine: the medians, as one record alone shows it but roughly.
+
+    `cells` tells records of a cell for torque from those of one for force.
+    """
+    of = cells or [False] * len(noises)
+    return [
+        Noise(
+            float(np.median([n.white for n, cell in zip(noises, of, strict=True) if cell == own])),
+            float(np.median([n.slow for n, cell in zip(noises, of, strict=True) if cell == own])),
+            noise.size,
+        )
+        for noise, own in zip(noises, of, strict=True)
+    ]
 
 
 def covariances(
-    specimen: Specimen, noise: Noise, model: Array, settings: NoiseSettings
+    specimen: Specimen, noise: Noise, model: Array, settings: NoiseSettings, size: int
 ) -> tuple[Array, dict[str, Array]]:
     """Covariances (n, n) [N2] of the block means of one test.
 
@@ -213,6 +228,8 @@ def covariances(
         What the model does not resolve, beside the grain of its curves. Its smooth error goes
         with the travel, so that loading and unloading share it, and is nothing before the platen
         moves.
+    size : int
+        Samples of the specimen in a block.
 
     Returns
     -------
@@ -221,7 +238,6 @@ def covariances(
     discrepancy : dict of (n, n) float64
         Of what the model does not resolve, by part, at the sizes of the settings.
     """
-    size = block_size(specimen.time, settings)
     time, travel = blocks(specimen.time, size), blocks(specimen.travel, size)
     lag = np.abs(np.subtract.outer(time, time))
     apart = np.subtract.outer(travel, travel) / specimen.reach
@@ -288,7 +304,8 @@ class Whitener:
 
     def kept(self, matrix: Array) -> Array:
         """Part of a matrix (n, n) that is of the blocks that count, as a copy."""
-        return np.array(matrix[np.ix_(self.keep, self.keep)])
+        every = bool(self.keep.all())  # a plain copy is ten times as fast
+        return np.array(matrix if every else matrix[np.ix_(self.keep, self.keep)])
 
     @property
     def log_determinant(self) -> float:

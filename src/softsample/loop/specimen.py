@@ -18,8 +18,9 @@ KINDS = {
     "pure_shear": "tension",
     "confined_compression": "compression",
     "indentation": "compression",
+    "torsion": "shear",
 }
-"""Modes that are a pull or a push as far as machine and platens are concerned."""
+"""Modes that are a pull, a push or a shear as far as machine and platens are concerned."""
 
 FORCE, NORMAL = "force", "force_normal"
 """Channels of a record: along the displacement, and along +z in shear."""

@@ -85,5 +85,7 @@ class HexMesh:
         The pre-load rule of the protocol: the platen goes `depth` below the highest point and
         glues what it meets, side nodes included; no deformation is considered.
         """
+        # ASSUME: the pre-load bonds what it would pass if the sample did not yield; `bond: rule:
+        # contact` simulates it. The paper found the nodes in its videos.
         height = self.points[self.boundary, 2]
         return self.boundary[height >= self.highest - depth - 1e-6 * self.edge_length]

@@ -190,6 +190,7 @@ NAMES = {
     ("levelled", "cuboid"): "sample: top levelled",
     ("tilt_alone", "cuboid"): "sample: top smooth, tilt kept",
     ("without_tilt", "cuboid"): "sample: bumps kept, no tilt",
+    ("bond_by_contact", "cuboid"): "sample: bonded where a simulated pre-load touches",
 }
 """What each experiment changes, by sample and model."""
 

@@ -127,6 +127,7 @@ def loading(modes: Iterable[str]) -> str:
     """Loading of a group in one word: its modes, tension before compression, joined by a plus."""
     order = (
         "shear", "tension", "compression", "pure_shear", "confined_compression", "indentation",
+        "torsion",
     )  # fmt: skip
     return "+".join(sorted(set(modes), key=order.index))
 

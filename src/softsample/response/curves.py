@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 from scipy.interpolate import PchipInterpolator
 
 from softsample.errors import CalibrationError
-from softsample.protocol import PRESSED_MODES, travel_sign
+from softsample.protocol import PRESSED_MODES, SHEARED_MODES, travel_sign
 from softsample.response.memory import remembered
 
 Array = NDArray[np.float64]
@@ -194,7 +194,7 @@ def before_zero(mode: str, channel: str = "force") -> str:
     A platen that only presses has left the sample. Shear to the other side is the mirror image,
     exactly for a sample that is symmetric about the plane across the shear.
     """
-    if mode == "shear":
+    if mode in SHEARED_MODES:
         return "odd" if channel == "force" else "even"
     return "none" if mode in PRESSED_MODES else "straight"
 

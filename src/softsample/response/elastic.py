@@ -10,7 +10,7 @@ import pandas as pd
 from numpy.typing import NDArray
 
 from softsample.constitutive.material import Material, compressibility
-from softsample.protocol import PRESSED_MODES
+from softsample.protocol import NEVER_UNIFORM, PRESSED_MODES
 from softsample.response.changes import for_all_fractions, read_changes, split_laws
 from softsample.response.curves import ResponseCurves
 from softsample.response.law_response import LawResponse
@@ -92,8 +92,7 @@ class Elastic:
             perturbations["real_geometry"] = difference
         pressed, nu = mode in PRESSED_MODES and channel == "force", solid.poisson_ratio
         across = channel != "force"
-        # of an indented sample there is no closed form to set out from
-        known = shape if mode != "indentation" else None
+        known = None if mode in NEVER_UNIFORM else shape
         laws = LawResponse(found, known, mode, solid.alpha, nu, across, runs) if known else None
         return cls(found, perturbations, pressed, nu, laws)
 

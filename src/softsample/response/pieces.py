@@ -16,9 +16,14 @@ from softsample.meshing.marks import MarkedImage
 from softsample.meshing.mesh import HexMesh
 from softsample.meshing.regions import relative_stiffness
 from softsample.meshing.sample import SampleMesh, mesh_ideal, mesh_real
+from softsample.protocol import PRESSED_MODES
+from softsample.response.bond import CONTACT, BondSettings, bonded_by_contact
 from softsample.shapes import IdealShape, Indenter, element_size
 
 Array = NDArray[np.float64]
+
+RealGeometry = tuple[tuple[Array, Array, float], dict[str, MarkedImage]]
+"""Signed distance [m], its origin [m] and spacing [m]; marks in the image by their column."""
 
 MM = 1e-3
 
@@ -161,40 +166,72 @@ class MeshedSample:
 def mesher(
     geometry: str,
     shape: IdealShape,
-    real: Callable[[], tuple[tuple[Array, Array, float], Mapping[str, MarkedImage]]],
+    real: Callable[[], RealGeometry],
     given: Mapping[str, Any],
 ) -> Callable[[float], MeshedSample]:
-    """Meshes a sample with its surface moved out by a length [m].
+    """Meshes a sample as the loop does, with its surface moved out by a length [m].
 
     Parameters
     ----------
     geometry : str
         `real` or `ideal`.
-    shape : IdealShape
-        Its idealised shape.
-    real : callable
-        Reads, for the real geometry, its signed distance, where the origin of that is [m], and the
-        spacing [m]; and `bond_mask` and `labels` if there are any.
-    given : mapping
-        `mesh`, `ends`, `preload_mm`, `element_size_mm` and `region_stiffness` of the job.
+    shape, real, given
+        As of `sample_mesher`; `given` has `element_size_mm` and `region_stiffness` besides.
     """
     mesh = given["mesh"]
     size = element_size(shape, given["element_size_mm"] * MM, mesh["elements_across"])
-    if geometry == "ideal":
+    coarser = given["element_size_mm"] / mesh["element_size_mm"]
+    make = sample_mesher(shape, size, coarser, real if geometry == "real" else None, given)
+    known = given["region_stiffness"] if geometry == "real" else None
+    return lambda out: MeshedSample.of(make(out), known)
+
+
+def sample_mesher(
+    shape: IdealShape,
+    size: float,
+    coarser: float,
+    real: Callable[[], RealGeometry] | None,
+    given: Mapping[str, Any],
+) -> Callable[[float], SampleMesh]:
+    """Meshes a sample with its surface moved out by a length [m].
+
+    Parameters
+    ----------
+    shape : IdealShape
+        Its idealised shape.
+    size : float
+        Wanted edge of the elements [m].
+    coarser : float
+        What that is of the edge of the study's mesh.
+    real : callable, optional
+        Reads, for the real geometry, its signed distance, where the origin of that is [m], and the
+        spacing [m]; and `bond_mask` and `labels` if there are any. Without, the shape is meshed.
+    given : mapping
+        `mesh`, `mode`, `ends`, `preload_mm` and `bond` of the job; for what is bonded by contact
+        `material`, `contact` and `solver` too.
+    """
+    mesh, preload = given["mesh"], given["preload_mm"] * MM
+    if real is None:
         indenter = given["ends"] if isinstance(given["ends"], Indenter) else None
-        coarser = given["element_size_mm"] / mesh["element_size_mm"]
-        return lambda out: MeshedSample.of(mesh_ideal(shape.grown(out), size, indenter, coarser))
-    segmented = mesh["boundary_shift_mm"] * MM
+        return lambda out: mesh_ideal(shape.grown(out), size, indenter, coarser)
     grid, marks = real()
-    return lambda out: MeshedSample.of(
-        mesh_real(
+    quality, segmented = MeshSettings.of_config(mesh), mesh["boundary_shift_mm"] * MM
+    bond = BondSettings(**given["bond"])
+
+    def of_depth(out: float) -> SampleMesh:
+        return mesh_real(
             *grid,
             size,
-            given["preload_mm"] * MM,
-            MeshSettings.of_config(mesh),
+            preload,
+            quality,
             boundary_shift=segmented + out,
             bond_mask=marks.get("bond_mask"),
             labels=marks.get("labels"),
-        ),
-        given["region_stiffness"],
-    )
+        )
+
+    if bond.rule != CONTACT or given["mode"] in PRESSED_MODES or "bond_mask" in marks:
+        return of_depth
+    law = given["material"]["alpha"], given["material"]["poisson_ratio"]
+    runs = ContactSettings(**given["contact"]), SolverSettings(**given["solver"])
+    regions = given["material"]["region_stiffness"]
+    return lambda out: bonded_by_contact(of_depth(out), preload, bond, *law, *runs, regions)

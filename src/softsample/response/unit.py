@@ -19,7 +19,7 @@ from softsample.constitutive.ogden import unit_modulus
 from softsample.errors import CrushedError, SimulationError
 from softsample.fem.boundary import Boundary, Ends
 from softsample.fem.explicit import ExplicitModel, Run
-from softsample.protocol import travel_sign
+from softsample.protocol import NEVER_UNIFORM, travel_sign
 from softsample.shapes import IdealShape
 
 Array = NDArray[np.float64]
@@ -54,6 +54,7 @@ class ResponseSettings:
 
 def modulus_fractions(settings: ResponseSettings) -> Array:
     """Ascending fractions mu1 / mu (nodes,) at which the curves are computed."""
+    # ASSUME: both moduli are at least zero, so that mu1/mu lies between 0 and 1.
     root = 0.5 + 0.5 * np.cos(np.pi * np.arange(settings.nodes) / (settings.nodes - 1))
     return np.asarray(1.0 - root**2)
 
@@ -347,7 +348,8 @@ def homogeneous_response(
 
 def is_homogeneous(mode: str, ends: Ends) -> bool:
     """Whether an ideal shape deforms uniformly: ends or walls without friction."""
-    return ends == "sliding" or mode == "confined_compression"
+    uniform = ends == "sliding" or mode == "confined_compression"
+    return uniform and mode not in NEVER_UNIFORM
 
 
 def response_table(curves: dict[str, Array], mode: str) -> dict[str, Array]:

@@ -22,7 +22,7 @@ from softsample.io import PathLike, read_image, read_samples, read_surface, read
 from softsample.meshing.marks import MarkedImage
 from softsample.meshing.regions import relative_stiffness
 from softsample.plausibility import Limits, doubts
-from softsample.protocol import PRESSED_MODES
+from softsample.protocol import NEVER_UNIFORM, PRESSED_MODES
 from softsample.records import RecordSettings, aligned_record
 from softsample.shapes import IdealShape
 from softsample.study import ROOT, SETTINGS, TABLE, schema, table_of
@@ -301,7 +301,7 @@ def _record(
 ) -> dict[str, Any] | None:
     """Check a record; `sizes` are the dimensions that are stated, and those that are known."""
     given = RecordSettings(**record_settings(settings, row))
-    raw = read(path, given.columns, given.units, given.sheet, given.block)
+    raw = read(path, given.columns, given.units, given.sheet, given.block, row.get("mode", ""))
     result.found.append(f"  record {path}: {raw.reading['kind']}")
     result.found += [f"    {line}" for line in described(raw.reading)]
     if "mode" not in row:
@@ -313,7 +313,7 @@ def _record(
     result.found += [f"    {line}" for line in _aligned(facts)]
     cells = {name: row[name] for name in ANY_DIMENSION if name in row} if stated else {}
     limits = Limits(**settings["plausibility"])
-    if row["mode"] == "indentation":  # whose force is not that of the sample's section
+    if row["mode"] in NEVER_UNIFORM:  # whose force is not that of the sample's section
         limits = replace(limits, stiffness_pa=(0.0, np.inf), strain=(0.0, limits.strain[1]))
     own = [*doubts(facts, known, limits, cells, given.block)]
     result.doubts += [f"{where}: {path}: {doubt}" for doubt in (*facts["warnings"], *own)]

@@ -13,6 +13,7 @@ GEOMETRIES = ("real", "ideal")
 
 MODES = (
     "shear", "tension", "compression", "pure_shear", "confined_compression", "indentation",
+    "torsion",
 )  # fmt: skip
 """Loading modes in the order in which figures and tables show them."""
 

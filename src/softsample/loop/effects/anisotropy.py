@@ -18,7 +18,7 @@ def _elastic(specimen: Specimen, fraction: float, travel: Array, values: Values)
     def change(name: str) -> Array:
         return specimen.elastic.change_per_mu(f"fibres_{name}", fraction, travel)
 
-    sheared = specimen.kind == "shear"
+    sheared = specimen.mode == "shear"  # half a turn changes nothing in torsion
     upright, ahead = change("z"), change("ahead")
     lying = np.zeros_like(travel) if sheared else change("x")
     behind = change("behind") if sheared else ahead

@@ -1,0 +1,59 @@
+"""The table of claims of the paper: its numbers are those of the tables, its verdicts theirs."""
+
+from pathlib import Path
+
+import pandas as pd
+import pytest
+
+from softsample.io import read_table
+from softsample.report.claims import claims_table
+
+DATA = Path(__file__).resolve().parents[2] / "docs/data/reproduction"
+
+
+@pytest.fixture
+def tables():
+    return {path.stem: read_table(path) for path in DATA.glob("*.csv") if path.stem != "claims"}
+
+
+def of(table, words):
+    (row,) = table[table["claim"].str.contains(words)].to_dict("records")
+    return row
+
+
+def test_the_page_has_the_claims_of_its_tables(tables):
+    pd.testing.assert_frame_equal(read_table(DATA / "claims.csv"), claims_table(tables))
+    page = (DATA.parents[1] / "reproduction.md").read_text()
+    for row in claims_table(tables).to_dict("records"):
+        assert " | ".join(map(str, row.values())) in page
+
+
+def test_a_mean_is_reproduced_if_it_is_not_told_from_the_papers(tables):
+    rows = tables["summary"]
+    here = (rows["quantity"] == "modulus_two_term") & (rows["mode"] == "tension+compression")
+    for mean, verdict in ((-45.0, "reproduced"), (-70.0, "differs")):
+        rows.loc[here, "mean_percent"] = mean
+        assert of(claims_table(tables), "by 47.5 %")["verdict"] == verdict
+
+
+def test_the_bias_in_shear_is_said_for_both_bonds(tables):
+    row = of(claims_table(tables), "by 10 %")
+    effects = tables["geometry_effects"]
+    shear = effects[(effects["mode"] == "shear") & (effects["model_variant"] == "cuboid")]
+    bias = shear.set_index("sample_variant")["bias_percent"]
+    for bond in ("real", "bond_by_contact"):
+        assert f"{bias[bond]:+.1f}".replace("-", "−") in row["why"]
+
+
+def test_exponents_are_constant_if_all_are_close_and_none_is_open(tables):
+    rows = tables["exponents"]
+    rows["alpha1"], rows["alpha2"], rows["active_bounds"] = -8.2, 15.5, ""
+    assert of(claims_table(tables), "free exponents")["verdict"] == "reproduced"
+    rows.loc[0, "active_bounds"] = "alpha1 at its maximum"
+    assert of(claims_table(tables), "free exponents")["verdict"] == "differs"
+
+
+def test_a_claim_without_its_table_is_not_testable():
+    table = claims_table({})
+    assert set(table["verdict"]) == {"not testable"}
+    assert of(table, "mesh-independent")["why"] == "without sensitivity, fit_errors"

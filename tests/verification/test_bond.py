@@ -1,0 +1,57 @@
+"""What a pre-load bonds: the contact of Hertz, and what glue adds to it."""
+
+import numpy as np
+import pytest
+
+from softsample.fem.boundary import ContactSettings
+from softsample.fem.explicit import SolverSettings
+from softsample.meshing.bond import bonded_area
+from softsample.meshing.mesh import HexMesh
+from softsample.meshing.sample import SampleMesh, ideal_hexes
+from softsample.response.bond import BondSettings, bonded_by_contact, touched_nodes
+from softsample.shapes import IdealShape
+
+LAW = (-8.0, 16.0), 0.49
+CONTACT = ContactSettings()
+SOLVER = SolverSettings(loading_time_s=0.04, curve_error_percent=2.0)
+RADIUS, PRELOAD = 40e-3, 0.5e-3
+
+
+@pytest.fixture(scope="module")
+def domed():
+    """A wide cylinder whose top is a paraboloid."""
+    flat = ideal_hexes(IdealShape("cylinder", 24e-3, 24e-3, 14e-3), 1e-3)
+    way = np.hypot(flat.points[:, 0], flat.points[:, 1]) ** 2 / (2.0 * RADIUS)
+    points = flat.points.copy()
+    points[:, 2] *= 1.0 - way / flat.highest
+    return HexMesh(points, flat.hexes)
+
+
+def touched(mesh, fill=0.0):
+    return touched_nodes(mesh, PRELOAD, fill, *LAW, CONTACT, SOLVER)
+
+
+def test_a_dome_is_bonded_where_hertz_has_contact(domed):
+    """a^2 = R d, where the platen would pass 2 R d if the dome did not yield."""
+    found = bonded_area(domed, touched(domed)).sum()
+    assert found == pytest.approx(np.pi * RADIUS * PRELOAD, rel=0.12)  # measured 1.07
+    assert found < 0.7 * bonded_area(domed, domed.glued(PRELOAD)).sum()
+
+
+def test_glue_fills_the_gap_beside_the_contact(domed):
+    dry, wet = set(touched(domed)), set(touched(domed, 0.2e-3))
+    assert dry < wet < set(domed.glued(PRELOAD + 0.2e-3))
+
+
+def test_a_flat_top_is_bonded_as_a_whole():
+    mesh = ideal_hexes(IdealShape("cuboid", 12e-3, 12e-3, 9e-3), 1.5e-3)
+    top = np.flatnonzero(mesh.points[:, 2] > mesh.highest - 1e-9)
+    assert set(top) <= set(touched(mesh))
+
+
+def test_the_mesh_of_a_sample_gets_the_nodes(domed):
+    bare = SampleMesh(domed, {"glued": np.zeros(len(domed.points), np.uint8)}, {}, {})
+    settings = BondSettings("contact")
+    found = bonded_by_contact(bare, PRELOAD, settings, *LAW, CONTACT, SOLVER)
+    assert np.flatnonzero(found.point_data["glued"]).tolist() == touched(domed).tolist()
+    assert not bare.point_data["glued"].any()

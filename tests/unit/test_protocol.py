@@ -108,6 +108,7 @@ def test_a_mode_tells_the_direction_of_loading():
         "pure_shear": 1.0,
         "confined_compression": -1.0,
         "indentation": -1.0,
+        "torsion": 1.0,
     }
 
 

@@ -41,7 +41,7 @@ def test_stress_is_the_derivative_of_the_energy(solid):
     F = gradients()
     wanted = stress(F, solid)
     gaps = []
-    for reach in (3e-4, 1e-3, 3e-3, 8e-3):
+    for reach in (3e-4, 1e-3, 3e-3, 8e-3, 2e-2):
         slopes = np.zeros_like(F)
         for i in range(3):
             for j in range(3):

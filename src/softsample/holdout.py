@@ -5,6 +5,7 @@ No rule reads a force, so that what is held out cannot be chosen by what it woul
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, fields
+from fnmatch import fnmatchcase
 from typing import Any, Self
 
 import numpy as np
@@ -22,6 +23,9 @@ OF_ROWS = ("mode", "group", "specimen", "sample")
 PHASES = {"loading": ("baseline", "ramp"), "hold": ("hold",), "unloading": ("unloading",)}
 """Phases of a record by the names that selections use."""
 
+SIDES = {"positive": 1.0, "negative": -1.0}
+"""Sign of the displacement by the names that selections use."""
+
 
 @dataclass(frozen=True)
 class Selection:
@@ -30,13 +34,15 @@ class Selection:
     Parameters
     ----------
     mode, group, specimen, sample : tuple of str
-        Values of the row of the table.
+        Values of the row of the table; in a name `*` stands for any letters, `[2-5]` for one of these.
     channel : tuple of str
         `force`, `force_normal`, `torque`.
     phase : tuple of str
         Keys of `PHASES`.
     cycle : tuple of int
         Numbers of loadings, from 1 on.
+    direction : tuple of str
+        Keys of `SIDES`: to which side of its zero the displacement is.
     strain_above : float, optional
         Nominal strain, displacement over height to either side, that is exceeded.
     """
@@ -48,6 +54,7 @@ class Selection:
     channel: tuple[str, ...] = ()
     phase: tuple[str, ...] = ()
     cycle: tuple[int, ...] = ()
+    direction: tuple[str, ...] = ()
     strain_above: float | None = None
 
     @classmethod
@@ -64,12 +71,16 @@ class Selection:
     @property
     def of_samples(self) -> bool:
         """Whether samples are selected as a whole, and no parts of their records."""
-        return not (self.channel or self.phase or self.cycle or self.strain_above is not None)
+        parts = self.channel or self.phase or self.cycle or self.direction
+        return not (parts or self.strain_above is not None)
 
     def fits(self, row: Row) -> bool:
         """Whether it selects a sample of the table, or a part of its record."""
         cells = resolved(row)
-        return all(cells[name] in (getattr(self, name) or (cells[name],)) for name in OF_ROWS)
+        return all(
+            any(fnmatchcase(cells[name], value) for value in getattr(self, name) or ("*",))
+            for name in OF_ROWS
+        )
 
     def mask(self, record: Record, row: Row, height: float, channel: str) -> NDArray[np.bool_]:
         """Samples (n,) of a channel of a record that it selects, as `held_out`."""
@@ -80,6 +91,8 @@ class Selection:
             selected &= np.isin(record.phase, [p for name in self.phase for p in PHASES[name]])
         if self.cycle:
             selected &= np.isin(record.cycle, self.cycle)
+        if self.direction:
+            selected &= np.isin(np.sign(record.displacement), [SIDES[x] for x in self.direction])
         if self.strain_above is not None:
             selected &= np.abs(record.displacement) > self.strain_above * height
         return selected

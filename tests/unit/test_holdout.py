@@ -67,6 +67,23 @@ def test_larger_strains_are_held_out_to_either_side(record):
     assert not twice.any()
 
 
+def test_one_side_of_the_zero_is_held_out(record):
+    swept = replace(record, displacement=record.displacement + 1e-3)
+    for side, sign in (("positive", 1.0), ("negative", -1.0)):
+        selection = {"direction": side}
+        np.testing.assert_array_equal(held(swept, selection), sign * swept.displacement > 0.0)
+        assert not wholly_held_out(ROWS[1], [selection])
+
+
+@pytest.mark.parametrize(
+    ("pattern", "fitting"),
+    [("C*", ["C1", "C2"]), ("*[2-5]", ["C2"]), (["S1", "T?"], ["S1", "T1"]), ("C", [])],
+)
+def test_a_name_may_be_a_pattern(pattern, fitting):
+    selection = Selection.of({"sample": pattern})
+    assert [row["sample"] for row in ROWS if selection.fits(row)] == fitting
+
+
 def test_keys_of_one_selection_go_together_and_selections_add_up(record):
     of_group = {"group": "G", "phase": "hold"}
     assert held(record, of_group).any()

@@ -11,6 +11,7 @@ import pandas as pd
 import pytest
 
 from softsample.errors import InputError
+from softsample.holdout import Selection
 from softsample.io import read_table
 from softsample.measured.catalogue import check_files, check_folder
 from softsample.measured.files import sheets
@@ -107,10 +108,11 @@ def test_real_phantoms():
         assert 60.0 * speed == pytest.approx(10.0, rel=0.02)
         assert sample.record["force_N"].iloc[-1] < -50.0
     for study in ("ecoflex-phantoms", "ecoflex-phantoms-sliding"):
-        strain, specimens = chosen_studies()[study]["settings"]["hold_out"]
-        assert strain == {"strain_above": 0.5}
-        second = {s.specimen for s in samples.values() if s.specimen.endswith("_B")}
-        assert set(specimens["specimen"]) == second
+        strain, repeats = map(Selection.of, chosen_studies()[study]["settings"]["hold_out"])
+        assert strain.strain_above == 0.5
+        rows = [{"sample": s.name, "group": s.group, "mode": s.mode} for s in samples.values()]
+        held_out = {row["sample"] for row in rows if repeats.fits(row)}
+        assert held_out == {f"{s.group}_B{k}" for s in samples.values() for k in (2, 3, 4, 5)}
 
 
 TRACE = "g\tg\tg\t\nForce\tDistance\tTime\t\n{unit}\tmm\tsec\t\n\n"

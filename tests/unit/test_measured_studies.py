@@ -1,11 +1,13 @@
 """Study folders of measured sets: table, records and settings; written once and reproducibly."""
 
 import os
+from dataclasses import fields
 
 import pandas as pd
 import pytest
 import yaml
 
+from softsample.holdout import Selection
 from softsample.io import read_samples, read_yaml
 from softsample.measured.__main__ import main
 from softsample.measured.folder import (
@@ -22,7 +24,7 @@ from softsample.study import ROOT
 from softsample.validation import refusals
 
 HELD_OUT = {"hold_out", "leave_out"}
-SELECTIONS = {"mode", "group", "specimen", "sample", "channel", "phase", "cycle", "strain_above"}
+SELECTIONS = {field.name for field in fields(Selection)}
 
 
 def samples():

@@ -449,6 +449,7 @@ SELECTIONS = [
     {"mode": ["tension", "compression"], "group": "G"},
     {"sample": ["A", "B"], "channel": "force_normal"},
     {"specimen": "P", "phase": ["hold", "unloading"], "cycle": [1, 2], "strain_above": 0.2},
+    {"sample": "*_B[2-5]", "direction": "negative"},
 ]
 
 

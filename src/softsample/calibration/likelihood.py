@@ -124,7 +124,8 @@ class AreaLikelihood:
         best = self.best.copy()
         best[1] = np.log(max(share(best[1]), LEAST_SHARE))
         best[0] += best[1]
-        return deviance, best, [(-np.inf, np.inf), (min(logs), max(logs)), *self.bounds[2:]]
+        term = self.bounds[0][0] + min(logs), self.bounds[0][1] + max(logs)
+        return deviance, best, [term, (min(logs), max(logs)), *self.bounds[2:]]
 
     def profiles(self, confidence: float) -> dict[str, Profile]:
         """Profiles of the moduli and of every shape parameter beside the fraction."""

@@ -22,6 +22,7 @@ from numpy.typing import NDArray
 
 import known
 import mechanics
+import modes
 import peers
 from case import EDGES, MATERIAL, TRAVEL, boundary_of, cuboid
 from machine import processor
@@ -151,6 +152,42 @@ def hertz() -> list[dict[str, Any]]:
             "exact_n": exact,
         })  # fmt: skip
     return rows
+
+
+def other_modes() -> dict[str, Any]:
+    """Torsion, bonded discs and indentation against published solutions [%]."""
+    torsion = []
+    for along_radius in (10, 20):
+        run = modes.turned(along_radius)
+        torque, axial = modes.rivlin(run.displacement)
+        radius = 0.5 * modes.TURNED.length
+        torsion.append({
+            "along_radius": along_radius,
+            "torque_percent": 100.0 * (radius * run.force[-1] / torque[-1] - 1.0),
+            "axial_percent": 100.0 * (run.force_vector[-1, 2] / axial[-1] - 1.0),
+        })  # fmt: skip
+    discs = [
+        {"radius_over_height": case[0], "poisson_ratio": case[1], "ritz": ritz,
+         "own": [modes.disc(*case, n) for n in (8, 12)]}
+        for case, ritz in modes.RITZ.items()
+    ]  # fmt: skip
+    runs = {
+        "ball, large cuboid (Hertz)": modes.smooth_ball(modes.large("cuboid")),
+        "ball, large cylinder (Hertz)": modes.smooth_ball(modes.large("cylinder")),
+        "punch, large cylinder (Boussinesq, Sneddon)": modes.smooth_punch(),
+        **{
+            f"ball, layer of {1e3 * layer[0]:g} mm (Dimitriadis)": modes.ball_on_layer(*layer)
+            for layer in modes.LAYERS
+        },
+    }
+    contact = {}
+    for name, (run, exact) in runs.items():
+        apart = 100.0 * modes.late(run, exact)
+        contact[name] = {"largest": float(np.abs(apart).max()), "end": float(apart[-1])}
+    orders = known.observed_orders([2, 1], [row["torque_percent"] for row in torsion])
+    return {
+        "torsion": torsion, "torque_order": float(orders[0]), "discs": discs, "contact": contact,
+    }  # fmt: skip
 
 
 # --- other programs -----------------------------------------------------------------------------
@@ -452,8 +489,8 @@ def render(found: dict[str, Any]) -> None:
 
 
 CASES = (
-    patch, homogeneous, element_size, time_step, loading_time, hertz, side_by_side, coarse_start,
-    half_millimetre, live, refinement, real_shapes,
+    patch, homogeneous, element_size, time_step, loading_time, hertz, other_modes, side_by_side,
+    coarse_start, half_millimetre, live, refinement, real_shapes,
 )  # fmt: skip
 
 

@@ -34,7 +34,8 @@ class Selection:
     Parameters
     ----------
     mode, group, specimen, sample : tuple of str
-        Values of the row of the table; in a name `*` stands for any letters, `[2-5]` for one of these.
+        Values of the row of the table; in a name `*` stands for any letters, `[2-5]` for one of
+        these.
     channel : tuple of str
         `force`, `force_normal`, `torque`.
     phase : tuple of str

@@ -212,7 +212,7 @@ def felupe(
             bounds[f"top{axis}"].value = part * travel * direction[axis]
         dof0, dof1 = fem.dof.partition(field, bounds)
         ext0 = fem.dof.apply(field, bounds, dof0)
-        result = fem.newtonrhapson(
+        result = fem.newtonraphson(
             items=[solid], dof0=dof0, dof1=dof1, ext0=ext0, solver=solver, tol=1e-6, verbose=0
         )
         force = fem.tools.force(field, result.fun, bounds["top0"])

@@ -13,6 +13,7 @@ import pyvista
 
 import exact
 import machines
+import pooled
 
 ROOT = Path(__file__).resolve().parents[2]
 BUILT = (f"VENV={sys.prefix}", "stamp=LICENSE")
@@ -90,6 +91,28 @@ def test_records_of_three_machines_cycles_and_dimensions_alone(tmp_path):
     for group in ("mixed", "cycled"):
         verdict = json.loads((tmp_path / f"results/loop/{group}/verdict.json").read_text())
         assert verdict["verdict"] == "none"
+
+
+@pytest.mark.study
+def test_torsion_indentation_and_compression_give_one_modulus(tmp_path):
+    """Each alone and all together, on records of felupe and of Rivlin's integral."""
+    size = {
+        "shape": "cylinder",
+        "diameter_mm": 2e3 * pooled.RADIUS,
+        "height_mm": 1e3 * pooled.HEIGHT,
+    }
+    punch = {"indenter": "punch", "indenter_radius_mm": 1e3 * pooled.PUNCH}
+    rows = []
+    for mode in ("torsion", "indentation", "compression"):
+        own = {"mode": mode, "record": pooled.TARGET / f"{mode}.csv", **size}
+        own |= punch if mode == "indentation" else {}
+        rows += [{"sample": mode, "group": f"{mode}_alone", **own}]
+        rows += [{"sample": f"{mode}_too", "group": "all", **own}]
+    write_table(tmp_path, rows)
+    groups = {row["group"] for row in rows}
+    study(tmp_path, *(f"{tmp_path}/results/calibration/{g}/ideal/ogden2.json" for g in groups))
+    for group in groups:
+        assert modulus(tmp_path, group) == pytest.approx(sum(pooled.MATERIAL.mu), rel=0.05), group
 
 
 @pytest.mark.study

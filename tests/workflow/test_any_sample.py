@@ -2,6 +2,7 @@
 
 import json
 import os
+import shutil
 import subprocess
 import sys
 from pathlib import Path
@@ -104,7 +105,8 @@ def test_torsion_indentation_and_compression_give_one_modulus(tmp_path):
     punch = {"indenter": "punch", "indenter_radius_mm": 1e3 * pooled.PUNCH}
     rows = []
     for mode in ("torsion", "indentation", "compression"):
-        own = {"mode": mode, "record": pooled.TARGET / f"{mode}.csv", **size}
+        own = {"mode": mode, "record": f"{mode}.csv", **size}
+        shutil.copy(pooled.TARGET / f"{mode}.csv", tmp_path)
         own |= punch if mode == "indentation" else {}
         rows += [{"sample": mode, "group": f"{mode}_alone", **own}]
         rows += [{"sample": f"{mode}_too", "group": "all", **own}]

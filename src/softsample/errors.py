@@ -26,7 +26,11 @@ class SimulationError(SoftsampleError):
     """A finite element run became invalid (inverted element, unstable step, energy error)."""
 
 
-class CrushedError(SimulationError):
+class TooFarError(SimulationError):
+    """The displacement is too large for the mesh; a smaller one may come through."""
+
+
+class CrushedError(TooFarError):
     """Elements invert, or are so flat that the stable step vanishes."""
 
 

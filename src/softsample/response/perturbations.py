@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 
 from softsample.constitutive.material import Material
 from softsample.constitutive.ogden import Fibres, OgdenMaterial, unit_modulus
-from softsample.errors import CrushedError, SimulationError
+from softsample.errors import SimulationError, TooFarError
 from softsample.fem.boundary import Boundary, mode_boundary, platen_boundary
 from softsample.fem.explicit import ExplicitModel, Run
 from softsample.meshing.bond import partial_bond
@@ -21,6 +21,7 @@ from softsample.response.pieces import MechanicalTest, MeshedSample, Perturbatio
 from softsample.response.unit import (
     REACHED,
     Pace,
+    check_stands,
     find_pace,
     homogeneous_area,
     is_homogeneous,
@@ -179,11 +180,11 @@ def _left_out(name: str) -> Iterator[None]:
 
 
 def _base(model: ExplicitModel, test: MechanicalTest, boundary: Boundary) -> Pace | None:
-    """The model as far as its elements stand it; none if they do not, or inertia does not fall."""
+    """The model as far as its elements stand it; none if they do not."""
     for part in (MARGIN, *REACHED):
         try:
             return paced(model, test.material, boundary, part * test.travel)
-        except CrushedError as error:
+        except TooFarError as error:
             LOG.warning("ends before %.0f %% of the record: %s", 100.0 * part, error)
         except SimulationError as error:
             LOG.warning("no changed models: %s", error)
@@ -270,7 +271,8 @@ def _law_runs(
         for part in REACHED:
             try:
                 run = model.run(solid, boundary, part * grid[-1], loading_time=pace.loading_time)
-            except CrushedError:
+                check_stands(run)
+            except TooFarError:
                 continue
             columns = (_forces(run, test) / modulus).T
             there = [np.interp(grid, run.displacement, force, right=np.nan) for force in columns]

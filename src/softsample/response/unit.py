@@ -16,7 +16,7 @@ from numpy.typing import NDArray
 from softsample.constitutive.homogeneous import homogeneous_force, homogeneous_normal
 from softsample.constitutive.material import Material
 from softsample.constitutive.ogden import unit_modulus
-from softsample.errors import CrushedError, SimulationError
+from softsample.errors import SimulationError, TooFarError
 from softsample.fem.boundary import Boundary, Ends
 from softsample.fem.explicit import ExplicitModel, Run
 from softsample.protocol import NEVER_UNIFORM, travel_sign
@@ -36,6 +36,11 @@ CLOSED_FORM = "closed form"
 REACHED = (1.0, 0.9, 0.8, 0.7, 0.6, 0.5)
 """Parts of the platen displacement that are tried, the largest first: elements at the edge of a
 bonded sample invert where the record goes very far."""
+
+
+GIVES_WAY = 0.1
+"""Fall of the force over its peak at which elements have given way: the solids of unit modulus get
+stiffer as they are loaded."""
 
 
 @dataclass(frozen=True)
@@ -120,9 +125,9 @@ def find_pace(simulate: Callable[[float], Run], shortest: float, wanted: float) 
 
     Raises
     ------
-    SimulationError
-        If 32 times the first loading time is still too fast, or elements are crushed in 4 times
-        `shortest`.
+    TooFarError
+        If 32 times the first loading time is still too fast, as where a sample folds, or elements
+        are crushed in 4 times `shortest`.
     """
     time, fast = _first_run(simulate, shortest)
     before = None
@@ -139,7 +144,7 @@ def find_pace(simulate: Callable[[float], Run], shortest: float, wanted: float) 
                     return shorter
             return Pace(time, fast, error)
         time, fast, before = 2.0 * time, slow, error
-    raise SimulationError(
+    raise TooFarError(
         f"inertia still changes the force by {error:.2g} % of its peak in a loading time of "
         f"{0.5 * time:.2g} s; raise solver: curve_error_percent or loading_time_s"
     )
@@ -190,9 +195,22 @@ def unit_runs(
                 loading_time=loading_time,
                 progress=progress and _part_of(progress, label, done, len(solids)),
             )
+            check_stands(run)
         except SimulationError as error:
             raise type(error)(f"{label}: {error}") from error
         yield run, time.process_time() - before
+
+
+def check_stands(run: Run) -> None:
+    """Refuse a run whose force falls, as where a bonded sample folds at its edge."""
+    highest = np.maximum.accumulate(run.force)
+    fall = (highest - run.force) / max(float(highest[-1]), TINY)
+    if fall.max() > GIVES_WAY:
+        place = 1e3 * run.displacement[np.flatnonzero(fall)[0] - 1]
+        raise TooFarError(
+            f"the force falls by {100.0 * fall.max():.0f} % of its peak beyond {place:.2f} mm of "
+            "travel: elements give way; use smaller elements, or a shorter part of the record"
+        )
 
 
 def _named(solid: Material) -> str:
@@ -246,10 +264,9 @@ def simulated_response(
 
     Raises
     ------
-    CrushedError
-        If elements do not stand the displacement.
-    SimulationError
-        If the loading is too fast at 32 times the first loading time.
+    TooFarError
+        If elements do not stand the displacement, or the loading is too fast at 32 times the first
+        loading time.
     """
     modulus, part = model.settings.reference_modulus_pa, PRELIMINARY_SHARE if preliminary else 1.0
     solids = [unit_modulus(r, alpha, poisson_ratio, modulus) for r in fractions]
@@ -294,14 +311,14 @@ def as_far_as_elements_stand(simulate: Callable[[float], Response], travel: floa
 
     Raises
     ------
-    CrushedError
-        If half of the displacement crushes elements.
+    TooFarError
+        If half of the displacement is too far.
     """
     for part in REACHED:
         try:
             curves, report = simulate(part * travel)
             return curves, {**report, "reached": part}
-        except CrushedError as error:
+        except TooFarError as error:
             logging.getLogger(__name__).warning("ends before %.0f %%: %s", 100.0 * part, error)
             last = error
     raise last

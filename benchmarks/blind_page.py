@@ -22,8 +22,8 @@ Written by `benchmarks/blind_page.py` from `softsample.blindlab`; edit the files
 The laboratory makes records with effects that nobody declares and asks the loop what is wrong. It
 shares nothing with the effect library: its formulas are others, relaxation has a continuous
 spectrum, its clock is four times as fine, and its elastic curves come from runs on another mesh,
-in another loading time and at mixtures off the loop's. Makers of records import nothing of
-`softsample.loop`, and the judge nothing of its effects; a test holds that. What is planted is
+in another loading time and at modulus fractions off the loop's. Makers of records import nothing of
+`softsample.loop`, and the judge nothing of its effects; a test holds that. The ground truth is
 drawn from seeds, written to `planted.json` and hashed into `seal.json` before the first record is
 judged; the answers are frozen in `answers/`; the score opens the seal and refuses if the hash
 differs. Seeds from `first_seed` on serve the score alone.
@@ -32,7 +32,7 @@ differs. Seeds from `first_seed` on serve the score alone.
   cuboid is the loop's model. Modulus {MU_PA[0]:g} to {MU_PA[1]:g} Pa, drawn anew for every
   experiment.
 - Designs at {SPEED:g} mm/s: A the loading ramp alone; B {REST:g} s of rest, ramp, {HOLD:g} s of
-  hold, way back; C is B at {" and ".join(f"{speed:g}" for speed in DESIGNS["C"])} times the
+  hold, unloading; C is B at {" and ".join(f"{speed:g}" for speed in DESIGNS["C"])} times the
   speed.
 - Noise {1e3 * WHITE:g} mN white in each sample and {1e3 * SLOW:g} mN with a correlation of a
   second. A floor adds a smooth error of each test that nothing explains, correlated over a
@@ -40,7 +40,7 @@ differs. Seeds from `first_seed` on serve the score alone.
   replicates), and what its own mesh does not resolve: config `blind: noise:`.
 - Goals are those of LOOP, by number; `score.json` has value, one-sided 95 % bound and number of
   experiments by design, floor and size. `confusion.csv` and `.png` show which effect an answer
-  names first; a class that holds the planted effect counts for it.
+  names first; a class that holds the true effect counts for it.
 
 ## Effects and the size called 1x
 
@@ -106,7 +106,7 @@ experiments, {seeds} of each effect, design, size and floor. Over the 25 effects
 noticed, how many of these in the right class, how many of all wrongly named. False alarms; kinds
 without a name, at any size, called unknown or none; pairs at 1x with both classes named.
 
-| design | floor | size | noticed | class right | wrong | false alarms | strangers | pairs |
+| design | floor | size | noticed | class right | wrong | false alarms | out of library | pairs |
 |---|---|---|---|---|---|---|---|---|"""
 
 SMALLEST = """
@@ -117,11 +117,11 @@ Smallest multiple of the size called 1x from which on an effect was noticed in e
 |---|{rules}|"""
 
 CONFUSION = """
-![What was planted against what was answered](figures/blind/confusion.png)
+![Ground truth against answers](figures/blind/confusion.png)
 """
 
 ASUNDER = """
-The score further up is of bodies from number {} on, the tables of all sizes of those from {} on:
+The score further up is of specimens from number {} on, the tables of all sizes of those from {} on:
 the two were not run by the same state of the loop.
 """
 

@@ -80,7 +80,7 @@ class ReadFiles:
         if damaged:
             raise InputError(
                 f"{', '.join(map(str, damaged))}: not as it was written, but damaged or edited "
-                "since; delete it and run the same command again, and it is made anew"
+                "since; delete it and run the same command again, and it is recomputed"
             )
 
     def check_unchanged(self) -> None:

@@ -15,7 +15,7 @@ from softsample.formats.titles import COLUMNS, UNITS
 MM = 1e-3
 
 USUAL_MM, USUAL_N = 100.0, 100.0
-"""Largest displacement and force that go without a word if no dimensions are known."""
+"""Largest displacement and force that raise no doubt if no dimensions are known."""
 
 LENGTHS = {"cm": 10.0, "m": 1e3, "inches": 25.4}
 """Units that dimensions may have been written in, and their size in mm."""

@@ -28,7 +28,7 @@ FEWEST_AT_REST = 10
 LARGEST_GAP = 0.1
 """A ramp may lack samples over this part of its duration."""
 OFF_ZERO = 0.05
-"""A ramp may begin at this part of its displacement or of its peak force without a word."""
+"""A ramp may begin at this part of its displacement or of its peak force without a doubt raised."""
 RELAXED = 0.9
 """A loading at whose end less than this part of the force at its beginning is left is none."""
 COLUMNS = {"displacement": "displacement_mm", "force": "force_N"}

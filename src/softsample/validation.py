@@ -318,7 +318,7 @@ def _wrong_cells(
     yield from _wrong_ends(row)
     yield from _wrong_indenter(row)
     if row.get("mode") == "compression" and "bond_mask" in row:
-        yield "bond_mask", "the top is not glued in compression; leave the cell empty"
+        yield "bond_mask", "the top is not bonded in compression; leave the cell empty"
     loading, shear = (row.get(name, default) for name, default in DEFAULT_AXES.items())
     if loading[-1] == shear[-1]:
         yield (

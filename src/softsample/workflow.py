@@ -44,7 +44,7 @@ FINISHED = "FINISHED: "
 """Marks the end of a job that came through in a log; a log with neither is of a killed job."""
 
 KILLED = (
-    "ended without a word: killed by hand or by the system, often for lack of memory (then give "
+    "terminated unexpectedly: killed by hand or by the system, often for lack of memory (then give "
     "it more, or run fewer jobs side by side); run the same command again"
 )
 """Reason that is given for a job that could not tell its own."""

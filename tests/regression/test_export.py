@@ -112,7 +112,7 @@ def test_what_cannot_be_exported_is_refused(tmp_path):
         write_febio(tmp_path / "a.feb", mesh, MATERIAL, boundary, 0.0)
     held = np.where(boundary.held == PLATEN, FREE, boundary.held)
     unmoved = replace(boundary, held=held)
-    with pytest.raises(InputError, match="no node is glued"):
+    with pytest.raises(InputError, match="no node is bonded"):
         write_abaqus(tmp_path / "a.inp", mesh, MATERIAL, unmoved, 1e-3)
     for held_otherwise in (
         replace(boundary, friction=(0.0, 0.0)),

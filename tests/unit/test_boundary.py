@@ -71,7 +71,7 @@ def test_surface_nodes_off_the_base_may_touch(cuboid):
 def test_a_platen_inside_the_sample_and_a_bond_of_nothing_are_refused(cuboid):
     with pytest.raises(InputError, match="gap: -0.001 m would put the platen into the sample"):
         platen_boundary(cuboid, EVERYTHING, gap=-1e-3)
-    with pytest.raises(InputError, match="no node of the mesh is glued"):
+    with pytest.raises(InputError, match="no node of the mesh is bonded"):
         glued_boundary(cuboid, "shear", np.empty(0, dtype=np.int64))
 
 

@@ -116,8 +116,8 @@ def test_half_of_a_cuboid_is_peeled_row_by_row(cuboid):
 @pytest.mark.parametrize(
     ("fraction", "direction", "message"),
     [
-        (0.0, (1, 0), "glued fraction is 0.0: give a number above 0"),
-        (1.2, (1, 0), "glued fraction is 1.2"),
+        (0.0, (1, 0), "bonded fraction is 0.0: give a number above 0"),
+        (1.2, (1, 0), "bonded fraction is 1.2"),
         (0.5, (0, 0), "direction of peeling is .*not both 0"),
         (0.5, (0, 0, 1), "direction of peeling is"),
     ],

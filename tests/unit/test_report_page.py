@@ -188,7 +188,7 @@ def test_facts_of_a_surface_have_no_film_and_no_sigma():
     assert facts["Surface"] == "1900 mm³, as given"
     image = {"shape": [40, 40, 20], "voxel_mm": [0.5, 0.5, 1.0]}
     facts = dict(sample_facts({"record": RECORD, "image": image}, segmented, cuboid, {}, {}))
-    assert facts["Surface"].endswith("film of 0 mm taken off, tilt of 2° taken out")
+    assert facts["Surface"].endswith("film of 0 mm corrected for, tilt of 2° too")
     assert next(iter(facts)) == "Image"
     assert facts["Cuboid"] == (
         "20 × 10 × 10 mm; faces of the sample against it: bottom 1 %, top −20 %"

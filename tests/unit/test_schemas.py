@@ -269,9 +269,9 @@ BAD_TABLES = {
         [{"loading_axis": "-x"}],
         "row 2 .A1., column 'shear_axis': '.x' is parallel to the loading axis '-x'",
     ),
-    "glue in compression": (
+    "bond in compression": (
         [{"mode": "compression", "bond_mask": "b.nii"}],
-        "row 2 .A1., column 'bond_mask': the top is not glued in compression; leave the cell",
+        "row 2 .A1., column 'bond_mask': the top is not bonded in compression; leave the cell",
     ),
     "image for a segmentation": ([{"image": "a.seg.nrrd"}], "'a.seg.nrrd' has a wrong extension"),
     "folder with a dot": ([{"image": "1.2.840"}], "'1.2.840' has a wrong extension.*end it with /"),

@@ -467,7 +467,7 @@ EFFECTS: dict[str, Kind] = {
     ),
     "partial_bond": Kind(
         _of_curve("partial_bond", "strip", lambda s: {"missing": 0.125 * s}),
-        "Partial glue bond",
+        "Partial bond",
         "12.5 %",
         "own run, strip on any side",
     ),

@@ -24,7 +24,7 @@ NEUTRAL = {"nu": POISSON}
 """Where a size means no effect at all, if that is not zero."""
 
 SHAPES = ("tau_s", "period_s")
-"""Planted values that say how an effect acts, not how large it is."""
+"""True values that say how an effect acts, not how large it is."""
 
 LEAST_ERROR = 0.1
 """Structured errors below this [% of peak] are none that could be removed."""
@@ -119,7 +119,7 @@ def opened(
     """
     if sha256 != seal["sha256"]:
         raise InputError(
-            f"what was planted has SHA-256 {sha256[:12]}..., sealed was {seal['sha256'][:12]}...: "
+            f"the truth has SHA-256 {sha256[:12]}..., withheld was {seal['sha256'][:12]}...: "
             "delete seal and answers and judge again"
         )
     return list(planted["experiments"])

@@ -62,7 +62,7 @@ class ExponentFamily:
         if force_per_mu.shape != shape or not np.all(np.isfinite(force_per_mu)):
             raise CalibrationError(
                 f"the simulated forces {force_per_mu.shape} do not fill the grid {shape} of "
-                "mixtures, exponents and displacements; simulate the sample again"
+                "modulus fractions, exponents and displacements; simulate the sample again"
             )
         self.grid, self.displacement, self._stress = dict(grid), displacement, stress
         homogeneous = [stress(*place) for place in product(*grid.values())]

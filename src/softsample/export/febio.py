@@ -31,7 +31,7 @@ MOST_TERMS = 6
 """Largest number of terms with exponents."""
 
 PULL = 1e-3
-"""Traction at which a platen lets go, over the shear modulus; FEBio takes 0 for 'never'."""
+"""Traction at which a platen releases, over the shear modulus; FEBio takes 0 for 'never'."""
 
 TISSUE = 1
 """Material number of the sample; platens follow."""

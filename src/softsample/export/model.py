@@ -76,7 +76,7 @@ class StaticTest:
         if np.isfinite(self.boundary.friction).any() or self.boundary.confined:
             raise InputError("slip and walls are not exported; export a test of bonded ends")
         if "GLUED" not in self.sets and not any(plate.moves for plate in self.plates):
-            raise InputError("no node is glued and no platen can be touched; check the boundary")
+            raise InputError("no node is bonded and no platen can be touched; check the boundary")
 
     @property
     def points(self) -> Array:

@@ -16,7 +16,7 @@ PlatenEnds = str | float
 """What ends do on platens: BONDED, SLIDING or a coefficient of friction."""
 
 Ends = PlatenEnds | Indenter
-"""What holds a sample: platens, or an indenter and a base that it is glued to."""
+"""What holds a sample: platens, or an indenter and a base that it is bonded to."""
 
 
 @dataclass(frozen=True)
@@ -220,7 +220,7 @@ def _sliding_boundary(mesh: HexMesh, mode: str, glued: NDArray[np.int64]) -> Bou
 def glued_boundary(mesh: HexMesh, mode: str, glued: NDArray[np.int64]) -> Boundary:
     """Base fixed, `glued` nodes moved rigidly: bonded ends in tension, shear and planar tension."""
     if len(glued) == 0:
-        raise InputError("no node of the mesh is glued to the platen; check the bond")
+        raise InputError("no node of the mesh is bonded to the platen; check the bond")
     # ASSUME: glue neither yields nor slips, and the platens are rigid.
     nowhere = np.array([[0.0, 0.0, -1.0, np.inf], [0.0, 0.0, 1.0, np.inf]])
     return Boundary(

@@ -868,7 +868,7 @@ class Platens(NamedTuple):
     """Angle by which the moving platen turns about the z axis over its travel [rad/m]; zero for one
     that does not turn. Forces along the direction are then torques times this."""
     release: bool
-    """Whether a touching node lets go of a platen that would have to pull on it."""
+    """Whether a touching node releases a platen that would have to pull on it."""
     mobile: NDArray
     """(3,) one for an axis along which nodes may move, zero where walls without friction keep
     every node from moving; what the walls bear is no force of a platen."""

@@ -486,7 +486,7 @@ def _decimal_comma(rows: Sequence[Sequence[str]], found: Sequence[Column], path:
     if commas and point:
         raise InputError(
             f"{path}: numbers with a comma ({commas[0]}) and with a point ({point}); export "
-            "without marks of thousands"
+            "without thousands separators"
         )
     marked = commas and all(map(THOUSANDS.fullmatch, commas))
     for column in columns if marked else ():
@@ -495,7 +495,7 @@ def _decimal_comma(rows: Sequence[Sequence[str]], found: Sequence[Column], path:
         if whole and comma:
             raise InputError(
                 f"{path}: {comma} may be a decimal or have a mark of thousands, as {whole} has no "
-                "comma; export without marks of thousands, or all rows with decimals"
+                "comma; export without thousands separators, or all rows with decimals"
             )
     return bool(commas)
 

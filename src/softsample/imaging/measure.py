@@ -26,7 +26,7 @@ ROUND = 0.7
 """A sample of at least this `circularity` is proposed to be idealised as a cylinder.
 
 A cuboid whose vertical edges have a third of its shorter edge as radius reaches 0.44, an ellipse
-whose axes differ by 10 % has 0.91 and one by 40 % 0.71; `docs/geometry.md` has made-up samples.
+whose axes differ by 10 % has 0.91 and one by 40 % 0.71; `docs/geometry.md` has synthetic samples.
 """
 
 LEVELS = (0.25, 0.5, 0.75)

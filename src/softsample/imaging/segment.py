@@ -474,8 +474,8 @@ def _other_end(
         _base(surface, -up, spacing, settings, on_platen=True)
     except SegmentationError:
         return (
-            "; give an image of the sample glued to its platen, and a loading_axis that points from"
-            " there upward (the other end is not flat either), or lower"
+            "; give an image of the sample bonded to its platen, and a loading_axis that points "
+            "from there upward (the other end is not flat either), or lower"
             " segmentation.min_base_share"
         )
     axis = int(np.abs(up).argmax())

@@ -34,7 +34,7 @@ FLAT = 12.0
 """Information of a flat prior over a range of length one."""
 
 RANGES = (np.log(STIFFEST / SOFTEST), 1.0, 2.0)
-"""Ranges of the packed ln(mu), fraction and contact zero; those of all others are one long."""
+"""Ranges of the packed ln(mu), fraction and contact-point offset; all others are one long."""
 
 DIFFERENCE = 1e-5
 """Step of the packed parameters for derivatives."""

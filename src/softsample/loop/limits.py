@@ -17,7 +17,7 @@ ROUNDS = 6
 """Corrections of a limit, at most."""
 
 ZEROS = (-2.0, -1.0, 1.0, 2.0, 4.0)
-"""Contact zeros from which the fit to a shifted travel sets out too, in standard deviations."""
+"""Contact-point offsets from which fits to a shifted travel set out too, in standard deviations."""
 
 
 @dataclass(frozen=True)

@@ -170,7 +170,7 @@ class State:
 
 
 FIXED, CONTACT_ZERO = 3, 2
-"""Entries of a packed state before the effects: ln mu, r, contact zero; place of the last."""
+"""Entries of a packed state before the effects: ln mu, r, contact-point offset; and its place."""
 
 
 class Packing:

@@ -29,7 +29,8 @@ FURTHEST = 4.0
 """Standard deviations of its prior that a size is sought from its median."""
 
 GRAIN_LENGTH = 0.01
-"""Correlation length of grain as a part of the stroke: points of a curve are 1/60 of it apart."""
+"""Correlation length of discretisation noise, a part of the largest displacement: points of a curve
+are 1/60 of it apart."""
 
 
 @dataclass(frozen=True)

@@ -39,7 +39,7 @@ def bonded_nodes(mesh: HexMesh, mask: MarkedImage) -> Ids:
         low, high = (1e3 * f(mesh.points[nodes, 2]) for f in (np.min, np.max))
         raise InputError(
             f"{mask.source}: marks no node of the top surface ({len(nodes)} nodes {low:.1f} to "
-            f"{high:.1f} mm above the base); mark a layer of voxels on both sides of the glued "
+            f"{high:.1f} mm above the base); mark a layer of voxels on both sides of the bonded "
             "surface, in the world frame of the sample's image, or leave bond_mask empty"
         )
     return glued
@@ -72,12 +72,12 @@ def partial_bond(mesh: HexMesh, glued: Ids, fraction: float, direction: ArrayLik
     """
     way = np.asarray(direction, dtype=np.float64)
     if not 0.0 < fraction <= 1.0:
-        raise MeshError(f"glued fraction is {fraction}: give a number above 0, at most 1")
+        raise MeshError(f"bonded fraction is {fraction}: give a number above 0, at most 1")
     if way.shape != (2,) or not np.all(np.isfinite(way)) or not way.any():
         raise MeshError(f"direction of peeling is {way.tolist()}: give (x, y), not both 0")
     area = bonded_area(mesh, glued)
     if not area.sum() > 0.0:
-        raise MeshError("the glued nodes hold no upward face: give the glued nodes of a top")
+        raise MeshError("the bonded nodes hold no upward face: give the bonded nodes of a top")
     # Places are rounded so that a row of a regular mesh stays whole.
     place = np.rint(mesh.points[glued, :2] @ (way / np.linalg.norm(way)) / mesh.edge_length * 1e6)
     lines, row = np.unique(place, return_inverse=True)

@@ -17,7 +17,7 @@ MINUS = "−"
 RECOVERY = (
     "The samples are a virtual cohort whose materials are the paper's moduli for real geometry: "
     "agreement with that column of the paper shows that known values are recovered, it does not "
-    "confirm the paper. The idealised column and the bias are results of these made-up shapes"
+    "confirm the paper. The idealised column and the bias are results of these synthetic shapes"
 )
 UNKNOWN = "not known without an image or a surface of the samples"
 NONE_HERE = "no such sample in this study"

@@ -117,7 +117,7 @@ def _shear_bias(tables: Tables) -> Finding:
         why = (
             f"; the bonded part of the top decides: {_signed(float(bias['real']))} % if what lies "
             f"within the pre-load is bonded, {_signed(float(bias['bond_by_contact']))} % if what "
-            "touches is (coarser elements); glue fills gaps"
+            "touches is (coarser elements); adhesive fills gaps"
         )
         found = replace(found, why=found.why + why)
     return found

@@ -74,8 +74,8 @@ def _surface(segmentation: Report, imaged: bool) -> str:
     return (
         f"{volume}, known to "
         f"{written(segmentation['boundary_sigma_mm'])} mm (one sigma); film of "
-        f"{written(segmentation['film_mm'])} mm taken off, tilt of "
-        f"{written(segmentation['tilt_deg'])}° taken out"
+        f"{written(segmentation['film_mm'])} mm corrected for, tilt of "
+        f"{written(segmentation['tilt_deg'])}° too"
     )
 
 

@@ -203,5 +203,5 @@ def spoken(sample: str, model: str) -> str:
         return f"model: cuboid met late, gap times {model.removeprefix(GAP)}"
     if sample.startswith(BOND):
         depth = sample.removeprefix(BOND).removesuffix("_mm")
-        return f"sample: glued to a depth of {depth} mm"
+        return f"sample: bonded to a depth of {depth} mm"
     return NAMES[sample, model]

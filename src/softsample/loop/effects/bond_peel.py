@@ -17,14 +17,14 @@ def _tissue(specimen: Specimen, force: Array, travel: Array, values: Values) -> 
 
 EFFECT = Effect(
     name="bond_peel",
-    title="Peeling of the glue",
+    title="Peeling of the bond",
     parameters=(
         Parameter("lost", "1", 0.0, 0.8, 0.1),
         Parameter("onset", "1", 0.0, 0.8, 0.0, grid=(0.0, 0.5)),
     ),
     tier="P",
     source="estimate",
-    signature="tension and shear soften towards the end and stay low on the way back",
+    signature="tension and shear soften towards the end and stay low on unloading",
     confused_with=("mullins_softening", "ogden_exponents", "partial_bond"),
     experiment="load again: low from the start",
     modes=("tension", "shear"),

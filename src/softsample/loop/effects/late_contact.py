@@ -16,7 +16,7 @@ EFFECT = Effect(
     source="Hrapko et al., Biorheology 45 (2008) 663",
     signature="compression only: no force at first, then the curve shifted",
     confused_with=("platen_tilt", "displacement_zero", "real_geometry"),
-    experiment="glue the compression sample and pull through zero; scan the top",
+    experiment="bond the compression sample and pull through zero; scan the top",
     modes=("compression",),
     travel=_travel,
 )

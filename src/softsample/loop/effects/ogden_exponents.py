@@ -36,8 +36,7 @@ def about(solid: Material) -> Effect:
         like_floor=True,
         source="own runs of single terms; R. W. Ogden, Proc. R. Soc. Lond. A 326 (1972) 565, "
         "doi:10.1098/rspa.1972.0026",
-        signature="S-shaped along the stroke, worst at the end of compression, alike on the way "
-        "back",
+        signature="S-shaped along the stroke, worst at the end of compression, alike on unloading",
         confused_with=("bond_peel", "compressible_foam", "late_contact", "machine_compliance"),
         experiment="another mode, or a longer stroke",
         elastic=elastic,

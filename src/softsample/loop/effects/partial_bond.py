@@ -14,18 +14,18 @@ def _elastic(specimen: Specimen, fraction: float, travel: Array, values: Values)
 
 EFFECT = Effect(
     name="partial_bond",
-    title="Part of the glue missing",
+    title="Part of the bond missing",
     parameters=(
         Parameter("missing", "1", 0.0, 0.5, 0.125),
         Parameter("side", "1", -1.0, 1.0, 0.0, grid=(-0.75, -0.25, 0.25, 0.75)),
     ),
     tier="M",
     like_floor=True,
-    source="own finite element runs with an eighth of the glued area taken off: `side` is 1 on the "
+    source="own finite element runs with an eighth of the bonded area released: `side` is 1 on the "
     "side that the shear goes to, -1 on that it comes from, 0 on those beside it",
     signature="tension and shear scaled down from the start, compression untouched",
     confused_with=("tension_compression_asymmetry", "bond_peel", "platen_slip"),
-    experiment="ink on the glue; inspect the detached face",
+    experiment="ink on the adhesive; inspect the detached face",
     modes=("tension", "shear"),
     elastic=_elastic,
 )

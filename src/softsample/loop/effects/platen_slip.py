@@ -55,9 +55,9 @@ EFFECT = Effect(
     tier="M",
     source="Rashid, Destrade, Gilchrist, J. Mech. Behav. Biomed. Mater. 12 (2012); own runs "
     "without friction, and there and back with coefficients of 0.05, 0.15 and 0.3",
-    signature="compression softer, more so with the stroke; on the way back below the loading",
+    signature="compression softer, more so with the stroke; on unloading below the loading",
     confused_with=("tension_compression_asymmetry", "poisson_ratio", "partial_bond"),
-    experiment="marks on the edge of the top; glue the compression sample",
+    experiment="marks on the edge of the top; bond the compression sample",
     modes=("compression",),
     elastic=_elastic,
 )

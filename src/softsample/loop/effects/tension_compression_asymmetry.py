@@ -17,7 +17,7 @@ EFFECT = Effect(
     source="Mihai, Budday et al., Proc. R. Soc. A 2018, doi:10.1098/rspa.2017.0858",
     signature="compression scaled against tension and shear",
     confused_with=("platen_slip", "partial_bond", "poisson_ratio"),
-    experiment="compress and pull one and the same glued sample",
+    experiment="compress and pull one and the same bonded sample",
     modes=("compression",),
     tissue=_tissue,
 )

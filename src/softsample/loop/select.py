@@ -191,10 +191,15 @@ def select(problem: Problem, effects: Sequence[Effect], settings: SelectionSetti
         found, len(first.current.white), settings.null_draws, settings.seed, settings.least_gain
     )
     search = _Search(problem, library, settings, threshold, problem, first.current)
-    search.forward()
-    if search.exchange():
-        search.forward()
+    rival = replace(search, steps=[], classes={}, doubted={})
+    search.complete()
     final, fit = search.within_ranges()
+    if (law := rival.law_first(search.steps[0])) is not None:
+        rival.begin(law)
+        rival.complete()
+        other = rival.within_ranges()
+        if _penalised(*other) < _penalised(final, fit):
+            search, (final, fit) = rival, other
     return Selection(
         final,
         first.settled,
@@ -251,14 +256,39 @@ class _Search:
     classes: dict[str, list[str]] = field(default_factory=dict)
     doubted: dict[str, bool] = field(default_factory=dict)
 
+    def complete(self) -> None:
+        """Add effects until no more are asked for, and exchange one that was a wrong choice."""
+        self.forward()
+        if self.exchange():
+            self.forward()
+
+    def law_first(self, opening: Step) -> Step | None:
+        """A first step to another law, if the records ask for one but for something else more.
+
+        Without the right law a history may have most of the evidence and the wrong times.
+        """
+        laws = {e.name: e for e in self.library if e.is_law}
+        asked = any(c.evidence >= self.threshold for c in opening.candidates if c.name in laws)
+        if opening.chosen is None or opening.chosen.name in laws or not asked:
+            return None
+        here = _Round.of(self.problem, self.current)
+        step = _round(here, list(laws.values()), self.threshold, self.settings)
+        return step if step.chosen else None
+
+    def begin(self, step: Step) -> None:
+        """Set out from a step."""
+        assert step.chosen is not None
+        self.steps.append(step)
+        self._take(self.doubting, self.current, step.chosen, step.members)
+
     def forward(self) -> None:
         """One effect after the other, until no more are asked for."""
         while len(self.current.model.effects) < self.settings.most_effects:
             step = self._round(self.doubting, self.current)
-            self.steps.append(step)
             if step.chosen is None:
+                self.steps.append(step)
                 break
-            self._take(self.doubting, self.current, step.chosen, step.members)
+            self.begin(step)
 
     def exchange(self) -> bool:
         """Replace the first effect for which another is better beside those that came later.
@@ -311,6 +341,11 @@ class _Search:
             fit = problem.fit(model, replace(self.current.state, values=known))
             problem = self._doubting(problem, fit)
         return problem, problem.fit(model, fit.state)
+
+
+def _penalised(problem: Problem, fit: Fit) -> float:
+    """Misfit of a fit with the penalties for all of its effects."""
+    return problem.misfit(fit) + sum(penalty(e, len(fit.white)) for e in fit.model.effects)
 
 
 def _density(problem: Problem, fit: Fit) -> float:
@@ -389,7 +424,6 @@ def _fitted(
         found.values(), key=lambda pair: pair[0] - penalty(pair[1].effect, n), reverse=True
     )
     candidates: list[Candidate] = []
-    before = here.settled.misfit(here.base)
     least = PROMISING * max([threshold, *(gain for gain, _ in ranked)])
     smooth = _smooth_excess(problem.by_test(current.white[:-1]))
     promising = [s for gain, s in ranked[: settings.refits] if gain >= least]
@@ -403,15 +437,39 @@ def _fitted(
         asked = max([threshold, *(c.evidence - settings.class_gain for c in candidates)])
         if signature in others and not signature.effect.idealised and smooth < asked:
             continue
-        fit = _joint(problem, current, signature)
-        models = [settled(posed, fit, 1) for posed in (problem, problem.doubting(fit))]
-        exact, doubted = (posed.misfit(likely) for posed, likely in models)
-        (posed, likely), left = models[doubted < exact], min(exact, doubted)
-        gain, evidence = current.cost - fit.cost, before - left - penalty(signature.effect, n)
-        candidates.append(
-            Candidate(signature.effect.name, fit, posed, likely, gain, evidence, doubted < exact)
+        candidates.append(_candidate(here, _joint(problem, current, signature)))
+    candidates.sort(key=lambda c: c.evidence, reverse=True)
+    if candidates and current.model.effects:
+        again = _restarted(problem, candidates[0].fit)
+        candidates[0] = max(
+            candidates[0], _candidate(here, again), key=lambda candidate: candidate.evidence
         )
-    return sorted(candidates, key=lambda c: c.evidence, reverse=True)
+    return candidates
+
+
+def _candidate(here: _Round, fit: Fit) -> Candidate:
+    """What a joint fit with one effect more is worth."""
+    effect, n = fit.model.effects[-1], len(here.current.white)
+    models = [settled(posed, fit, 1) for posed in (here.problem, here.problem.doubting(fit))]
+    exact, doubted = (posed.misfit(likely) for posed, likely in models)
+    (posed, likely), left = models[doubted < exact], min(exact, doubted)
+    evidence = here.settled.misfit(here.base) - left - penalty(effect, n)
+    gain = here.current.cost - fit.cost
+    return Candidate(effect.name, fit, posed, likely, gain, evidence, doubted < exact)
+
+
+def _restarted(problem: Problem, fit: Fit) -> Fit:
+    """The fit, or a better one from new initial guesses of the earlier effects.
+
+    What was found without the last effect may be far off beside it.
+    """
+    for effect in fit.model.effects[:-1]:
+        values = {name: v for name, v in fit.state.values.items() if name != effect.name}
+        without = problem.fit(fit.model.without(effect.name), replace(fit.state, values=values))
+        found = best_of_each(signatures(problem, without, [effect]), without.white)
+        again = problem.fit(fit.model, _joint(problem, without, found[effect.name][1]).state)
+        fit = min(fit, again, key=lambda one: one.cost)
+    return fit
 
 
 def _members(

@@ -112,6 +112,8 @@ class Effect:
         effect is fitted whatever its linear estimate promises.
     idealised : bool
         Whether the model is known to leave it out: it comes before physics if records ask for it.
+    is_law : bool
+        Whether it is another elastic law, the first thing that a model may lack.
     like_floor : bool
         Whether errors of geometry, mesh and element type may lie along it, where no record can
         show them: only what exceeds their stated sizes is evidence for it.
@@ -133,6 +135,7 @@ class Effect:
     identifiable: bool = True
     of_time: bool = False
     idealised: bool = False
+    is_law: bool = False
     like_floor: bool = False
     starts: tuple[Values, ...] = ()
     travel: Callable[[Specimen, Array, Values], Array] = field(default=_travel)

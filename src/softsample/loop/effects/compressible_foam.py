@@ -18,6 +18,7 @@ EFFECT = Effect(
         Parameter("nu", "1", 0.0, 0.49, 0.1, grid=(0.1, 0.35), physical=True),
     ),
     tier="L",
+    is_law=True,
     like_floor=True,
     source="B. Storakers, J. Mech. Phys. Solids 34 (1986) 125, doi:10.1016/0022-5096(86)90033-5",
     signature="compression far softer against tension and shear, its sides hardly bulge",

@@ -17,6 +17,7 @@ EFFECT = Effect(
         Parameter("alpha", "1", -45.0, 40.0, -20.0, grid=(-20.0, -4.0, 2.0, 8.0, 25.0)),
     ),
     tier="L",
+    is_law=True,
     like_floor=True,
     source="R. W. Ogden, Proc. R. Soc. Lond. A 326 (1972) 565, doi:10.1098/rspa.1972.0026",
     signature="alike in loading and unloading, in every mode, and worse towards the end of the "

@@ -33,6 +33,7 @@ def about(solid: Material) -> Effect:
             for start in STARTS
         ),
         tier="L",
+        is_law=True,
         like_floor=True,
         source="own runs of single terms; R. W. Ogden, Proc. R. Soc. Lond. A 326 (1972) 565, "
         "doi:10.1098/rspa.1972.0026",

@@ -87,13 +87,13 @@ def relaxation(axes: Axes) -> None:
 
 def fibres(axes: Axes) -> None:
     """Shear along and across fibres, and with none."""
-    for label, law in (
-        ("none", None),
-        ("along x", Fibres(400.0, (1.0, 0.0, 0.0))),
-        ("along y", Fibres(400.0, (0.0, 1.0, 0.0))),
-        ("along x + z", Fibres(400.0, (1.0, 0.0, 1.0))),
+    for label, laws in (
+        ("none", ()),
+        ("along x", (Fibres(400.0, (1.0, 0.0, 0.0)),)),
+        ("along y", (Fibres(400.0, (0.0, 1.0, 0.0)),)),
+        ("along x + z", (Fibres(400.0, (1.0, 0.0, 1.0)),)),
     ):
-        curve(axes, MODEL.run(MATERIAL.plus(law), glued("shear"), 3.9e-3), label)
+        curve(axes, MODEL.run(MATERIAL.plus(*laws), glued("shear"), 3.9e-3), label)
 
 
 def regions(axes: Axes) -> None:

@@ -26,7 +26,7 @@ CYCLE = History(np.array([0.0, 11.0, 71.0, 82.0]), 1e-3 * np.array([0.0, 3.25, 3
 
 
 def glued(mode: str, nodes: np.ndarray = TOP) -> Boundary:
-    """Top glued, or some of its nodes."""
+    """Top bonded, or some of its nodes."""
     return glued_boundary(MESH, mode, nodes)
 
 
@@ -39,7 +39,7 @@ def friction(axes: Axes) -> None:
     """Compression between platens of growing roughness."""
     for mu in (0.0, 0.1, 0.3, 1.0, None):
         contact = ContactSettings(friction=mu, base_friction=mu)
-        label = "no slip, glued" if mu is None else f"friction {mu}"
+        label = "no slip, bonded" if mu is None else f"friction {mu}"
         curve(axes, MODEL.run(MATERIAL, platen_boundary(MESH, contact), 2.6e-3), label)
 
 
@@ -51,11 +51,11 @@ def tilt(axes: Axes) -> None:
 
 
 def weight(axes: Axes) -> None:
-    """Tension with own weight, glued before or after settling."""
+    """Tension with own weight, bonded before or after settling."""
     for label, gravity in (
         ("no weight", None),
-        ("glued, then settled", Gravity(settle_first=False)),
-        ("settled, then glued", Gravity(settle_first=True)),
+        ("bonded, then settled", Gravity(settle_first=False)),
+        ("settled, then bonded", Gravity(settle_first=True)),
     ):
         curve(axes, MODEL.run(MATERIAL, glued("tension"), 2e-3, gravity=gravity), label)
 
@@ -68,10 +68,10 @@ def poisson(axes: Axes) -> None:
 
 
 def bond(axes: Axes) -> None:
-    """Tension with part of the glue."""
+    """Tension with part of the bond."""
     for share in (1.0, 0.875, 0.6):
         nodes = partial_bond(MESH, TOP, share, (1.0, 0.0)) if share < 1.0 else TOP
-        curve(axes, MODEL.run(MATERIAL, glued("tension", nodes), 3.25e-3), f"{share:.1%} glued")
+        curve(axes, MODEL.run(MATERIAL, glued("tension", nodes), 3.25e-3), f"{share:.1%} bonded")
 
 
 def relaxation(axes: Axes) -> None:
@@ -114,7 +114,7 @@ PANELS: dict[str, Callable[[Axes], None]] = {
     "tilted platen, compression": tilt,
     "own weight, tension": weight,
     "Poisson's ratio, compression": poisson,
-    "part of the glue, tension": bond,
+    "part of the bond, tension": bond,
     "relaxation, shear: ramp, hold, unloading": relaxation,
     "fibres, shear": fibres,
     "regions four times as stiff, tension": regions,

@@ -1,7 +1,7 @@
-"""Records of one made-up material in torsion, indentation and compression, by independent means.
+"""Records of one synthetic material in torsion, indentation and compression, by independent means.
 
 Torsion is Rivlin's integral; the others are axisymmetric finite elements of felupe with bonded
-ends. Run it to write the records of tests/data/pooled anew.
+ends. Run it to write the records of tests/data/pooled.
 """
 
 from pathlib import Path
@@ -61,7 +61,7 @@ def pressed(radius: float, depth: float) -> tuple[Array, Array]:
         bounds["down"].value = -at
         dof0, dof1 = fem.dof.partition(field, bounds)
         ext0 = fem.dof.apply(field, bounds, dof0)
-        found = fem.newtonrhapson(
+        found = fem.newtonraphson(
             items=[solid], dof0=dof0, dof1=dof1, ext0=ext0, solver=symmetric_superlu, tol=1e-6,
             verbose=0,
         )  # fmt: skip

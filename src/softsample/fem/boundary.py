@@ -221,7 +221,7 @@ def glued_boundary(mesh: HexMesh, mode: str, glued: NDArray[np.int64]) -> Bounda
     """Base fixed, `glued` nodes moved rigidly: bonded ends in tension, shear and planar tension."""
     if len(glued) == 0:
         raise InputError("no node of the mesh is bonded to the platen; check the bond")
-    # ASSUME: glue neither yields nor slips, and the platens are rigid.
+    # ASSUME: the adhesive neither yields nor slips, and the platens are rigid.
     nowhere = np.array([[0.0, 0.0, -1.0, np.inf], [0.0, 0.0, 1.0, np.inf]])
     return Boundary(
         _held(mesh, glued),

@@ -441,9 +441,8 @@ def _fitted(
     candidates.sort(key=lambda c: c.evidence, reverse=True)
     if candidates and current.model.effects:
         again = _restarted(problem, candidates[0].fit)
-        candidates[0] = max(
-            candidates[0], _candidate(here, again), key=lambda candidate: candidate.evidence
-        )
+        if again is not candidates[0].fit:
+            candidates[0] = max(candidates[0], _candidate(here, again), key=lambda c: c.evidence)
     return candidates
 
 

@@ -39,8 +39,10 @@ bonded sample invert where the record goes very far."""
 
 
 GIVES_WAY = 0.1
-"""Fall of the force over its peak at which elements have given way: the solids of unit modulus get
-stiffer as they are loaded."""
+"""Fall of the force over its peak at which a response ends: elements have given way.
+
+Bonded cylinders whose mesh folded at 80 % of a compression by 67 % fell by 63 and 94 %. Only there
+does a solid itself soften, by 19 % in closed form (exponent -8 alone, Poisson's ratio 0.49)."""
 
 
 @dataclass(frozen=True)
@@ -206,7 +208,7 @@ def check_stands(run: Run) -> None:
     highest = np.maximum.accumulate(run.force)
     fall = (highest - run.force) / max(float(highest[-1]), TINY)
     if fall.max() > GIVES_WAY:
-        place = 1e3 * run.displacement[np.flatnonzero(fall)[0] - 1]
+        place = 1e3 * run.displacement[run.force[: fall.argmax()].argmax()]
         raise TooFarError(
             f"the force falls by {100.0 * fall.max():.0f} % of its peak beyond {place:.2f} mm of "
             "travel: elements give way; use smaller elements, or a shorter part of the record"

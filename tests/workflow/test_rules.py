@@ -219,7 +219,7 @@ def test_a_sample_without_platen_stops_itself_alone(project):
     status, text = project.run(*map(str, masks))
     assert status != 0
     assert [mask.exists() for mask in masks] == [False, True]
-    message = "no platen found below the sample: .*; give an image of the sample glued"
+    message = "no platen found below the sample: .*; give an image of the sample bonded"
     assert re.search(rf"segment/A: .*{message}", text.split("Some jobs failed")[1])
 
 

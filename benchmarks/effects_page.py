@@ -24,7 +24,7 @@ beyond these they are scaled with height and peak force (`softsample.loop.candid
 Pure shear counts as tension, confined compression as compression.
 Records without time have no effects of time among their candidates. Times of relaxation are those
 of a usual study here; they follow the clock of the records. `specimen_stiffness` has one size,
-named after the sample, for every sample but the first of its mode.
+named after the specimen, for every specimen but the first of its mode.
 """
 
 

@@ -46,8 +46,8 @@ def test_what_another_law_leaves_is_corrected_and_goes_on_beyond_what_was_fitted
     correction = verdict["correction"]
     assert (correction["class"], correction["with"]) == ("elastic_form", [])
     assert correction["left_out_after_percent"] < 0.8 * correction["left_out_before_percent"]
-    plain = held_out_errors(found.selection.base, tests, 0.0)
-    after = held_out_errors(found.predicting, tests, 0.0)
+    plain = held_out_errors(found.selection.base, tests, 0.0, found.scales_before)
+    after = held_out_errors(found.predicting, tests, 0.0, found.scales)
     domain = correction["domain_mm"]
     assert set(domain) == {"tension", "shear"}
     assert all(after[name].rms < 0.8 * plain[name].rms for name in domain)
@@ -78,6 +78,7 @@ def test_tests_of_one_mode_share_a_correction_in_proportion_to_their_force():
     other = replace(
         first,
         name="wide",
+        piece="wide",
         force=2.0 * first.force,
         elastic=replace(first.elastic, curves=doubled(first.elastic.curves)),
         held_out=np.ones(len(first.force), bool),
@@ -88,7 +89,7 @@ def test_tests_of_one_mode_share_a_correction_in_proportion_to_their_force():
     assert whole.model.names == (NAME,)
     change = [whole.model.predict(s, whole.state) - fit.model.predict(s, fit.state)
               for s in (first, other)]  # fmt: skip
-    own = learned(problem, fit).scale[first.name, first.channel]
+    own = learned(problem, fit).scale[first.name, first.mode, first.channel]
     smooth = change[0] - own * fit.model.predict(first, fit.state)
     np.testing.assert_allclose(change[1], 2.0 * smooth, atol=1e-6 * np.abs(change[1]).max())
 

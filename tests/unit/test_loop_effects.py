@@ -37,7 +37,7 @@ def specimens():
         curves = specimen.elastic.curves
         force = curves.force_per_mu(0.7, curves.displacement)
         specimen.elastic.perturbations.update(real_geometry=-0.1 * force, ends_sliding=-0.2 * force)
-    return [*found, *(replace(s, name=f"{s.name}_again") for s in found), with_normal(found[2])]
+    return [*found, *(replace(s, piece=f"{s.piece}_again") for s in found), with_normal(found[2])]
 
 
 def with_normal(shear):

@@ -17,6 +17,7 @@ from softsample.loop.errors import held_out_errors
 from softsample.loop.held_out import specimens_of
 from softsample.loop.leave_out import left_out_errors
 from softsample.loop.model import Material, Model, State
+from softsample.loop.scale import scale_of
 from softsample.loop.specimen import FORCE, NORMAL
 from softsample.loop.verdict import document
 from softsample.response.unit import homogeneous_response, response_table
@@ -131,7 +132,7 @@ def test_what_is_held_out_at_the_end_is_as_good_as_cut_off():
 def test_errors_of_what_is_held_out_are_of_its_samples_alone(tests, found):
     """By hand; peaks are its own, and noise is taken out of the structured error."""
     fit, noise = found.selection.base, found.noises[0].white
-    errors = held_out_errors(fit, tests, noise)
+    errors = held_out_errors(fit, tests, noise, {})
     for specimen in tests:
         left = (specimen.force - fit.model.predict(specimen, fit.state))[specimen.held_out]
         error = errors[specimen.mode]
@@ -139,8 +140,46 @@ def test_errors_of_what_is_held_out_are_of_its_samples_alone(tests, found):
         assert error.structured == pytest.approx(np.sqrt(np.mean(left**2) - noise**2))
         assert error.peak == np.abs(specimen.force[specimen.held_out]).max()
     others = [replace(s, force=np.where(s.held_out, s.force, 9.0)) for s in tests]
-    assert held_out_errors(fit, others, noise) == errors
-    assert held_out_errors(fit, [cut(s) for s in tests], noise) == {}
+    assert held_out_errors(fit, others, noise, {}) == errors
+    assert held_out_errors(fit, [cut(s) for s in tests], noise, {}) == {}
+
+
+def stiffer(specimen, by, name):
+    """The same test on another specimen, of which only the loading is fitted."""
+    force = by * specimen.force
+    return replace(specimen, name=name, piece=name, force=force, held_out=back(specimen))
+
+
+@pytest.fixture(scope="module")
+def scattered():
+    """Three specimens, of which one is softer and one stiffer, and their diagnosis."""
+    (one,) = laboratory.Lab(seed=7).specimens(["shear"])
+    tests = [stiffer(one, by, name) for by, name in ((0.8, "A"), (1.0, "B"), (1.25, "C"))]
+    return tests, diagnose(tests, SETTINGS, [library()["force_offset"]])
+
+
+def test_specimens_of_other_stiffness_are_nothing_that_an_effect_must_explain(scattered):
+    tests, found = scattered
+    sizes = SETTINGS.noise.sizes(found.selection.plain.variances)
+    assert sizes["scale"] > SETTINGS.selection.unknown_ratio * SETTINGS.noise.scale_percent
+    assert (found.verdict, found.objection) == ("none", "")
+    again = diagnose([replace(s, piece="A") for s in tests], SETTINGS, [library()["force_offset"]])
+    assert again.verdict == "unknown"
+    assert again.objection.startswith("the scales of the tests differ by")
+
+
+def test_a_specimen_is_as_stiff_where_it_is_held_out_as_where_it_is_fitted(scattered):
+    """The scale of each is within its doubt of what was made, and of a test of it not fitted."""
+    tests, found = scattered
+    mean = np.cbrt(0.8 * 1.25)
+    for specimen, by in zip(tests, (0.8, 1.0, 1.25), strict=True):
+        assert 1.0 + scale_of(specimen, found.scales_before) == pytest.approx(by / mean, abs=0.05)
+        other = replace(specimen, name="later", channel=NORMAL)
+        assert scale_of(other, found.scales_before) == scale_of(specimen, found.scales_before)
+        assert scale_of(replace(specimen, piece="D"), found.scales_before) == 0.0
+    blind = held_out_errors(found.selection.base, tests, 0.0, {})
+    for label in ("shear", "shear_3"):
+        assert found.before.held_out[label].rms < 0.5 * blind[label].rms
 
 
 def test_a_compliant_machine_and_its_sample_are_springs_in_series():
@@ -176,7 +215,7 @@ def test_a_test_that_is_left_out_is_predicted_by_a_diagnosis_of_the_others():
     sheared = next(s for s in tests if s.mode == "shear")
     judged = replace(sheared, held_out=~sheared.held_out)  # what the study holds out is no part
     for errors, fit in ((before, rest.selection.base), (after, rest.final)):
-        expected = held_out_errors(fit, [judged], rest.noises[0].white)
+        expected = held_out_errors(fit, [judged], rest.noises[0].white, {})
         assert errors["shear"] == expected
     other = left_out_errors([spoiled(s) for s in tests], folds, SETTINGS, EFFECTS)
     assert other == (before, after)

@@ -284,7 +284,7 @@ def test_the_force_of_the_same_record_is_the_partner_of_its_normal_force():
     table = {"mu1_fraction": 0.5, "displacement_mm": 1e3 * travel}
     forces = {"force_per_mu_mm2": 1e6 * area("shear", travel), "normal_force_per_mu_mm2": travel}
     curves = pd.DataFrame(table | forces)
-    row = {"sample": "A", "mode": "shear"}
+    row = {"sample": "A", "mode": "shear", "specimen": "A"}
     shape = IdealShape("cuboid", LENGTH, LENGTH, LENGTH)
     along, normal = specimens_of(row, record, (curves, [], SOLID, None), shape, [])
     assert (along.channel, normal.channel) == (FORCE, NORMAL)
@@ -294,7 +294,19 @@ def test_the_force_of_the_same_record_is_the_partner_of_its_normal_force():
 # ---- samples and modes
 
 
-def test_each_later_sample_of_a_mode_has_a_stiffness_of_its_own():
+def test_samples_of_one_specimen_share_its_stiffness():
+    pulls = [
+        replace(specimen("tension", [0.0, 4.0], name=n), piece=n[0])
+        for n in ("A1", "A2", "B1", "B2")
+    ]
+    away = replace(pulls[0], piece="C", held_out=np.ones(len(pulls[0].force), bool))
+    known = library(SOLID, [*pulls, away])
+    assert [p.name for p in known["specimen_stiffness"].parameters] == ["B"]
+    first, later = (predicted(t, "specimen_stiffness", known=known, B=0.8) for t in pulls[1:3])
+    np.testing.assert_allclose(later, 0.8 * first)
+
+
+def test_each_later_specimen_of_a_mode_has_a_stiffness_of_its_own():
     pulls = [specimen("tension", [0.0, 4.0, 0.0], name=name) for name in "ABC"]
     press = specimen("compression", [0.0, 4.0, 0.0], name="P")
     known = library(SOLID, [*pulls, press])
@@ -332,7 +344,9 @@ def test_effects_between_tests_are_candidates_where_there_are_such_tests():
     assert named(pull, press) & between == set()
     assert named(shear) & between == set()
     assert named(pull, shear) & between == {"mode_ratio"}
-    assert named(pull, replace(pull, name="other")) & between == {"specimen_stiffness"}
+    assert named(pull, replace(pull, name="other", piece="other")) & between == {
+        "specimen_stiffness"
+    }
     assert named(shear, normal_of(shear)) & between == {"channel_crosstalk"}
 
 

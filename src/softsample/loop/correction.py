@@ -23,6 +23,7 @@ from softsample.loop.effects.base import Effect, Values
 from softsample.loop.errors import Fold, fold_errors
 from softsample.loop.fit import Fit, Problem
 from softsample.loop.model import Material, Model, State
+from softsample.loop.scale import Scales, by_specimen, most_likely, scale_of
 from softsample.loop.specimen import Specimen
 
 Array = NDArray[np.float64]
@@ -65,7 +66,7 @@ class Correction:
     unit, common : dict of float
         Of each mode and channel, the longest stroke of a test, and the shortest one [m].
     scale : dict of float
-        Error of the scale of each fitted test, by sample and channel, as a part.
+        Error of the scale of what was fitted, by specimen, mode and channel, as a part.
     size : dict of float
         RMS of the smooth part and of the scale in what was fitted, as parts of the peak.
     material : Material
@@ -76,19 +77,19 @@ class Correction:
     weight: Mapping[Kind, Array]
     unit: Mapping[Kind, float]
     common: Mapping[Kind, float]
-    scale: Mapping[tuple[str, str], float]
+    scale: Scales
     size: Mapping[str, float]
     material: Material
 
     def apply(self, specimen: Specimen, force: Array, travel: Array, values: Values) -> Array:
         """Corrected force (n,) [N] of any test."""
-        kind, own = _kind(specimen), (specimen.name, specimen.channel)
+        kind = _kind(specimen)
         if kind not in self.unit:
             return force
         x = travel / self.unit[kind]
         strength = _strength(specimen, self.material, self.common[kind])
         smooth = _onset(x) * (_likeness(x, self.travel[kind]) @ self.weight[kind])
-        return np.asarray(force * (1.0 + self.scale.get(own, 0.0)) + strength * smooth)
+        return np.asarray(force * (1.0 + scale_of(specimen, self.scale)) + strength * smooth)
 
     def only(self, kinds: Collection[Kind]) -> Self:
         """Of some modes and channels alone."""
@@ -135,6 +136,13 @@ class Confirmed:
     def whole(self) -> Fit:
         """The model with its correction."""
         return self.learned.of(self.fit) if self.learned else self.fit
+
+    @property
+    def scales(self) -> Scales:
+        """Errors of the scale of what the whole predicts; what is corrected has its own."""
+        corrected = self.learned.unit if self.learned else {}
+        found = most_likely(self.problem, self.fit)
+        return {key: error for key, error in found.items() if key[1:] not in corrected}
 
     @property
     def kind(self) -> str:
@@ -255,7 +263,8 @@ def learned(problem: Problem, fit: Fit) -> Correction:
         if w.keep.any():
             kinds.setdefault(_kind(s), []).append(k)
     material = fit.state.material
-    travel, weight, unit, common, scale = {}, {}, {}, {}, {}
+    travel, weight, unit, common = {}, {}, {}, {}
+    scale: list[tuple[Specimen, float]] = []
     squares = {"smooth": 0.0, "scale": 0.0}
     for kind, members in kinds.items():
         strokes = [problem.specimens[k].reach for k in members]
@@ -267,16 +276,14 @@ def learned(problem: Problem, fit: Fit) -> Correction:
         for k, test, part in zip(members, tests, parts, strict=True):
             specimen = problem.specimens[k]
             own = test.scale_variance * float(test.force @ part)
-            scale[specimen.name, specimen.channel] = own
+            scale.append((specimen, own))
             smooth = test.strength * _onset(test.travel)
             smooth = smooth * (_likeness(test.travel, travel[kind]) @ weight[kind])
             squares["smooth"] += float(np.mean(smooth**2)) / specimen.peak**2
             squares["scale"] += float(np.mean((own * test.force) ** 2)) / specimen.peak**2
     n = sum(map(len, kinds.values()))
-    return Correction(
-        travel, weight, unit, common, scale, {k: float(np.sqrt(v / n)) for k, v in squares.items()},
-        material,
-    )  # fmt: skip
+    size = {k: float(np.sqrt(v / n)) for k, v in squares.items()}
+    return Correction(travel, weight, unit, common, by_specimen(scale), size, material)
 
 
 @dataclass(frozen=True)

@@ -36,6 +36,7 @@ from softsample.loop.noise import (
     shared,
 )
 from softsample.loop.resample import confidence
+from softsample.loop.scale import Scales, most_likely
 from softsample.loop.select import Selection, SelectionSettings, select
 from softsample.loop.specimen import Specimen, blocks
 
@@ -132,6 +133,20 @@ class Diagnosis:
         """What predicts best what is not measured: `final`, with a correction that holds."""
         return self.correction.whole if self.correction else self.final
 
+    @property
+    def scales_before(self) -> Scales:
+        """Errors of the scale of what the plain model predicts."""
+        return most_likely(self.selection.plain, self.selection.base)
+
+    @property
+    def scales(self) -> Scales:
+        """Errors of the scale of what `predicting` predicts."""
+        if self.correction:
+            return self.correction.scales
+        if self.objection:
+            return self.scales_before
+        return most_likely(self.selection.problem, self.selection.final)
+
     def confidence(self, settings: LoopSettings, draws: int) -> float | None:
         """How often the first effect's class is found again; none without effect or draws."""
         if draws == 0 or self.verdict != "explained":
@@ -218,11 +233,11 @@ def diagnose(
     selection = select(problem, known, settings.selection)
     spread = [noise.block for noise in noises]
 
-    def judged(posed: Problem, fit: Fit, found: Mapping[str, Fold]) -> Judged:
+    def judged(posed: Problem, fit: Fit, found: Mapping[str, Fold], scales: Scales) -> Judged:
         return Judged(
             errors(problem, fit, spread),
             fold_errors(posed, found, spread),
-            held_out_errors(fit, specimens, noises[0].white),
+            held_out_errors(fit, specimens, noises[0].white, scales),
             log_density(posed, fit, found),
             form_error(posed, fit, spread),
         )
@@ -230,20 +245,24 @@ def diagnose(
     plain, chosen = (selection.plain, selection.base), (selection.problem, selection.final)
     models = [plain, chosen] if selection.classes else [plain]
     folds = [cross_validated(*model) for model in models]
-    before, *more = (judged(*model, of) for model, of in zip(models, folds, strict=True))
+    before, *more = (
+        judged(*model, of, most_likely(*model)) for model, of in zip(models, folds, strict=True)
+    )
     selected = more[0] if more else before
     refused = selection.steps[-1].refused
     next_one = None
     if refused:
         asked = refused.posed, refused.settled
-        next_one = judged(*asked, cross_validated(*asked))
+        next_one = judged(*asked, cross_validated(*asked), most_likely(*asked))
     objection = objection_to(selection, before, selected, settings.selection, settings.noise)
     correction = corrected = None
     if objection or selection.classes:
         posed = [(*model, of) for model, of in zip(models, folds, strict=True)]
         correction = confirmed(posed if objection else posed[-1:], spread)
     if correction:
-        corrected = judged(correction.problem, correction.whole, correction.folds)
+        corrected = judged(
+            correction.problem, correction.whole, correction.folds, correction.scales
+        )
         if far_off(corrected, settings.selection, settings.noise):
             correction = corrected = None
     return Diagnosis(

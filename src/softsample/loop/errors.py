@@ -8,6 +8,7 @@ from numpy.typing import NDArray
 
 from softsample.loop.fit import Fit, Problem, labels
 from softsample.loop.model import FIXED, State, residuals
+from softsample.loop.scale import Scales, scale_of
 from softsample.loop.screen import LEAST_SIGNATURE
 from softsample.loop.specimen import Specimen, blocks
 
@@ -194,8 +195,12 @@ def _evidence(problem: Problem, fit: Fit) -> float:
     return -0.5 * (problem.misfit(fit) + float(determinant))
 
 
-def held_out_errors(fit: Fit, specimens: Sequence[Specimen], noise: float) -> dict[str, Error]:
+def held_out_errors(
+    fit: Fit, specimens: Sequence[Specimen], noise: float, scales: Scales
+) -> dict[str, Error]:
     """Error of a fit on what is held out of tests, by test; percent are of its own peak.
+
+    A specimen whose fitted records are stiffer than the model is so in what is held out too.
 
     Parameters
     ----------
@@ -205,12 +210,16 @@ def held_out_errors(fit: Fit, specimens: Sequence[Specimen], noise: float) -> di
         All tests of the group.
     noise : float
         Standard deviation of a sample of the cell [N].
+    scales : mapping
+        Errors of the scale of what the fit predicts.
     """
     state, found = informed(fit), {}
     for label, specimen in zip(labels(specimens), specimens, strict=True):
         chosen = specimen.held_out
         if chosen.any():
-            left = (specimen.force - fit.model.predict(specimen, state))[chosen]
+            predicted = fit.model.predict(specimen, state)
+            predicted = predicted * (1.0 + scale_of(specimen, scales))
+            left = (specimen.force - predicted)[chosen]
             peak = float(np.abs(specimen.force[chosen]).max())
             found[label] = error_of(left, noise, peak)
     return found

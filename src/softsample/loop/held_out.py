@@ -51,7 +51,8 @@ def specimens_of(
             channel,
             np.asarray(held_out(record, row, shape.height, channel, hold_out)),
         )
-        tests.append(replace(test, partner=tests[0]) if tests else test)
+        partner = tests[0] if tests else None
+        tests.append(replace(test, partner=partner, piece=row["specimen"]))
     return tests
 
 

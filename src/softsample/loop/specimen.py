@@ -58,6 +58,8 @@ class Specimen:
         Samples that nothing is fitted to; none by default.
     partner : Specimen, optional
         Of a normal force, the force along the displacement of the same test.
+    piece : str
+        What was tested, which may have had other tests; by default the sample.
     """
 
     name: str
@@ -71,8 +73,11 @@ class Specimen:
     timed: bool = True
     held_out: Mask = field(default_factory=lambda: np.zeros(0, bool))
     partner: Self | None = None
+    piece: str = ""
 
     def __post_init__(self) -> None:
+        if not self.piece:
+            object.__setattr__(self, "piece", self.name)
         if len(self.held_out) != len(self.force):
             object.__setattr__(self, "held_out", np.zeros(len(self.force), bool))
 

@@ -1,4 +1,4 @@
-"""Each sample of a group has a modulus of its own."""
+"""Each specimen of a group has a modulus of its own."""
 
 from collections.abc import Sequence
 
@@ -7,31 +7,35 @@ from softsample.loop.specimen import Specimen
 
 
 def _tissue(specimen: Specimen, force: Array, travel: Array, values: Values) -> Array:
-    return force * values.get(specimen.name, 1.0)
+    return force * values.get(specimen.piece, 1.0)
 
 
 def of_names(names: Sequence[str]) -> Effect:
-    """The effect for samples by their names."""
+    """The effect for specimens by their names."""
     return Effect(
         name="specimen_stiffness",
-        title="Stiffness of single samples",
+        title="Stiffness of single specimens",
         parameters=tuple(Parameter(name, "1", 0.5, 2.0, 1.1, neutral=1.0) for name in names),
         tier="P",
         like_floor=True,
-        source="scatter of repeats; each size is the modulus of a sample over that of the group's "
-        "first of the same mode",
-        signature="all forces of a sample scaled against those of another one in the same test",
+        source="scatter of repeats; each size is the modulus of a specimen over that of the "
+        "group's first of the same mode",
+        signature="all forces of a specimen scaled against those of another one in the same test",
         confused_with=("gain", "rate_stiffening", "dehydration"),
-        experiment="test one sample twice, and two samples alike",
+        experiment="test one specimen twice, and two specimens alike",
         tissue=_tissue,
     )
 
 
 def of_tests(tests: Sequence[Specimen]) -> Effect | None:
-    """The effect, with a size for each sample of which another one came before in the same mode."""
-    first = {specimen.mode: specimen.name for specimen in reversed(tests)}
-    later = dict.fromkeys(s.name for s in tests if s.name != first[s.mode])
+    """The effect, with a size for each specimen before which another one was tested in its mode.
+
+    Of what is held out of every test, nothing would be learned.
+    """
+    fitted = [test for test in tests if not test.held_out.all()]
+    first = {test.mode: test.piece for test in reversed(fitted)}
+    later = dict.fromkeys(test.piece for test in fitted if test.piece != first[test.mode])
     return of_names(list(later)) if later else None
 
 
-EFFECT = of_names(["sample"])
+EFFECT = of_names(["specimen"])

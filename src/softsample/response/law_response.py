@@ -34,8 +34,12 @@ from softsample.shapes import IdealShape
 
 Array = NDArray[np.float64]
 
-POINTS, BEYOND = 64, 1.25
-"""Steps of the grid on which laws are computed, and how far it goes over the model's curves."""
+POINTS, BEYOND, END = 64, 1.25, 0.05
+"""Steps of the grid on which laws are computed, and how far it goes over the model's curves, to the
+next multiple of a strain, so that tests alike have the same one."""
+
+ROUNDING = 1e-9
+"""Part by which a displacement of the grid may be beyond one that it is meant to be."""
 
 LEAST_HEIGHT = 0.05
 """Part of its height that a pressed sample keeps at least on that grid."""
@@ -131,15 +135,22 @@ class LawResponse:
         return np.asarray(self.curves.force_per_mu(fraction, displacement) * np.expm1(there))
 
     @cached_property
-    def _grid(self) -> Array:
-        end = BEYOND * self.curves.displacement[-1]
+    def _strain(self) -> Array:
+        """Displacements of the grid over the height."""
+        end = BEYOND * self.curves.displacement[-1] / self.shape.height
+        end = END * np.ceil(end / END)
         if self.mode in PRESSED_MODES:
-            end = min(end, (1.0 - LEAST_HEIGHT) * self.shape.height)
+            end = min(end, 1.0 - LEAST_HEIGHT)
         return np.linspace(0.0, end, POINTS + 1)
 
     @cached_property
+    def _grid(self) -> Array:
+        return self._strain * self.shape.height
+
+    @cached_property
     def _closed(self) -> ClosedForm:
-        return ClosedForm(self.shape, self.mode, self._grid, self.normal, self.poisson_ratio)
+        area = self.shape.area
+        return ClosedForm(area, self.mode, self._strain, self.normal, self.poisson_ratio)
 
     @cached_property
     def _ogden(self) -> Callable[[float, tuple[float, ...]], Array]:
@@ -227,8 +238,8 @@ class LawResponse:
             found = np.divide(there - closed, sheared, out=np.zeros_like(there), where=sheared > 0)
         else:
             found = self._ratio(there, closed)
-        last = np.flatnonzero(self._grid <= travel[-1])[-1]
-        return np.where(self._grid > travel[-1], found[last], found)
+        inside = self._grid <= (1.0 + ROUNDING) * travel[-1]
+        return np.where(inside, found, found[np.flatnonzero(inside)[-1]])
 
     @cached_property
     def _excess(self) -> Callable[[float], Array]:

@@ -52,7 +52,7 @@ def size(state, effect, parameter):
 
 
 def row(mode):
-    return {"sample": mode, "group": "G", "mode": mode, "ends": "unknown"}
+    return {"sample": mode, "specimen": mode, "group": "G", "mode": mode, "ends": "unknown"}
 
 
 def mesh_shifted(out):

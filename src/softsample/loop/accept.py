@@ -1,6 +1,6 @@
 """The one gate: whether the effects that were selected hold as an explanation, anywhere."""
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
 from dataclasses import dataclass
 
 import numpy as np
@@ -8,7 +8,6 @@ import numpy as np
 from softsample.loop.errors import Error, Errors
 from softsample.loop.noise import NoiseSettings
 from softsample.loop.select import WITHIN_DOUBT, Selection, SelectionSettings, unusable
-from softsample.loop.specimen import Specimen
 
 
 @dataclass(frozen=True)
@@ -50,12 +49,6 @@ def far_off(judged: Judged, rules: SelectionSettings, noise: NoiseSettings) -> b
     return judged.form > rules.unknown_ratio * noise.floor_percent
 
 
-def specimens_differ(tests: Sequence[Specimen]) -> bool:
-    """Whether several specimens had the same test, so that their stiffness may differ."""
-    kinds = {(test.mode, test.channel) for test in tests}
-    return len(kinds) < len({(test.mode, test.channel, test.piece) for test in tests})
-
-
 def objection_to(
     selection: Selection,
     before: Judged,
@@ -66,9 +59,8 @@ def objection_to(
     """Why a selection is no explanation; empty if it is one.
 
     The same for every study: what is left is not far above the floor, unless the effects take most
-    of what folds leave out; scales differ no more than specimens do; no size was driven to the end
-    of its range, the modulus stays known, and what folds leave out of the fitted records is no less
-    likely with the effects than without.
+    of what folds leave out; no size was driven to the end of its range, the modulus stays known,
+    and what folds leave out of the fitted records is no less likely with the effects than without.
     """
     last, named = selection.steps[-1], bool(selection.final.model.effects)
     if last.refused and last.why != WITHIN_DOUBT and not named:
@@ -77,8 +69,7 @@ def objection_to(
     enough = named and fold_ratio(before.folds, after.folds) <= rules.unknown_share
     if not enough and far_off(after, rules, noise):
         return f"an error of {after.form:.3g} % of the peak is left that no effect explains"
-    alike = not specimens_differ(selection.problem.specimens)
-    if not enough and alike and scale > rules.unknown_ratio * noise.scale_percent:
+    if not enough and scale > rules.unknown_ratio * noise.scale_percent:
         return f"the scales of the tests differ by {scale:.3g} %, which no effect explains"
     if not named:
         return ""

@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 
 from softsample.loop.accept import Judged, far_off, objection_to
 from softsample.loop.correction import Confirmed, confirmed
-from softsample.loop.effects import library
+from softsample.loop.effects import library, specimen_stiffness
 from softsample.loop.effects.base import Effect
 from softsample.loop.errors import (
     Errors,
@@ -36,8 +36,8 @@ from softsample.loop.noise import (
     shared,
 )
 from softsample.loop.resample import confidence
-from softsample.loop.scale import Scales, most_likely
-from softsample.loop.select import Selection, SelectionSettings, select
+from softsample.loop.scale import Scales, most_likely, relative_stiffness, scatter
+from softsample.loop.select import Selection, SelectionSettings, plain_model, select
 from softsample.loop.specimen import Specimen, blocks
 
 Array = NDArray[np.float64]
@@ -47,6 +47,9 @@ PER_BLOCK = 4
 
 HELD_OUT = "held_out"
 """Fold of what a study holds out."""
+
+STIFFNESS = specimen_stiffness.EFFECT.name
+"""Effect that stands for what scattered specimens differ in."""
 
 NINETY = 1.6449
 """Standard deviations of a two-sided 90 % interval."""
@@ -85,8 +88,14 @@ class Diagnosis:
     objection : str
         Why the selected effects do not hold as an explanation, or why nothing explains what is
         left; empty if there is no objection.
+    stiffness : mapping of float
+        Modulus of specimens over that of the group where they scatter; empty if not.
+    first : tuple of Problem, Fit
+        Records and plain model of one stiffness.
     before : Judged
-        Errors of the plain model.
+        Errors of that.
+    plain : Judged
+        Errors of the plain model with the stiffness of each specimen.
     selected : Judged
         Errors with the selected effects, whether or not they are given.
     refused : Judged or None
@@ -101,7 +110,10 @@ class Diagnosis:
     noises: list[Noise]
     selection: Selection
     objection: str
+    stiffness: Mapping[str, float]
+    first: tuple[Problem, Fit]
     before: Judged
+    plain: Judged
     selected: Judged
     refused: Judged | None = None
     correction: Confirmed | None = None
@@ -112,14 +124,14 @@ class Diagnosis:
         """`explained`, `explained_class`, `none` or `unknown`."""
         if self.objection:
             return "explained_class" if self.correction else "unknown"
-        return "explained" if self.selection.final.model.effects else "none"
+        return "explained" if self.selection.classes or self.stiffness else "none"
 
     @property
     def after(self) -> Judged:
         """Errors of what is reported."""
         if self.corrected:
             return self.corrected
-        return self.selected if self.verdict == "explained" else self.before
+        return self.plain if self.objection else self.selected
 
     @property
     def final(self) -> Fit:
@@ -135,21 +147,20 @@ class Diagnosis:
 
     @property
     def scales_before(self) -> Scales:
-        """Errors of the scale of what the plain model predicts."""
-        return most_likely(self.selection.plain, self.selection.base)
+        """Errors of the scale of what the model of one stiffness predicts."""
+        return {} if self.stiffness else most_likely(*self.first)
 
     @property
     def scales(self) -> Scales:
         """Errors of the scale of what `predicting` predicts."""
         if self.correction:
             return self.correction.scales
-        if self.objection:
-            return self.scales_before
-        return most_likely(self.selection.problem, self.selection.final)
+        posed = self.selection.plain if self.objection else self.selection.problem
+        return most_likely(posed, self.final)
 
     def confidence(self, settings: LoopSettings, draws: int) -> float | None:
         """How often the first effect's class is found again; none without effect or draws."""
-        if draws == 0 or self.verdict != "explained":
+        if draws == 0 or self.objection or not self.selection.classes:
             return None
         return confidence(
             self.problem, self.selection, self.selection.library, settings.selection, draws
@@ -178,6 +189,7 @@ def pose(specimens: Sequence[Specimen], settings: NoiseSettings) -> tuple[Proble
     whiteners = _whiteners(specimens, noises, predicted, settings)
     lower = [
         material.mu
+        * s.stiffness
         * s.elastic.ratio_change_per_mu(
             material.mu1_fraction, travel, s.elastic.poisson_ratio - settings.poisson_ratio
         )
@@ -226,39 +238,34 @@ def diagnose(
     effects : sequence of Effect, optional
         Library to choose from; all by default.
     """
-    most = most_blocks(len(specimens))
-    fitted = [s for s in specimens if _is_fitted(s, settings.noise, most)]
-    problem, noises = pose(fitted, settings.noise)
     known = list(library(tests=specimens).values()) if effects is None else list(effects)
+    problem, noises = pose(_fitted(specimens, settings), settings.noise)
+    first = plain_model(problem)
+    stiffness = _scattered(*first, settings)
+    if stiffness:
+        specimens = [specimen.of_stiffness(stiffness) for specimen in specimens]
+        problem, noises = pose(_fitted(specimens, settings), settings.noise)
+        known = [effect for effect in known if effect.name != STIFFNESS]
     selection = select(problem, known, settings.selection)
-    spread = [noise.block for noise in noises]
-
-    def judged(posed: Problem, fit: Fit, found: Mapping[str, Fold], scales: Scales) -> Judged:
-        return Judged(
-            errors(problem, fit, spread),
-            fold_errors(posed, found, spread),
-            held_out_errors(fit, specimens, noises[0].white, scales),
-            log_density(posed, fit, found),
-            form_error(posed, fit, spread),
-        )
-
+    judged = _Judge(specimens, noises)
     plain, chosen = (selection.plain, selection.base), (selection.problem, selection.final)
     models = [plain, chosen] if selection.classes else [plain]
     folds = [cross_validated(*model) for model in models]
-    before, *more = (
+    rest, *more = (
         judged(*model, of, most_likely(*model)) for model, of in zip(models, folds, strict=True)
     )
-    selected = more[0] if more else before
+    before = judged(*first, cross_validated(*first), {}) if stiffness else rest
+    selected = more[0] if more else rest
     refused = selection.steps[-1].refused
     next_one = None
     if refused:
         asked = refused.posed, refused.settled
         next_one = judged(*asked, cross_validated(*asked), most_likely(*asked))
-    objection = objection_to(selection, before, selected, settings.selection, settings.noise)
+    objection = objection_to(selection, rest, selected, settings.selection, settings.noise)
     correction = corrected = None
     if objection or selection.classes:
         posed = [(*model, of) for model, of in zip(models, folds, strict=True)]
-        correction = confirmed(posed if objection else posed[-1:], spread)
+        correction = confirmed(posed if objection else posed[-1:], judged.spread)
     if correction:
         corrected = judged(
             correction.problem, correction.whole, correction.folds, correction.scales
@@ -266,8 +273,49 @@ def diagnose(
         if far_off(corrected, settings.selection, settings.noise):
             correction = corrected = None
     return Diagnosis(
-        problem, noises, selection, objection, before, selected, next_one, correction, corrected
-    )
+        problem, noises, selection, objection, stiffness, first, before, rest, selected,
+        next_one, correction, corrected,
+    )  # fmt: skip
+
+
+def _fitted(specimens: Sequence[Specimen], settings: LoopSettings) -> list[Specimen]:
+    """Tests of which not all is held out."""
+    most = most_blocks(len(specimens))
+    return [s for s in specimens if _is_fitted(s, settings.noise, most)]
+
+
+def _scattered(problem: Problem, fit: Fit, settings: LoopSettings) -> dict[str, float]:
+    """Stiffness of specimens over that of the group; none if it is no more than scales may be."""
+    found = relative_stiffness(problem, fit)
+    usual = 0.01 * settings.noise.scale_percent * settings.selection.unknown_ratio
+    return found if scatter(found) > usual else {}
+
+
+@dataclass(frozen=True)
+class _Judge:
+    """Errors of models of a group's tests (all of them), with the noise of the fitted ones."""
+
+    specimens: Sequence[Specimen]
+    noises: Sequence[Noise]
+
+    @property
+    def spread(self) -> list[float]:
+        """Standard deviation of a block of each test [N]."""
+        return [noise.block for noise in self.noises]
+
+    def __call__(
+        self, posed: Problem, fit: Fit, found: Mapping[str, Fold], scales: Scales
+    ) -> Judged:
+        """Errors of a fit, with those of the folds of its problem."""
+        stiffness = {s.piece: s.stiffness for s in posed.specimens}
+        tests = [specimen.of_stiffness(stiffness) for specimen in self.specimens]
+        return Judged(
+            errors(posed, fit, self.spread),
+            fold_errors(posed, found, self.spread),
+            held_out_errors(fit, tests, self.noises[0].white, scales),
+            log_density(posed, fit, found),
+            form_error(posed, fit, self.spread),
+        )
 
 
 def report(diagnosis: Diagnosis, settings: LoopSettings) -> dict[str, Any]:
@@ -320,15 +368,18 @@ def judgement(diagnosis: Diagnosis, settings: LoopSettings) -> dict[str, Any]:
     """What `verdict.json` holds, but for the sizes that would have been seen."""
     selection, final = diagnosis.selection, diagnosis.final
     fractions = diagnosis.problem.fractions
+    named = [] if diagnosis.objection else final.model.effects
+    stiffness = [_stiffness_report(diagnosis, settings.noise)] if diagnosis.stiffness else []
     return {
         "verdict": diagnosis.verdict,
         "objection": diagnosis.objection or None,
         "effects": [
-            _effect_report(effect, selection, settings.noise)
-            for effect in ([] if diagnosis.objection else final.model.effects)
+            *([] if diagnosis.objection else stiffness),
+            *(_effect_report(effect, selection, settings.noise) for effect in named),
         ],
-        "theta_before": _theta(selection.base, settings.noise, fractions),
-        "theta_after": _theta(final, settings.noise, fractions),
+        "specimen_stiffness": dict(diagnosis.stiffness),
+        "theta_before": _theta(diagnosis.first[1], settings.noise, fractions),
+        "theta_after": _theta(final, settings.noise, fractions, diagnosis.stiffness),
         "withheld": _withheld(diagnosis, settings),
         "correction": diagnosis.correction.report() if diagnosis.correction else None,
         "error_before": error_report(diagnosis.before.fitted),
@@ -350,10 +401,10 @@ def judgement(diagnosis: Diagnosis, settings: LoopSettings) -> dict[str, Any]:
         "floor": asdict(settings.noise),
         "discrepancy_percent": {
             when: settings.noise.sizes(posed.variances)
-            for when, posed in (("before", selection.plain), ("after", selection.problem))
+            for when, posed in (("before", diagnosis.first[0]), ("after", selection.problem))
         },
         "reduced_chi_square": {
-            "before": selection.base.cost / len(selection.base.white),
+            "before": diagnosis.first[1].cost / len(diagnosis.first[1].white),
             "after": final.cost / len(final.white),
         },
         "path": [
@@ -423,11 +474,19 @@ def error_report(found: Errors) -> dict[str, Any]:
 
 
 def _theta(
-    fit: Fit, noise: NoiseSettings, fractions: tuple[float, float]
+    fit: Fit,
+    noise: NoiseSettings,
+    fractions: tuple[float, float],
+    stiffness: Mapping[str, float] | None = None,
 ) -> dict[str, dict[str, float | str]]:
-    """Material with 90 % intervals; the scale of a test can be that of all of them."""
+    """Material with 90 % intervals; the scale of a test can be that of all of them.
+
+    Where the stiffness of specimens scatters, the modulus is their geometric mean.
+    """
     deviation = np.sqrt(np.diag(fit.covariance))
     deviation[0] = np.hypot(deviation[0], 0.01 * noise.scale_percent)
+    if stiffness:
+        deviation[0] = np.hypot(deviation[0], scatter(stiffness) / np.sqrt(len(stiffness)))
     mu, r = fit.state.material.mu, fit.state.material.mu1_fraction
     return {
         "mu": {
@@ -442,6 +501,22 @@ def _theta(
             "low": max(fractions[0], r - NINETY * float(deviation[1])),
             "high": min(fractions[1], r + NINETY * float(deviation[1])),
         },
+    }
+
+
+def _stiffness_report(diagnosis: Diagnosis, noise: NoiseSettings) -> dict[str, Any]:
+    """Stiffness of each specimen over that of the group, which the scale of a test leaves open."""
+    factor = float(np.exp(NINETY * 0.01 * noise.scale_percent))
+    (problem, fit), selection = diagnosis.first, diagnosis.selection
+    return {
+        "name": STIFFNESS,
+        "class": [STIFFNESS],
+        "parameters": {
+            piece: {"value": x, "unit": "1", "low": x / factor, "high": x * factor}
+            for piece, x in diagnosis.stiffness.items()
+        },
+        "evidence": problem.misfit(fit) - selection.plain.misfit(selection.base),
+        "separating_experiment": specimen_stiffness.EFFECT.experiment,
     }
 
 

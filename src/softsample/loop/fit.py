@@ -138,6 +138,10 @@ class Problem:
         specimens = [replace(s, force=f) for s, f in zip(self.specimens, forces, strict=True)]
         return self._changed(specimens, self.whiteners)
 
+    def of_stiffness(self, known: Mapping[str, float]) -> "Problem":
+        """The same tests of specimens of another stiffness."""
+        return self._changed([s.of_stiffness(known) for s in self.specimens], self.whiteners)
+
     def with_whiteners(self, whiteners: Sequence[Whitener]) -> "Problem":
         """The same tests with other noise of each, or without some of their blocks."""
         return self._changed(self.specimens, whiteners)

@@ -49,8 +49,9 @@ def left_out_errors(
             replace(s, held_out=~s.held_out if s.name in samples else ~_all(s)) for s in specimens
         ]
         noise = found.noises[0].white
-        before[name] = held_out_errors(found.selection.base, judged, noise, found.scales_before)
-        after[name] = held_out_errors(found.predicting, judged, noise, found.scales)
+        alike = [specimen.of_stiffness(found.stiffness) for specimen in judged]
+        before[name] = held_out_errors(found.first[1], judged, noise, found.scales_before)
+        after[name] = held_out_errors(found.predicting, alike, noise, found.scales)
     return before, after
 
 

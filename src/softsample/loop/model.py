@@ -114,7 +114,7 @@ class Model:
         for effect in self.effects:
             values = state.values[effect.name]
             per_mu = per_mu + effect.elastic(specimen, fraction, travel, values)
-        return np.asarray(state.material.mu * per_mu)
+        return np.asarray(state.material.mu * specimen.stiffness * per_mu)
 
     def _slope(self, specimen: Specimen, state: "State", travel: Array) -> Array:
         """Slope of that force (n,) [N/m], not negative."""

@@ -25,6 +25,8 @@ def page(group: str, verdict: Mapping[str, Any]) -> str:
     """
     parts = [f"# Verdict for {group}: {verdict['verdict']}", "", SAYING[verdict["verdict"]], ""]
     parts += [_recommended(verdict["recommended"]), ""]
+    if verdict["specimen_stiffness"] and not verdict["effects"]:
+        parts += [_specimens(verdict["specimen_stiffness"]), ""]
     for effect in verdict["effects"]:
         parts += _effect(effect)
     if verdict["correction"]:
@@ -52,6 +54,12 @@ def _recommended(found: Mapping[str, Any]) -> str:
         named = " and ".join(f"`{name}`" for name in found["widened_by"])
         text += f" The interval allows for {named} at sizes that these records would not show."
     return text
+
+
+def _specimens(stiffness: Mapping[str, float]) -> str:
+    """One sentence on specimens that differ, where no effect is given."""
+    named = ", ".join(f"{piece} {value:.3g}" for piece, value in stiffness.items())
+    return f"The specimens differ in stiffness, over their geometric mean: {named}."
 
 
 def _table(header: list[str], rows: list[list[str]]) -> list[str]:

@@ -213,6 +213,12 @@ def select(problem: Problem, effects: Sequence[Effect], settings: SelectionSetti
     )
 
 
+def plain_model(problem: Problem) -> tuple[Problem, Fit]:
+    """Records with the most likely sizes of the discrepancy about the model without effects."""
+    first = _Round.of(problem, problem.fit_material())
+    return first.settled, first.base
+
+
 @dataclass(frozen=True)
 class _Round:
     """Where one effect more is looked for.
@@ -306,13 +312,18 @@ class _Search:
         return False
 
     def within_ranges(self) -> tuple[Problem, Fit]:
-        """What was chosen with the most likely sizes, less what others drive to its end."""
+        """What was chosen with the most likely sizes.
+
+        What others drive to the end of its range makes way for the next one.
+        """
         problem, fit = settled(self.doubting, self.current)
         while len(self.classes) > 1 and (at_end := driven_to_an_end(fit)):
             name, _, _ = at_end.partition(".")
             del self.classes[name]
-            problem, fit = settled(*self._doubting_others(name))
-            self.current = fit
+            self.library = [effect for effect in self.library if effect.name != name]
+            self.doubting, self.current = self._doubting_others(name)
+            self.forward()
+            problem, fit = settled(self.doubting, self.current)
         return problem, fit
 
     def _round(self, problem: Problem, current: Fit) -> Step:

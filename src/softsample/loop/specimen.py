@@ -1,5 +1,6 @@
 """One record as the diagnosis sees it: along the direction of loading, beside its response."""
 
+from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
 from itertools import pairwise
 from typing import Self
@@ -60,6 +61,8 @@ class Specimen:
         Of a normal force, the force along the displacement of the same test.
     piece : str
         What was tested, which may have had other tests; by default the sample.
+    stiffness : float
+        Its modulus over that of the group.
     """
 
     name: str
@@ -74,6 +77,7 @@ class Specimen:
     held_out: Mask = field(default_factory=lambda: np.zeros(0, bool))
     partner: Self | None = None
     piece: str = ""
+    stiffness: float = 1.0
 
     def __post_init__(self) -> None:
         if not self.piece:
@@ -106,6 +110,13 @@ class Specimen:
             record.timed,
             np.zeros(len(time), bool) if held_out is None else held_out,
         )
+
+    def of_stiffness(self, known: Mapping[str, float]) -> Self:
+        """The same with the stiffness of its specimen, if that is known."""
+        if self.piece not in known:
+            return self
+        partner = self.partner and self.partner.of_stiffness(known)
+        return replace(self, stiffness=known[self.piece], partner=partner)
 
     def reduced(self, size: int) -> Self:
         """The same with groups of `size` samples replaced by their means; the rest is left out.

@@ -19,7 +19,7 @@ def of_names(names: Sequence[str]) -> Effect:
         tier="P",
         like_floor=True,
         source="scatter of repeats; each size is the modulus of a specimen over that of the "
-        "group's first of the same mode",
+        "group's first of the same mode, or over the geometric mean where they scatter",
         signature="all forces of a specimen scaled against those of another one in the same test",
         confused_with=("gain", "rate_stiffening", "dehydration"),
         experiment="test one specimen twice, and two specimens alike",

@@ -10,14 +10,14 @@ import laboratory
 from softsample.calibration.measured import MeasuredCurve, fitted_curves
 from softsample.errors import CalibrationError
 from softsample.loop.candidates import candidates
-from softsample.loop.diagnose import LoopSettings, diagnose
+from softsample.loop.diagnose import LoopSettings, diagnose, pose
 from softsample.loop.effects import library
 from softsample.loop.effects.base import SOLID
 from softsample.loop.errors import held_out_errors
 from softsample.loop.held_out import specimens_of
 from softsample.loop.leave_out import left_out_errors
 from softsample.loop.model import Material, Model, State
-from softsample.loop.scale import scale_of, scatter
+from softsample.loop.scale import relative_stiffness, same_tests, scale_of, scatter
 from softsample.loop.specimen import FORCE, NORMAL
 from softsample.loop.verdict import document
 from softsample.response.unit import homogeneous_response, response_table
@@ -191,6 +191,21 @@ def test_specimens_without_a_test_in_common_have_no_stiffness_of_their_own():
     tests = [replace(s, force=(1.0 + 0.2 * (s.mode == "shear")) * s.force, piece=s.mode)
              for s in laboratory.Lab(seed=7).specimens()]  # fmt: skip
     assert diagnose(tests, SETTINGS, [library()["force_offset"]]).stiffness == {}
+
+
+@pytest.mark.parametrize("change", ["speed", "displacement"])
+def test_tests_at_another_speed_or_to_another_displacement_tell_nothing_of_stiffness(change):
+    """What is stiffer at ten times the speed may be so at any specimen."""
+    (one,) = laboratory.Lab(seed=7).specimens(["shear"])
+    fast = stiffer(one, 1.2, "B")
+    if change == "speed":
+        fast = replace(fast, time=0.1 * fast.time)
+    else:
+        fast = replace(fast, travel=0.5 * fast.travel)
+    alike = stiffer(one, 1.2, "C")
+    assert same_tests([one, fast, alike]) == [0, 1, 0]
+    problem, _ = pose([one, fast], SETTINGS.noise)
+    assert relative_stiffness(problem, problem.fit_material()) == {}
 
 
 def test_what_is_left_of_a_scale_belongs_to_other_tests_of_the_specimen():

@@ -7,7 +7,7 @@ from typing import Any, Self
 import numpy as np
 from numpy.typing import NDArray
 
-from softsample.loop.accept import Judged, far_off, objection_to
+from softsample.loop.accept import Judged, objection_to
 from softsample.loop.correction import Confirmed, confirmed
 from softsample.loop.effects import library, specimen_stiffness
 from softsample.loop.effects.base import Effect
@@ -270,8 +270,6 @@ def diagnose(
         corrected = judged(
             correction.problem, correction.whole, correction.folds, correction.scales
         )
-        if far_off(corrected, settings.selection, settings.noise):
-            correction = corrected = None
     return Diagnosis(
         problem, noises, selection, objection, stiffness, first, before, rest, selected,
         next_one, correction, corrected,

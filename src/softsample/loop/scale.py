@@ -1,6 +1,6 @@
 """Stiffness of specimens: scales of their tests, which are there in other records of them too."""
 
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterable, Mapping, Sequence
 
 import numpy as np
 from numpy.typing import NDArray
@@ -12,6 +12,9 @@ Array = NDArray[np.float64]
 
 ROUNDS = 3
 """Of fitting the group's material and the stiffness of each specimen in turn."""
+
+ALIKE = 1.25
+"""Ratio of displacements, and of speeds, up to which tests are the same."""
 
 RANGE = (0.05, 20.0)
 """Of the stiffness of a specimen over that of the group."""
@@ -39,10 +42,10 @@ def scale_of(specimen: Specimen, known: Scales) -> float:
 
 
 def relative_stiffness(problem: Problem, fit: Fit) -> dict[str, float]:
-    """Modulus of each specimen over their geometric mean, of those that had a test in common.
+    """Modulus of each specimen over the geometric mean of those that had the same test.
 
-    A specimen that alone had its tests says nothing of its stiffness: their scales may differ for
-    other reasons.
+    That is one of the same mode to about the same displacement at about the same speed. What had
+    no test in common says nothing of stiffness: scales may differ for other reasons.
 
     Parameters
     ----------
@@ -60,21 +63,47 @@ def relative_stiffness(problem: Problem, fit: Fit) -> dict[str, float]:
 
 def _relative(problem: Problem, fit: Fit) -> dict[str, float]:
     """Stiffness that each specimen's records ask for, all else as it is, over the mean."""
+    asked: dict[int, dict[str, Array]] = {}
     forces = problem.predicted(fit.model, fit.state)
-    tests = list(zip(problem.specimens, problem.whiteners, forces, strict=True))
-    pieces: dict[tuple[str, str], set[str]] = {}
-    for specimen, *_ in tests:
-        pieces.setdefault((specimen.mode, specimen.channel), set()).add(specimen.piece)
-    sums: dict[str, Array] = {}
-    for specimen, w, force in tests:
-        if len(pieces[specimen.mode, specimen.channel]) > 1:
-            apart = w.with_variances({**w.variances, "scale": 0.0})
-            one, measured = apart(force), apart(specimen.force)
-            more = np.array([one @ measured, one @ one / specimen.stiffness])
-            sums[specimen.piece] = sums.get(specimen.piece, np.zeros(2)) + more
-    asked = {piece: np.clip(top / bottom, *RANGE) for piece, (top, bottom) in sums.items()}
-    mean = float(np.exp(np.mean(np.log(list(asked.values()))))) if asked else 1.0
-    return {piece: float(stiffness) / mean for piece, stiffness in asked.items()}
+    for specimen, w, force, test in zip(
+        problem.specimens, problem.whiteners, forces, same_tests(problem.specimens), strict=True
+    ):
+        apart = w.with_variances({**w.variances, "scale": 0.0})
+        one, measured = apart(force), apart(specimen.force)
+        more = np.array([one @ measured, one @ one / specimen.stiffness])
+        sums = asked.setdefault(test, {})
+        sums[specimen.piece] = sums.get(specimen.piece, np.zeros(2)) + more
+    logs: dict[str, list[float]] = {}
+    for sums in (of for of in asked.values() if len(of) > 1):
+        own = {
+            piece: np.log(np.clip(top / bottom, *RANGE)) for piece, (top, bottom) in sums.items()
+        }
+        mean = float(np.mean(list(own.values())))
+        for piece, log in own.items():
+            logs.setdefault(piece, []).append(float(log) - mean)
+    return {piece: float(np.exp(np.mean(parts))) for piece, parts in logs.items()}
+
+
+def same_tests(specimens: Sequence[Specimen]) -> list[int]:
+    """A number for each test, the same for those of one mode, channel, displacement and speed."""
+    firsts: list[Specimen] = []
+    found = []
+    for specimen in specimens:
+        alike = [_alike(specimen, first) for first in firsts]
+        if not any(alike):
+            firsts.append(specimen)
+            alike.append(True)
+        found.append(alike.index(True))
+    return found
+
+
+def _alike(one: Specimen, other: Specimen) -> bool:
+    """Whether two tests are the same but for the specimen."""
+    ratios = [one.reach / other.reach]
+    if one.timed and other.timed:
+        ratios.append(ratios[0] * other.loading_time / one.loading_time)
+    near = all(1.0 / ALIKE < ratio < ALIKE for ratio in ratios)
+    return near and (one.mode, one.channel) == (other.mode, other.channel)
 
 
 def scatter(stiffness: Mapping[str, float]) -> float:

@@ -81,8 +81,8 @@ def test_a_size_at_the_end_of_its_range_is_no_explanation():
     (withheld,) = judgement(found, LoopSettings())["withheld"]
     assert (withheld["name"], withheld["reason"]) == ("force_offset", reason)
     refused = found.selection.steps[-1].refused.settled
-    physical = tuple(replace(p, physical=True) for p in OFFSET.parameters)
-    model = Model((replace(OFFSET, parameters=physical),))
+    limited = tuple(replace(p, limits=(p.low, p.high)) for p in OFFSET.parameters)
+    model = Model((replace(OFFSET, parameters=limited),))
     assert driven_to_an_end(replace(refused, model=model)) == ""
 
 

@@ -89,4 +89,5 @@ def _stretched(parameter: Parameter, by: float) -> Parameter:
         nominal=by * parameter.nominal,
         neutral=by * parameter.neutral,
         grid=tuple(by * value for value in parameter.grid),
+        limits=tuple(by * value for value in parameter.limits),
     )

@@ -371,10 +371,9 @@ def driven_to_an_end(fit: Fit) -> str:
     """
     shown = np.linalg.norm(fit.jacobian[:, FIXED:], axis=0) >= LEAST_SIGNATURE
     for (effect, p), seen in zip(fit.model.parameters, shown, strict=True):
-        away = abs(fit.state.values[effect.name][p.name] - p.neutral)
-        name = f"{effect.name}.{p.name}"
-        far = away > 0.01 * (p.high - p.low)
-        if seen and far and p.is_size and not p.physical and name in fit.at_bound:
+        value, name = fit.state.values[effect.name][p.name], f"{effect.name}.{p.name}"
+        allowed = any(abs(value - end) < 0.01 * (p.high - p.low) for end in (p.neutral, *p.limits))
+        if seen and p.is_size and not allowed and name in fit.at_bound:
             return name
     return ""
 
@@ -573,9 +572,11 @@ def _joint(problem: Problem, current: Fit, signature: Signature) -> Fit:
         replace(current.state, values={**current.state.values, effect.name: values})
         for values in starts
     ]
-    even = replace(current.state.material, mu1_fraction=0.5)
+    material = current.state.material
+    if effect.is_law:
+        material = replace(material, mu1_fraction=0.5)
     own = [
-        replace(states[0], material=even, values={**states[0].values, effect.name: {**start}})
+        replace(states[0], material=material, values={**states[0].values, effect.name: {**start}})
         for start in effect.starts
     ]
     if effect.idealised:  # a change so large that the material found without it says little

@@ -35,9 +35,9 @@ class Parameter:
         not where the effect has a corner in them, as no fit gets away from there.
     neutral : float
         Value without effect.
-    physical : bool
-        Whether the ends of the range are limits of physics, such as all of a share, at which a
-        size may lie; others are limits of what is plausible.
+    limits : tuple of float
+        Ends of the range at which a size may lie: limits of physics, such as all of a share, or of
+        the form. Others are limits of what is plausible.
     """
 
     name: str
@@ -47,7 +47,7 @@ class Parameter:
     nominal: float
     grid: tuple[float, ...] = ()
     neutral: float = 0.0
-    physical: bool = False
+    limits: tuple[float, ...] = ()
 
     @property
     def is_size(self) -> bool:

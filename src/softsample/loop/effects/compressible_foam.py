@@ -13,9 +13,9 @@ EFFECT = Effect(
     name="compressible_foam",
     title="Compressible foam",
     parameters=(
-        Parameter("share", "1", 0.0, 1.0, 1.0, physical=True),
+        Parameter("share", "1", 0.0, 1.0, 1.0, limits=(0.0, 1.0)),
         Parameter("alpha", "1", -45.0, 40.0, 8.0, grid=(-8.0, 4.0, 16.0)),
-        Parameter("nu", "1", 0.0, 0.49, 0.1, grid=(0.1, 0.35), physical=True),
+        Parameter("nu", "1", 0.0, 0.49, 0.1, grid=(0.1, 0.35), limits=(0.0, 0.49)),
     ),
     tier="L",
     is_law=True,

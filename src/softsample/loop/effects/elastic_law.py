@@ -13,7 +13,7 @@ EFFECT = Effect(
     name="elastic_law",
     title="Another Ogden term",
     parameters=(
-        Parameter("share", "1", 0.0, 1.0, 1.0, physical=True),
+        Parameter("share", "1", 0.0, 1.0, 1.0, limits=(0.0, 1.0)),
         Parameter("alpha", "1", -45.0, 40.0, -20.0, grid=(-20.0, -4.0, 2.0, 8.0, 25.0)),
     ),
     tier="L",

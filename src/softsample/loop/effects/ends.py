@@ -12,7 +12,7 @@ def _elastic(specimen: Specimen, fraction: float, travel: Array, values: Values)
 EFFECT = Effect(
     name="ends",
     title="Sliding ends",
-    parameters=(Parameter("share", "1", 0.0, 1.0, 1.0, physical=True),),
+    parameters=(Parameter("share", "1", 0.0, 1.0, 1.0, limits=(0.0, 1.0)),),
     tier="L",
     source="own runs with ends that bear no lateral force",
     signature="softer in every mode, of wide samples and in compression most",

@@ -46,7 +46,8 @@ def about(solid: Material) -> Effect:
 
 def _parameter(name: str, alpha: float, nominal: float) -> Parameter:
     low, high = RANGES[int(alpha > 0.0)]
-    return Parameter(name, "1", low, high, nominal * alpha, neutral=alpha)
+    inner = (min(low, high, key=abs),)  # where the other term goes on
+    return Parameter(name, "1", low, high, nominal * alpha, neutral=alpha, limits=inner)
 
 
 EFFECT = about(SOLID)

@@ -75,6 +75,10 @@ def within(briefest: float, duration: float) -> Effect:
             ),
             Parameter("bulk", "1", 0.0, 1.0, 1.0, grid=(1.0,)),
         ),
+        starts=(
+            {**dict.fromkeys(SIZES, 0.1), "tau1_s": 2.0 * briefest, "tau3_s": 2.0 * middle}
+            | {"bulk": 0.0},
+        ),
         of_time=True,
         tier="P",
         source="Budday et al., Acta Biomater. 48 (2017) 319, doi:10.1016/j.actbio.2016.10.036; "

@@ -98,6 +98,13 @@ class IdealShape:
         return self.length * self.width * (0.25 * math.pi if self.kind == "cylinder" else 1.0)
 
     @property
+    def gyration(self) -> float:
+        """Least radius of gyration of the section [m]."""
+        if self.kind == "cylinder":
+            return self.length / 4.0
+        return min(self.length, self.width) / math.sqrt(12.0)
+
+    @property
     def volume(self) -> float:
         """Volume [m3]."""
         return self.area * self.height

@@ -131,6 +131,9 @@ class Model:
             force = effect.contact(specimen, force, travel, values[effect.name])
         if specimen.elastic.contact:  # the platen leaves a sample that would have to pull on it
             force = np.maximum(force, 0.0)
+        elif np.isfinite(specimen.elastic.most_push):  # one that is slender buckles
+            modulus = state.material.mu * specimen.stiffness
+            force = np.maximum(force, -modulus * specimen.elastic.most_push)
         return force
 
     def reading(

@@ -12,7 +12,7 @@ from softsample.loop.discrepancy import settled
 from softsample.loop.effects.base import Effect
 from softsample.loop.errors import cross_validated, log_density
 from softsample.loop.fit import STARTS, Fit, Problem
-from softsample.loop.model import FIXED, Model
+from softsample.loop.model import FIXED, SOFTEST, STIFFEST, Model, State
 from softsample.loop.screen import (
     LEAST_SIGNATURE,
     Signature,
@@ -441,7 +441,7 @@ def _fitted(
         s for _, s in ranked if s not in promising and (s.effect.idealised or s.effect.starts)
     ]
     for signature in [*promising, *others]:
-        if signature.strength < LEAST_SIGNATURE:
+        if signature.strength < LEAST_SIGNATURE and not signature.effect.starts:
             continue
         # of others a linear gain says little, but not more than the smooth residual can be gained
         asked = max([threshold, *(c.evidence - settings.class_gain for c in candidates)])
@@ -579,6 +579,8 @@ def _joint(problem: Problem, current: Fit, signature: Signature) -> Fit:
         replace(states[0], material=material, values={**states[0].values, effect.name: {**start}})
         for start in effect.starts
     ]
+    if effect.is_law:
+        own = [_of_own_modulus(problem, model, state) for state in own]
     if effect.idealised:  # a change so large that the material found without it says little
         states = [replace(states[0], material=m) for m in (current.state.material, *STARTS)]
         promised = -np.inf
@@ -588,6 +590,15 @@ def _joint(problem: Problem, current: Fit, signature: Signature) -> Fit:
             break
         best = min(best, problem.fit(model, state), key=lambda fit: fit.cost)
     return min([best, *(problem.fit(model, state) for state in own)], key=lambda fit: fit.cost)
+
+
+def _of_own_modulus(problem: Problem, model: Model, state: State) -> State:
+    """A state with the modulus that the records ask for, all else as it is."""
+    predicted = problem.white(problem.predicted(model, state))
+    measured = problem.white([specimen.force for specimen in problem.specimens])
+    factor = float(predicted @ measured) / max(float(predicted @ predicted), 1e-300)
+    mu = float(np.clip(state.material.mu * factor, SOFTEST, STIFFEST))
+    return replace(state, material=replace(state.material, mu=mu))
 
 
 def _small(effect: Effect) -> dict[str, float]:

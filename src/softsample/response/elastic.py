@@ -41,6 +41,8 @@ class Elastic:
         Of the model; changes of it go from there.
     laws : LawResponse, optional
         What other laws would change.
+    most_push : float
+        Push per modulus [m2] at which a sample that was pulled buckles on its way back.
     """
 
     curves: ResponseCurves
@@ -48,6 +50,7 @@ class Elastic:
     contact: bool = False
     poisson_ratio: float = 0.49
     laws: LawResponse | None = None
+    most_push: float = np.inf
 
     @classmethod
     def of_tables(
@@ -77,7 +80,7 @@ class Elastic:
         channel : str
             `force`, along the displacement, or `force_normal`.
         shape : IdealShape, optional
-            Idealised shape, for the response to other laws.
+            Idealised shape, for the response to other laws, and for how slender it is.
         """
         found = ResponseCurves.of_table(curves, mode, channel)
         perturbations: dict[str, ResponseCurves | Array] = {}
@@ -94,7 +97,10 @@ class Elastic:
         across = channel != "force"
         known = None if mode in NEVER_UNIFORM else shape
         laws = LawResponse(found, known, mode, solid.alpha, nu, across, runs) if known else None
-        return cls(found, perturbations, pressed, nu, laws)
+        push = np.inf
+        if shape and mode == "tension" and not across:  # ASSUME: Euler's load of clamped ends.
+            push = 12.0 * shape.area * (np.pi * shape.gyration / shape.height) ** 2
+        return cls(found, perturbations, pressed, nu, laws, push)
 
     @cached_property
     def grain(self) -> float:

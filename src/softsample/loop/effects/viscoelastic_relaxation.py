@@ -75,9 +75,12 @@ def within(briefest: float, duration: float) -> Effect:
             ),
             Parameter("bulk", "1", 0.0, 1.0, 1.0, grid=(1.0,)),
         ),
-        starts=(
-            {**dict.fromkeys(SIZES, 0.1), "tau1_s": 2.0 * briefest, "tau3_s": 2.0 * middle}
-            | {"bulk": 0.0},
+        starts=tuple(
+            {**dict.fromkeys(SIZES, 0.1), "tau1_s": first, "tau3_s": third, "bulk": 0.0}
+            for first, third in (
+                (2.0 * briefest, 2.0 * middle),
+                (math.sqrt(briefest * middle), 0.25 * duration),
+            )
         ),
         of_time=True,
         tier="P",

@@ -167,12 +167,13 @@ class Diagnosis:
         )
 
 
-def pose(specimens: Sequence[Specimen], settings: NoiseSettings) -> tuple[Problem, list[Noise]]:
+def pose(every: Sequence[Specimen], settings: NoiseSettings) -> tuple[Problem, list[Noise]]:
     """The records with their noise; the discrepancy needs a first fit of the material.
 
     The problem works with `PER_BLOCK` means of samples in a block, which say as much. What is held
     out of the records is no part of it.
     """
+    specimens = _fitted(every, settings)
     most = most_blocks(len(specimens))
     cells = [specimen.mode == "torsion" for specimen in specimens]
     noises = shared([measure_noise(specimen, settings, most) for specimen in specimens], cells)
@@ -195,7 +196,8 @@ def pose(specimens: Sequence[Specimen], settings: NoiseSettings) -> tuple[Proble
         )
         for s, travel in zip(specimens, travels, strict=True)
     ]
-    posed = Problem(specimens, whiteners, settings, material, lower)
+    unseen = [specimen for specimen in every if specimen.held_out.any()]
+    posed = Problem(specimens, whiteners, settings, material, lower, unseen)
     return posed, noises
 
 
@@ -239,12 +241,12 @@ def diagnose(
         Library to choose from; all by default.
     """
     known = list(library(tests=specimens).values()) if effects is None else list(effects)
-    problem, noises = pose(_fitted(specimens, settings), settings.noise)
+    problem, noises = pose(specimens, settings.noise)
     first = plain_model(problem)
     stiffness = _scattered(*first, settings)
     if stiffness:
         specimens = [specimen.of_stiffness(stiffness) for specimen in specimens]
-        problem, noises = pose(_fitted(specimens, settings), settings.noise)
+        problem, noises = pose(specimens, settings.noise)
         known = [effect for effect in known if effect.name != STIFFNESS]
     selection = select(problem, known, settings.selection)
     judged = _Judge(specimens, noises)
@@ -276,10 +278,10 @@ def diagnose(
     )  # fmt: skip
 
 
-def _fitted(specimens: Sequence[Specimen], settings: LoopSettings) -> list[Specimen]:
+def _fitted(specimens: Sequence[Specimen], settings: NoiseSettings) -> list[Specimen]:
     """Tests of which not all is held out."""
     most = most_blocks(len(specimens))
-    return [s for s in specimens if _is_fitted(s, settings.noise, most)]
+    return [s for s in specimens if _is_fitted(s, settings, most)]
 
 
 def _scattered(problem: Problem, fit: Fit, settings: LoopSettings) -> dict[str, float]:

@@ -105,6 +105,8 @@ class Problem:
         From which fits of the plain model set out too.
     common : sequence of (n,) float64, optional
         One standard deviation, per sample of every test [N], of an error that all tests share.
+    unseen : sequence of Specimen, optional
+        Tests of which something is held out: what a fit is to predict. Their forces are not used.
     """
 
     def __init__(
@@ -114,10 +116,12 @@ class Problem:
         settings: NoiseSettings,
         start: Material | None = None,
         common: Sequence[Array] = (),
+        unseen: Sequence[Specimen] = (),
     ) -> None:
         self.specimens, self.whiteners = list(specimens), list(whiteners)
         self.settings = settings
         self.start = start
+        self.unseen = list(unseen)
         self.common = list(common) or [np.zeros_like(s.force) for s in self.specimens]
         self._shared = self._own_white(self.common)
         self._variance = 1.0 + float(self._shared @ self._shared)
@@ -140,14 +144,20 @@ class Problem:
 
     def of_stiffness(self, known: Mapping[str, float]) -> "Problem":
         """The same tests of specimens of another stiffness."""
-        return self._changed([s.of_stiffness(known) for s in self.specimens], self.whiteners)
+        unseen = [s.of_stiffness(known) for s in self.unseen]
+        specimens = [s.of_stiffness(known) for s in self.specimens]
+        return Problem(
+            specimens, self.whiteners, self.settings, self.start, self.common, unseen
+        )
 
     def with_whiteners(self, whiteners: Sequence[Whitener]) -> "Problem":
         """The same tests with other noise of each, or without some of their blocks."""
         return self._changed(self.specimens, whiteners)
 
     def _changed(self, specimens: Sequence[Specimen], whiteners: Sequence[Whitener]) -> "Problem":
-        return Problem(specimens, whiteners, self.settings, self.start, self.common)
+        return Problem(
+            specimens, whiteners, self.settings, self.start, self.common, self.unseen
+        )
 
     def with_variances(self, variances: Mapping[str, float]) -> "Problem":
         """The same with other sizes of the discrepancy."""
@@ -176,6 +186,15 @@ class Problem:
     def predicted(self, model: Model, state: State) -> list[Array]:
         """Predicted force of every test [N]."""
         return [model.predict(specimen, state) for specimen in self.specimens]
+
+    def departure(self, fit: Fit, other: Fit) -> float:
+        """How far two fits differ in what is held out: RMS, as a part of the other one's peaks."""
+        squares = []
+        for specimen in self.unseen:
+            one, two = (f.model.predict(specimen, f.state) for f in (fit, other))
+            peak = max(float(np.abs(two[specimen.held_out]).max()), 1e-300)
+            squares.append(np.mean(np.square((one - two)[specimen.held_out] / peak)))
+        return float(np.sqrt(np.mean(squares))) if squares else 0.0
 
     def white_changes(self, here: Sequence[Array], there: Sequence[Sequence[Array]]) -> Array:
         """White changes (n, k) from one prediction to k others; the prior does not change."""

@@ -41,6 +41,9 @@ EARNED = float(np.log(20.0))
 OPEN_MODULUS = float(np.log(2.0))
 """Standard deviation of ln(mu) above which a fit leaves the modulus open: a factor of two."""
 
+FAR_LESS = 2.0
+"""How much less a fit changes what is held out than another for it to be preferred."""
+
 PROMISING = 0.1
 """Candidates whose linear gain is below this part of the best one's, or of the threshold, are not
 fitted."""
@@ -415,6 +418,8 @@ def _round(
     if not inside:
         return Step(threshold, candidates, None, refused=refused, why=why)
     best = min(inside, key=_comes_later)
+    if best.fit.model.effects[-1].is_law:
+        best = _nearest_law(here, best, inside, settings)
     if not _beyond_doubt(here, best, threshold):
         return Step(threshold, candidates, None, refused=best, why=WITHIN_DOUBT)
     if not _earned(here, best):
@@ -447,10 +452,10 @@ def _fitted(
         asked = max([threshold, *(c.evidence - settings.class_gain for c in candidates)])
         if signature in others and not signature.effect.idealised and smooth < asked:
             continue
-        candidates.append(_candidate(here, _joint(problem, current, signature)))
+        candidates.append(_candidate(here, _joint(problem, current, signature, settings)))
     candidates.sort(key=lambda c: c.evidence, reverse=True)
     if candidates and current.model.effects:
-        again = _restarted(problem, candidates[0].fit)
+        again = _restarted(problem, candidates[0].fit, settings)
         if again is not candidates[0].fit:
             candidates[0] = max(candidates[0], _candidate(here, again), key=lambda c: c.evidence)
     return candidates
@@ -467,7 +472,7 @@ def _candidate(here: _Round, fit: Fit) -> Candidate:
     return Candidate(effect.name, fit, posed, likely, gain, evidence, doubted < exact)
 
 
-def _restarted(problem: Problem, fit: Fit) -> Fit:
+def _restarted(problem: Problem, fit: Fit, settings: SelectionSettings) -> Fit:
     """The fit, or a better one from new initial guesses of the earlier effects.
 
     What was found without the last effect may be far off beside it.
@@ -476,7 +481,8 @@ def _restarted(problem: Problem, fit: Fit) -> Fit:
         values = {name: v for name, v in fit.state.values.items() if name != effect.name}
         without = problem.fit(fit.model.without(effect.name), replace(fit.state, values=values))
         found = best_of_each(signatures(problem, without, [effect]), without.white)
-        again = problem.fit(fit.model, _joint(problem, without, found[effect.name][1]).state)
+        joint = _joint(problem, without, found[effect.name][1], settings)
+        again = problem.fit(fit.model, joint.state)
         fit = min(fit, again, key=lambda one: one.cost)
     return fit
 
@@ -548,7 +554,9 @@ def _without(here: _Round, candidate: Candidate) -> tuple[Problem, Fit]:
     return settled(here.problem, fit, 1)
 
 
-def _joint(problem: Problem, current: Fit, signature: Signature) -> Fit:
+def _joint(
+    problem: Problem, current: Fit, signature: Signature, settings: SelectionSettings
+) -> Fit:
     """Joint fit from the linear estimate of the sizes.
 
     Small sizes and the other points of the grid are tried until one fit earns what the linear
@@ -584,12 +592,40 @@ def _joint(problem: Problem, current: Fit, signature: Signature) -> Fit:
     if effect.idealised:  # a change so large that the material found without it says little
         states = [replace(states[0], material=m) for m in (current.state.material, *STARTS)]
         promised = -np.inf
-    best = problem.fit(model, states[0])
-    for state in states[1:]:
-        if best.cost < promised:
+    fits: list[Fit] = []
+    for state in states:
+        fits.append(problem.fit(model, state))
+        if fits[-1].cost < promised:
             break
-        best = min(best, problem.fit(model, state), key=lambda fit: fit.cost)
-    return min([best, *(problem.fit(model, state) for state in own)], key=lambda fit: fit.cost)
+    fits += [problem.fit(model, state) for state in own]
+    best = min(fits, key=lambda fit: fit.cost)
+    if not effect.is_law:
+        return best
+    alike = [fit for fit in fits if fit.cost < best.cost + settings.class_gain]
+    return _nearest(problem, current, best, alike)
+
+
+def _nearest_law(
+    here: _Round, best: Candidate, inside: Sequence[Candidate], settings: SelectionSettings
+) -> Candidate:
+    """A candidate for a law, or another with about as much evidence, see `_nearest`."""
+    alike = {
+        c.name: c.fit
+        for c in inside
+        if c.fit.model.effects[-1].is_law and c.evidence > best.evidence - settings.class_gain
+    }
+    nearest = _nearest(here.problem, here.current, best.fit, list(alike.values()))
+    return next(c for c in inside if c.fit is nearest)
+
+
+def _nearest(problem: Problem, current: Fit, best: Fit, alike: Sequence[Fit]) -> Fit:
+    """Of fits of laws that the records hardly tell, one that changes far less of what is held out.
+
+    As of opposite exponents in shear: where one predicts a push, the other does a pull.
+    """
+    nearest = min(alike, key=lambda fit: problem.departure(fit, current))
+    far = problem.departure(best, current) > FAR_LESS * problem.departure(nearest, current)
+    return nearest if far else best
 
 
 def _of_own_modulus(problem: Problem, model: Model, state: State) -> State:

@@ -146,18 +146,14 @@ class Problem:
         """The same tests of specimens of another stiffness."""
         unseen = [s.of_stiffness(known) for s in self.unseen]
         specimens = [s.of_stiffness(known) for s in self.specimens]
-        return Problem(
-            specimens, self.whiteners, self.settings, self.start, self.common, unseen
-        )
+        return Problem(specimens, self.whiteners, self.settings, self.start, self.common, unseen)
 
     def with_whiteners(self, whiteners: Sequence[Whitener]) -> "Problem":
         """The same tests with other noise of each, or without some of their blocks."""
         return self._changed(self.specimens, whiteners)
 
     def _changed(self, specimens: Sequence[Specimen], whiteners: Sequence[Whitener]) -> "Problem":
-        return Problem(
-            specimens, whiteners, self.settings, self.start, self.common, self.unseen
-        )
+        return Problem(specimens, whiteners, self.settings, self.start, self.common, self.unseen)
 
     def with_variances(self, variances: Mapping[str, float]) -> "Problem":
         """The same with other sizes of the discrepancy."""
@@ -268,7 +264,11 @@ class Problem:
         fits = [self._fit_from(model, state) for state in (start, *starts)]
         return min(fits, key=lambda fit: fit.cost)
 
-    def _fit_from(self, model: Model, start: State) -> Fit:
+    def at(self, model: Model, state: State) -> Fit:
+        """A state as it is, as a fit."""
+        return self._fit_from(model, state, 1)
+
+    def _fit_from(self, model: Model, start: State, evaluations: int = 20) -> Fit:
         packing = Packing(model, self.fractions)
         margin = 1e-6 * (packing.high - packing.low)
         first = np.clip(packing.pack(start), packing.low + margin, packing.high - margin)
@@ -295,7 +295,7 @@ class Problem:
 
         found = least_squares(
             white, first, slope, bounds=(packing.low, packing.high), x_scale=0.1,
-            method="trf", ftol=1e-5, xtol=1e-5, gtol=1e-6, max_nfev=20,
+            method="trf", ftol=1e-5, xtol=1e-5, gtol=1e-6, max_nfev=evaluations,
         )  # fmt: skip
         state = packing.unpack(found.x)
         ends = packing.at_end(state)[FIXED:]

@@ -1,6 +1,6 @@
 """Forward selection of effects with a backward check, and classes that data cannot split."""
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from itertools import product
 from typing import Self
@@ -41,8 +41,11 @@ EARNED = float(np.log(20.0))
 OPEN_MODULUS = float(np.log(2.0))
 """Standard deviation of ln(mu) above which a fit leaves the modulus open: a factor of two."""
 
-FAR_LESS = 2.0
-"""How much less a fit changes what is held out than another for it to be preferred."""
+FAR_MORE = 2.0
+"""How much more than another a fit changes what is held out for the other to be preferred."""
+
+PARTS = (0.5, 1.0)
+"""Of the nominal sizes of a law, from which it sets out."""
 
 PROMISING = 0.1
 """Candidates whose linear gain is below this part of the best one's, or of the threshold, are not
@@ -368,7 +371,7 @@ def _density(problem: Problem, fit: Fit) -> float:
 
 
 def driven_to_an_end(fit: Fit) -> str:
-    """A size that lies at an end of its range at which it is not absent; empty if there is none.
+    """A size or exponent of a law at an end of its range at which it is not absent; else empty.
 
     One that the records do not show, as an exponent of no modulus, may lie anywhere.
     """
@@ -376,7 +379,7 @@ def driven_to_an_end(fit: Fit) -> str:
     for (effect, p), seen in zip(fit.model.parameters, shown, strict=True):
         value, name = fit.state.values[effect.name][p.name], f"{effect.name}.{p.name}"
         allowed = any(abs(value - end) < 0.01 * (p.high - p.low) for end in (p.neutral, *p.limits))
-        if seen and p.is_size and not allowed and name in fit.at_bound:
+        if seen and (p.is_size or effect.is_law) and not allowed and name in fit.at_bound:
             return name
     return ""
 
@@ -411,19 +414,20 @@ def _round(
         candidates = [replace(c, evidence=c.evidence - max(over, 0.0)) for c in candidates]
     acceptable = [c for c in candidates if c.evidence >= threshold]
     if not acceptable:
-        return Step(threshold, candidates, None)
+        return Step(threshold, _one_of_each(candidates), None)
     inside = [c for c in acceptable if not unusable(c.settled)]
     refused = None if acceptable[0] in inside else acceptable[0]
     why = unusable(refused.settled) if refused else ""
     if not inside:
-        return Step(threshold, candidates, None, refused=refused, why=why)
+        return Step(threshold, _one_of_each(candidates), None, refused=refused, why=why)
     best = min(inside, key=_comes_later)
     if best.fit.model.effects[-1].is_law:
         best = _nearest_law(here, best, inside, settings)
     if not _beyond_doubt(here, best, threshold):
-        return Step(threshold, candidates, None, refused=best, why=WITHIN_DOUBT)
+        return Step(threshold, _one_of_each(candidates), None, refused=best, why=WITHIN_DOUBT)
     if not _earned(here, best):
-        return Step(threshold, candidates, None, refused=best, why=NOT_EARNED)
+        return Step(threshold, _one_of_each(candidates), None, refused=best, why=NOT_EARNED)
+    candidates = _one_of_each([best, *candidates])
     alike = [explained_alike(here.current, c.fit, best.fit) for c in candidates]
     candidates = [replace(c, cosine=x) for c, x in zip(candidates, alike, strict=True)]
     return Step(threshold, candidates, best, _members(candidates, best, settings), refused, why)
@@ -453,12 +457,47 @@ def _fitted(
         if signature in others and not signature.effect.idealised and smooth < asked:
             continue
         candidates.append(_candidate(here, _joint(problem, current, signature, settings)))
-    candidates.sort(key=lambda c: c.evidence, reverse=True)
+    if _goes_back(problem):
+        candidates += [_of_settled(here, law, settings) for law in effects if law.is_law]
+    candidates.sort(key=_evidence, reverse=True)
     if candidates and current.model.effects:
         again = _restarted(problem, candidates[0].fit, settings)
         if again is not candidates[0].fit:
             candidates[0] = max(candidates[0], _candidate(here, again), key=lambda c: c.evidence)
     return candidates
+
+
+def _evidence(candidate: Candidate) -> float:
+    return candidate.evidence
+
+
+def _goes_back(problem: Problem) -> bool:
+    """Whether unloading is fitted."""
+    return any(((s.phase == "unloading") & ~s.held_out).any() for s in problem.specimens)
+
+
+def _of_settled(here: _Round, law: Effect, settings: SelectionSettings) -> Candidate:
+    """A law fitted with the sizes of the discrepancy that the plain model has left.
+
+    With smaller ones, records that go back ask for a law whose loading and unloading differ least,
+    as no law explains that they do. It sets out from each point of its grid.
+    """
+    shapes = [p.name for p in law.parameters if not p.is_size]
+    starts = law.starts or [
+        {p.name: p.neutral + part * nominal_step(p) for p in law.sizes}
+        | dict(zip(shapes, point, strict=True))
+        for part, point in product(PARTS, _points(law))
+    ]
+    model = here.base.model.with_effect(law)
+    states = _own_starts(here.settled, model, here.base.state, starts)
+    fits = [here.settled.fit(model, state) for state in states]
+    best = _likeliest(here.settled, here.base, fits, settings)
+    return _candidate(here, here.problem.at(best.model, best.state))
+
+
+def _points(effect: Effect) -> list[tuple[float, ...]]:
+    """Points of the grid of how an effect acts."""
+    return list(product(*(p.grid for p in effect.parameters if not p.is_size)))
 
 
 def _candidate(here: _Round, fit: Fit) -> Candidate:
@@ -570,7 +609,7 @@ def _joint(
         size = p.neutral + x * nominal_step(p)
         estimate[p.name] = float(np.clip(size, p.low + margin, p.high - margin))
     shapes = [p for p in effect.parameters if not p.is_size]
-    points = product(*(p.grid for p in shapes)) if len(effect.sizes) < 3 else []
+    points = _points(effect) if len(effect.sizes) < 3 else []
     starts = [estimate, {**signature.start, **_small(effect)}] + [
         {**estimate, **dict(zip([p.name for p in shapes], point, strict=True))} for point in points
     ]
@@ -580,15 +619,7 @@ def _joint(
         replace(current.state, values={**current.state.values, effect.name: values})
         for values in starts
     ]
-    material = current.state.material
-    if effect.is_law:
-        material = replace(material, mu1_fraction=0.5)
-    own = [
-        replace(states[0], material=material, values={**states[0].values, effect.name: {**start}})
-        for start in effect.starts
-    ]
-    if effect.is_law:
-        own = [_of_own_modulus(problem, model, state) for state in own]
+    own = _own_starts(problem, model, current.state, effect.starts)
     if effect.idealised:  # a change so large that the material found without it says little
         states = [replace(states[0], material=m) for m in (current.state.material, *STARTS)]
         promised = -np.inf
@@ -598,34 +629,61 @@ def _joint(
         if fits[-1].cost < promised:
             break
     fits += [problem.fit(model, state) for state in own]
-    best = min(fits, key=lambda fit: fit.cost)
-    if not effect.is_law:
-        return best
-    alike = [fit for fit in fits if fit.cost < best.cost + settings.class_gain]
-    return _nearest(problem, current, best, alike)
+    return _likeliest(problem, current, fits, settings)
+
+
+def _likeliest(
+    problem: Problem, current: Fit, fits: Sequence[Fit], settings: SelectionSettings
+) -> Fit:
+    """The best of several fits of one effect; of a law one that changes little, see `_nearest`."""
+    ranked = sorted(fits, key=lambda fit: fit.cost)
+    if not ranked[0].model.effects[-1].is_law:
+        return ranked[0]
+    most = ranked[0].cost + settings.class_gain
+    return _nearest(problem, current, [fit for fit in ranked if fit.cost < most])
+
+
+def _one_of_each(candidates: Sequence[Candidate]) -> list[Candidate]:
+    """Of several fits of one effect the first, the one of most evidence first of all."""
+    first = {c.name: c for c in reversed(candidates)}
+    return sorted(first.values(), key=_evidence, reverse=True)
 
 
 def _nearest_law(
     here: _Round, best: Candidate, inside: Sequence[Candidate], settings: SelectionSettings
 ) -> Candidate:
     """A candidate for a law, or another with about as much evidence, see `_nearest`."""
-    alike = {
-        c.name: c.fit
+    alike = [
+        c.fit
         for c in inside
         if c.fit.model.effects[-1].is_law and c.evidence > best.evidence - settings.class_gain
-    }
-    nearest = _nearest(here.problem, here.current, best.fit, list(alike.values()))
+    ]
+    nearest = _nearest(here.problem, here.current, alike)
     return next(c for c in inside if c.fit is nearest)
 
 
-def _nearest(problem: Problem, current: Fit, best: Fit, alike: Sequence[Fit]) -> Fit:
-    """Of fits of laws that the records hardly tell, one that changes far less of what is held out.
+def _nearest(problem: Problem, current: Fit, alike: Sequence[Fit]) -> Fit:
+    """The first of fits of laws that the records hardly tell, but for those that change far more.
 
-    As of opposite exponents in shear: where one predicts a push, the other does a pull.
+    Of what is held out: of opposite exponents in shear, one predicts a push and the other a pull.
     """
-    nearest = min(alike, key=lambda fit: problem.departure(fit, current))
-    far = problem.departure(best, current) > FAR_LESS * problem.departure(nearest, current)
-    return nearest if far else best
+    changes = [problem.departure(fit, current) for fit in alike]
+    most = FAR_MORE * min(changes)
+    return next(fit for fit, change in zip(alike, changes, strict=True) if change <= most)
+
+
+def _own_starts(
+    problem: Problem, model: Model, state: State, starts: Sequence[Mapping[str, float]]
+) -> list[State]:
+    """States with given values of a model's last effect; a law with its own modulus, evenly."""
+    effect, material = model.effects[-1], state.material
+    if effect.is_law:
+        material = replace(material, mu1_fraction=0.5)
+    states = [
+        replace(state, material=material, values={**state.values, effect.name: {**start}})
+        for start in starts
+    ]
+    return [_of_own_modulus(problem, model, x) for x in states] if effect.is_law else states
 
 
 def _of_own_modulus(problem: Problem, model: Model, state: State) -> State:

@@ -144,7 +144,9 @@ def test_the_methods_cite_every_reference_and_no_other():
         references=references,
         imaged=True,
         ideal="cuboid",
-        constants=dict.fromkeys(("bias_order", "smoothing_mm", "fluid_ratio"), 1),
+        constants=dict.fromkeys(
+            ("bias_order", "smoothing_mm", "fluid_ratio", "starts_per_parameter"), 1
+        ),
     )
     for number, name in enumerate(references, start=1):
         assert f'<a href="#ref-{name}">[{number}]</a>' in html

@@ -131,8 +131,8 @@ BAD_CONFIGS = {
         "mesh.boundary_shift_mm: is missing; give the real surface",
     ),
     "number read as text": (
-        ("calibration", "relative_tolerance", "1e-10"),
-        "relative_tolerance: '1e-10' is read as text; write a number with a decimal point",
+        ("calibration", "mu_pa_min", "1e2"),
+        "mu_pa_min: '1e2' is read as text; write a number with a decimal point",
     ),
     "modulus in kPa": (
         ("calibration", "mu_pa_max", 20.0),

@@ -3,6 +3,7 @@
 from itertools import chain
 from pathlib import Path
 
+from softsample.calibration.slsqp import STARTS_PER_PARAMETER
 from softsample.figures.strain import Deformed
 from softsample.figures.style import map_colours
 from softsample.imaging.segment import BIAS_ORDER, FLUID_RATIO, SMOOTHING_MM
@@ -131,6 +132,7 @@ with logged_to(snakemake):
             "bias_order": BIAS_ORDER,
             "smoothing_mm": SMOOTHING_MM,
             "fluid_ratio": FLUID_RATIO,
+            "starts_per_parameter": STARTS_PER_PARAMETER[config["calibration"]["method"]],
         },
         references=read_yaml(given.references),
         parameters=list(parameters(config, read_yaml(given.schema))),

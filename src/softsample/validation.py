@@ -137,7 +137,7 @@ def check_config(config: Mapping[str, Any], schema: Schema, source: str) -> None
 
 def _contradictions(config: Mapping[str, Any]) -> Iterator[tuple[str, str]]:
     """Places of values that are right each for itself, but not beside another one."""
-    yield from _of_accuracy(config["floor"], config["mesh"], config["solver"], config["checks"])
+    yield from _of_accuracy(config["floor"], config["solver"], config["checks"])
     yield from _of_material(config["material"]["alpha"])
     ranges = {
         "calibration.mu_pa_min": [config["calibration"][f"mu_pa_{end}"] for end in ("min", "max")],
@@ -155,7 +155,6 @@ def _contradictions(config: Mapping[str, Any]) -> Iterator[tuple[str, str]]:
 
 def _of_accuracy(
     floor: Mapping[str, Any],
-    mesh: Mapping[str, Any],
     solver: Mapping[str, Any],
     checks: Mapping[str, Any],
 ) -> Iterator[tuple[str, str]]:
@@ -168,8 +167,6 @@ def _of_accuracy(
                 f"floor.element_percent.{mode}",
                 f"has {len(percents)} values for {len(sizes)} of element_size_mm; give each one",
             )
-    if len(mesh["surface_weights"]) != len(mesh["iterations"]):
-        yield "mesh.iterations", "has another length than surface_weights; give one for each weight"
     error, bound = solver["curve_error_percent"], checks["error_bound_percent_max"]
     if error > bound:
         yield (

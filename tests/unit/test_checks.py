@@ -19,14 +19,12 @@ from softsample.meshing.mesh import HexMesh
 from softsample.scoring import score_summary, score_table
 
 LIMITS = {
-    "energy_imbalance_max": 0.01,
     "hourglass_ratio_max": 0.02,
     "platen_against_base_percent_max": 5.0,
     "error_bound_percent_max": 0.5,
     "hourglass_ratio_warning": 0.01,
     "direct_difference_percent_max": 0.5,
     "volume_difference_percent_max": 0.5,
-    "mass_difference_percent_max": 0.01,
 }
 RUN = {
     "energy_imbalance": 0.001,

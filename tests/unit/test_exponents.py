@@ -17,7 +17,7 @@ from softsample.calibration.exponents import (
     profile_table,
 )
 from softsample.calibration.measured import MeasuredCurve
-from softsample.calibration.slsqp import CalibrationSettings, fit_ogden
+from softsample.calibration.slsqp import STARTS_PER_PARAMETER, CalibrationSettings, fit_ogden
 from softsample.calibration.uncertainty import Uncertainty, UncertaintySettings
 from softsample.constitutive.ogden import nominal_stress, unit_modulus
 from softsample.errors import CalibrationError, InputError
@@ -33,6 +33,12 @@ TRAVEL = {"T1": 0.25 * HEIGHT, "C1": 0.3 * HEIGHT}
 MODES = {"T1": "tension", "C1": "compression"}
 SETTINGS = ExponentSettings((-12.0, -4.0), (8.0, 20.0))
 GRID = exponent_grid(SETTINGS, (-8.0, 16.0))
+
+
+@pytest.fixture(autouse=True)
+def two_starts(monkeypatch):
+    """Of each of four parameters, 16 in all in place of 81."""
+    monkeypatch.setitem(STARTS_PER_PARAMETER, "family", 2)
 
 
 def bar(sample, travel, fraction, alpha):
@@ -71,7 +77,7 @@ def group_of(alpha, seed, noise=2e-3, mu=1300.0, fraction=0.8):
         sample: record_of(sample, mu, fraction, alpha, seed + k, noise)
         for k, sample in enumerate(TRAVEL)
     }
-    settings = CalibrationSettings(starts_per_parameter=2)
+    settings = CalibrationSettings()
     fit = fit_ogden(families, measured, settings)
     return Uncertainty(families, measured, fit, settings, UncertaintySettings()).likelihood()
 
@@ -260,10 +266,7 @@ def test_direct_simulations_end_at_the_optimum_of_the_families():
         s: SimulatedCurves(model, None, TRAVEL[s], 0.04, alpha, 0.49, (0.05, 0.95))
         for s, model in bars.items()
     }
-    coarse = CalibrationSettings(
-        starts_per_parameter=1, relative_tolerance=1e-6, difference_step=1e-3, method="direct"
-    )
-    direct = fit_ogden(simulated, measured, coarse)
+    direct = fit_ogden(simulated, measured, CalibrationSettings(method="direct"))
     family = fit_ogden(families, measured, CalibrationSettings())
     assert direct.mu == pytest.approx(family.mu, rel=5e-3)
     assert direct.mu1_fraction == pytest.approx(family.mu1_fraction, abs=5e-3)

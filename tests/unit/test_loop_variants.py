@@ -14,7 +14,6 @@ from softsample.loop.effects import library
 from softsample.loop.model import Material, Model, State
 from softsample.loop.specimen import Specimen
 from softsample.meshing.cuboid import mesh_cuboid
-from softsample.meshing.hexahedral import MeshSettings
 from softsample.meshing.marks import MarkedImage
 from softsample.meshing.sample import mesh_ideal
 from softsample.protocol import History
@@ -254,9 +253,7 @@ def test_changed_models_have_the_glue_and_the_regions_of_the_image():
         "bond_mask": MarkedImage((points[..., 0] > 0.0).astype(int), to_index),
         "labels": MarkedImage(np.where(points[..., 2] > 4.0 * MM, 2, 1), to_index),
     }
-    settings = asdict(MeshSettings()) | {
-        "element_size_mm": 1.5, "elements_across": (1, 100), "boundary_shift_mm": 0.0,
-    }  # fmt: skip
+    settings = {"element_size_mm": 1.5, "elements_across": (1, 100), "boundary_shift_mm": 0.0}
     given = {
         "mesh": settings, "preload_mm": 1.0, "element_size_mm": 1.5, "mode": "tension",
         "bond": {"rule": "within_depth", "fill_mm": 0.0},

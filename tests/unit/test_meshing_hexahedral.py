@@ -8,7 +8,8 @@ import numpy as np
 import pytest
 
 from softsample.errors import MeshError
-from softsample.meshing.hexahedral import MeshSettings, mesh_solid
+from softsample.meshing import hexahedral
+from softsample.meshing.hexahedral import mesh_solid
 from softsample.meshing.levelset import LevelSet
 from softsample.meshing.quality import element_volumes, scaled_jacobian
 from softsample.meshing.sample import mesh_real
@@ -204,14 +205,10 @@ def test_element_size_too_coarse_for_the_sample_is_refused():
         mesh_solid(*grid("dome"), 2.5 * MM)
 
 
-def test_element_worse_than_allowed_is_refused_with_its_place():
+def test_element_worse_than_allowed_is_refused_with_its_place(monkeypatch):
+    monkeypatch.setattr(hexahedral, "LEAST_JACOBIAN", 0.95)
     with pytest.raises(MeshError, match=r"scaled Jacobian below 0.95, the worst 0\.\d+ at \("):
-        mesh_solid(*grid("dome"), 0.8 * MM, MeshSettings(min_scaled_jacobian=0.95))
-
-
-def test_each_surface_weight_needs_its_number_of_iterations():
-    with pytest.raises(MeshError, match="2 surface_weights and 1 iterations"):
-        MeshSettings(surface_weights=(5.0, 50.0), iterations=(60,))
+        mesh_solid(*grid("dome"), 0.8 * MM)
 
 
 def test_spike_in_the_distance_is_meshed_with_a_warning_that_names_its_place(caplog):

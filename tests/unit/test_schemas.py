@@ -18,7 +18,6 @@ from softsample.imaging.measure import MeasurementSettings
 from softsample.imaging.segment import SegmentationSettings
 from softsample.io import read_samples, read_yaml
 from softsample.laws.group import LawSettings
-from softsample.meshing.hexahedral import MeshSettings
 from softsample.plausibility import Limits
 from softsample.protocol import MODES
 from softsample.records import RecordSettings
@@ -93,7 +92,6 @@ def test_settings_of_a_measured_study_are_accepted(name):
         ("plausibility", Limits, set()),
         ("segmentation", SegmentationSettings, set()),
         ("measurement", MeasurementSettings, {"-preload_mm"}),
-        ("mesh", MeshSettings, {"element_size_mm", "elements_across", "boundary_shift_mm"}),
         ("bond", BondSettings, set()),
         ("contact", ContactSettings, set()),
         ("solver", SolverSettings, set()),
@@ -128,10 +126,13 @@ BAD_CONFIGS = {
         "mesh.elment_size_mm: unknown name; did you mean 'element_size_mm'",
     ),
     "unknown section": (("viscosity", None, {}), "viscosity: unknown name; known are samples"),
-    "missing key": (("mesh", "core_depth", None), "mesh.core_depth: is missing; give depth of"),
+    "missing key": (
+        ("mesh", "boundary_shift_mm", None),
+        "mesh.boundary_shift_mm: is missing; give the real surface",
+    ),
     "number read as text": (
-        ("calibration", "relative_tolerance", "1e-10"),
-        "relative_tolerance: '1e-10' is read as text; write a number with a decimal point",
+        ("calibration", "mu_pa_min", "1e2"),
+        "mu_pa_min: '1e2' is read as text; write a number with a decimal point",
     ),
     "modulus in kPa": (
         ("calibration", "mu_pa_max", 20.0),
@@ -173,7 +174,10 @@ BAD_CONFIGS = {
         "floor.element_percent.tension: has 3 values for 2 of element_size_mm",
     ),
     "sizes out of order": (("floor", "element_size_mm", [2.0, 1.0, 0.5]), "does not ascend"),
-    "more weights than iterations": (("mesh", "iterations", [60]), "mesh.iterations: has another"),
+    "a key that is a constant": (
+        ("mesh", "core_depth", 1.0),
+        "mesh.core_depth: unknown name; known are element_size_mm",
+    ),
     "bounds exchanged": (("calibration", "mu_pa_min", 5e4), "mu_pa_min: 50000.0 is"),
     "an error that no run may have": (
         ("solver", "curve_error_percent", 1.0),

@@ -17,7 +17,7 @@ from softsample.calibration.uncertainty import (
 )
 from softsample.response.curves import ResponseCurves
 
-SETTINGS = CalibrationSettings(starts_per_parameter=1)
+SETTINGS = CalibrationSettings()
 TRAVEL = np.linspace(0.0, 3e-3, 240)
 MU, SLOPE = 1000.0, 0.05  # [Pa], force per modulus and travel [m]
 ONE_TERM = ResponseCurves(np.array([1.0]), TRAVEL, SLOPE * TRAVEL[None, :])

@@ -33,7 +33,7 @@ use rule calibrate as calibrate_direct with:
     params:
         rows=lambda wildcards: rows_of(members(wildcards.group, wildcards.model)),
         hold_out=HOLD_OUT,
-        settings={**config["calibration"], **config["direct"], "method": "direct"},
+        settings={**config["calibration"], "method": "direct"},
         uncertainty=config["uncertainty"],
         contact_zero_mm=config["loop"]["noise"]["contact_zero_mm"],
         material=config["material"],

@@ -6,7 +6,6 @@ from softsample.fem.explicit import SolverSettings
 from softsample.geometry_effects.shapes import Shape
 from softsample.geometry_effects.variants import EffectSettings, simulate, variants
 from softsample.io import read_distance, read_json, read_record, write_table
-from softsample.meshing.hexahedral import MeshSettings
 from softsample.meshing.sample import mesh_ideal, mesh_real
 from softsample.protocol import PRESSED_MODES
 from softsample.response.bond import CONTACT, touched_nodes
@@ -27,7 +26,6 @@ with logged_to(snakemake):
         *read_distance(files.distance, files.segmentation),
         size,
         preload,
-        MeshSettings.of_config(mesh),
         boundary_shift=mesh["boundary_shift_mm"] * MM,
     )
     contact, solver = ContactSettings(**given.contact), SolverSettings(**given.solver)

@@ -3,8 +3,10 @@
 from itertools import chain
 from pathlib import Path
 
+from softsample.calibration.slsqp import STARTS_PER_PARAMETER
 from softsample.figures.strain import Deformed
 from softsample.figures.style import map_colours
+from softsample.imaging.segment import BIAS_ORDER, FLUID_RATIO, SMOOTHING_MM
 from softsample.io import read_json, read_mesh_with_data, read_table, read_yaml, write_text
 from softsample.report.facts import findings_of, record_fact, sample_facts, verdict_sentence
 from softsample.report.html import (
@@ -126,6 +128,12 @@ with logged_to(snakemake):
         imaged=bool(shown.pictured["samples"]),
         ideal=shown.ideal,
         config=config,
+        constants={
+            "bias_order": BIAS_ORDER,
+            "smoothing_mm": SMOOTHING_MM,
+            "fluid_ratio": FLUID_RATIO,
+            "starts_per_parameter": STARTS_PER_PARAMETER[config["calibration"]["method"]],
+        },
         references=read_yaml(given.references),
         parameters=list(parameters(config, read_yaml(given.schema))),
         checks=[{"of": of, **check} for of, found in checks.items() for check in found],

@@ -15,30 +15,32 @@ from softsample.response.curves import Curves
 
 Array = NDArray[np.float64]
 
+STARTS_PER_PARAMETER = {"family": 3, "direct": 1}
+"""Starting values of each parameter by method; SLSQP runs from every combination. Simulations at
+every evaluation allow no more than one."""
+
+TOLERANCE = {"family": 1e-10, "direct": 1e-6}
+"""SLSQP's `ftol` on the relative area, by method: simulated forces are in single precision."""
+
+DIFFERENCE_STEP = {"family": 1.5e-8, "direct": 3e-4}
+"""Step in ln(mu) and mu1/mu of its forward differences, by method: the square root of rounding; of
+simulated forces larger steps bend the gradient, and smaller ones drown in their rounding."""
+
 
 @dataclass(frozen=True)
 class CalibrationSettings:
-    """Optimiser and bounds; mirrors config `calibration:`.
+    """Method and bounds; mirrors config `calibration:`.
 
     Parameters
     ----------
     mu_pa_min, mu_pa_max : float
         Bounds of the shear modulus [Pa].
-    starts_per_parameter : int
-        Starting values per parameter; SLSQP runs from every combination.
-    relative_tolerance : float
-        SLSQP's `ftol` on the relative area.
-    difference_step : float
-        Step in ln(mu) and mu1/mu of its forward differences.
     method : str
         `family`: forces come from curve families; `direct`: a simulation per evaluation.
     """
 
     mu_pa_min: float = 50.0
     mu_pa_max: float = 20000.0
-    starts_per_parameter: int = 3
-    relative_tolerance: float = 1e-10
-    difference_step: float = 1.5e-8
     method: str = "family"
 
 
@@ -201,7 +203,7 @@ class Search:
     objective : AreaObjective
         What is made small.
     settings : CalibrationSettings
-        Bounds of the modulus, tolerance.
+        Bounds of the modulus, and the method.
     """
 
     def __init__(self, objective: AreaObjective, settings: CalibrationSettings) -> None:
@@ -233,15 +235,15 @@ class Search:
             method="SLSQP",
             bounds=list(self.bounds.values()),
             options={
-                "ftol": self.settings.relative_tolerance,
-                "eps": self.settings.difference_step,
+                "ftol": TOLERANCE[self.settings.method],
+                "eps": DIFFERENCE_STEP[self.settings.method],
                 "maxiter": 200,
             },
         )
 
     def starts(self) -> list[Array]:
         """Inner points of the shape's ranges, each with moduli around the one that fits it best."""
-        n = self.settings.starts_per_parameter
+        n = STARTS_PER_PARAMETER[self.settings.method]
         inner = (np.arange(n) + 0.5) / n
         grids = [
             low + inner * (high - low) if high > low else [low]

@@ -26,6 +26,9 @@ from softsample.response.curves import Curves, Scaled
 
 Array = NDArray[np.float64]
 
+SEED = 1
+"""Seed of the bootstrap: the same records give the same intervals."""
+
 
 @dataclass(frozen=True)
 class UncertaintySettings:
@@ -37,13 +40,10 @@ class UncertaintySettings:
         Of every interval, e.g. 0.9.
     draws : int
         Bootstrap replicates.
-    seed : int
-        Of their random numbers.
     """
 
     confidence: float = 0.9
     draws: int = 200
-    seed: int = 1
 
 
 @dataclass(frozen=True)
@@ -140,7 +140,7 @@ class Uncertainty:
 
     def bootstrap(self) -> Array:
         """Moduli (draws, 3) of records made of the model and its resampled residual."""
-        rng = np.random.default_rng(self.settings.seed)
+        rng = np.random.default_rng(SEED)
         draws = []
         for _ in range(self.settings.draws):
             measured = {}

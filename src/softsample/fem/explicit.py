@@ -35,6 +35,10 @@ BACKENDS = {"vector": None, "scalar": 0}
 LEAST_STEP = 1e-3
 """Part of the first stable time step below which elements are crushed, and a run would not end."""
 
+STEP_UPDATES = 12
+"""How often per loading the critical time step is estimated again: each takes a dozen evaluations
+of the force, and between them the step is extrapolated where it falls."""
+
 
 @dataclass(frozen=True)
 class SolverSettings:
@@ -58,8 +62,6 @@ class SolverSettings:
         Mass density [kg/m3]; inertia is a tool here, not physics.
     safety_factor : float
         Fraction of the critical time step that is used, in (0, 1).
-    step_updates : int
-        How often per loading time the critical step is estimated again.
     hourglass_coefficient : float
         Hourglass stiffness in units of ``mu V (B:B) / 64``.
     curve_points : int
@@ -73,7 +75,6 @@ class SolverSettings:
     reference_modulus_pa: float = 1000.0
     density_kg_m3: float = 1000.0
     safety_factor: float = 0.85
-    step_updates: int = 12
     hourglass_coefficient: float = 0.5
     curve_points: int = 60
 
@@ -458,7 +459,7 @@ class _March:
     def go(self, snapshots: Array, progress: Progress | None) -> None:
         """March through the schedule in slices of constant step, then record the final state."""
         stops = self.schedule.solver_time(snapshots)
-        ends = self.schedule.slices(self.model.settings.step_updates, stops)
+        ends = self.schedule.slices(STEP_UPDATES, stops)
         for start, end in pairwise(ends):
             if (
                 self.gravity

@@ -32,6 +32,14 @@ whose axes differ by 10 % has 0.91 and one by 40 % 0.71; `docs/geometry.md` has 
 LEVELS = (0.25, 0.5, 0.75)
 """Heights of the sections of `circularity`, over that of the highest point."""
 
+WIDTH_CORE = 0.7
+"""Central part of a section's extent across over which its mean width is taken: rounded vertical
+edges do not count."""
+
+TOP_CORE = 0.7
+"""Central part of length and width over which the top's height is averaged: its rim does not
+count."""
+
 
 @dataclass(frozen=True)
 class MeasurementSettings:
@@ -41,10 +49,6 @@ class MeasurementSettings:
     ----------
     section_offset_mm : float
         Distance of the lower and upper section from base and top [mm].
-    width_core_fraction : float
-        A mean width is taken over this central part of the section's extent across.
-    top_core_fraction : float
-        The mean height is taken over this central part of length and width.
     top_normal_deg : float
         Surface within this angle of vertical belongs to the top [degrees].
     preload_mm : float
@@ -52,8 +56,6 @@ class MeasurementSettings:
     """
 
     section_offset_mm: float = 0.75
-    width_core_fraction: float = 0.7
-    top_core_fraction: float = 0.7
     top_normal_deg: float = 30.0
     preload_mm: float = 1.0
 
@@ -276,10 +278,10 @@ def _idealised(
     length, width = (spacing * np.isfinite(top).any(axis=1 - axis).sum() for axis in (0, 1))
     for _ in range(20):
         before = np.array([length, width, height])
-        core = (settings.top_core_fraction * length, settings.top_core_fraction * width)
+        core = (TOP_CORE * length, TOP_CORE * width)
         height, spread = _core_heights(top, _core(kind, top.shape, origin, spacing, core))
         planes = _three_sections(field, origin, spacing, height, settings.section_offset_mm * MM)
-        length, width, sections = sizes_of(planes, spacing, settings.width_core_fraction)
+        length, width, sections = sizes_of(planes, spacing, WIDTH_CORE)
         if np.allclose(before, [length, width, height], rtol=1e-6, atol=0.0):
             break
     return IdealShape(kind, length, width, height), sections, spread

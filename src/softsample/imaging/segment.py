@@ -38,6 +38,39 @@ DROP_MM3 = 0.09
 BASE_REACH = (0.15, 0.25)
 """What lies this near to the base plane is base [mm, voxel edges; the larger of the two]."""
 
+BIAS_ORDER = 2
+"""Total degree of the polynomial of the bias field: coils vary over the sample as a whole, and more
+would follow its texture."""
+
+SMOOTHING_MM = 0.25
+"""Standard deviation of the Gaussian smoothing [mm], against noise; in large voxels, 0.6 of their
+edges."""
+
+LEVEL_REACH_MM = 1.0
+"""Standard deviation of the mean that gives the local level of the tissue [mm]: over its grain."""
+
+LEVEL_MARGIN_MM = 0.5
+"""Tissue nearer to the boundary than this does not count for the level [mm]: it is partly fluid or
+air. In large voxels, one edge."""
+
+FLUID_RATIO = 1.5
+"""Voxels this many times brighter than the tissue nearby are free fluid: between it and
+saline."""
+
+FLUID_REACH_MM = 1.0
+"""Around free fluid the boundary is replaced by its smooth continuation up to here [mm]: as far as
+voxels and smoothing spread its light."""
+
+CONTINUATION_MM = 1.5
+"""Height of wall that gives the slope of its continuation to the base [mm]: several voxels, so that
+noise does not tilt it."""
+
+PADDING_MM = 2.5
+"""Rim around the sample in the grid of the distance [mm]: room for the walls below the base."""
+
+MIN_CONTRAST = 4.0
+"""Signal of the tissue over the noise that a sample needs to be told from its surroundings."""
+
 
 @dataclass(frozen=True)
 class SegmentationSettings:
@@ -45,51 +78,26 @@ class SegmentationSettings:
 
     Attributes
     ----------
-    bias_order : int
-        Total degree of the polynomial of the bias field.
-    smoothing_mm : float
-        Standard deviation of the Gaussian smoothing, at least 0.6 voxel edges [mm].
-    level_reach_mm : float
-        Standard deviation of the mean that gives the local tissue level [mm].
-    level_margin_mm : float
-        Tissue nearer to the boundary than this does not count for the level [mm].
-    fluid_ratio : float
-        Voxels this many times brighter than the tissue next to them are free fluid.
-    fluid_reach_mm : float
-        Around free fluid the boundary is replaced by its smooth continuation up to here [mm].
     fluid_brightness : float
         Expected brightness of saline over that of tissue.
     base_clearance_mm : float
         Walls lower than this above the platen (meniscus) are continued from above [mm].
-    continuation_mm : float
-        Height of wall that gives the slope of the continuation [mm].
     max_tilt_deg : float
         Largest tilt of the base that is taken out [degrees].
-    grid_spacing_mm, padding_mm : float
-        Spacing of the signed distance and rim around the sample [mm].
+    grid_spacing_mm : float
+        Spacing of the signed distance [mm].
     min_base_share : float
         Share of the underside that must lie on one plane for there to be a platen.
     min_volume_mm3 : float
         Anything smaller is not a sample [mm3].
-    min_contrast : float
-        Smallest accepted ratio of tissue signal to noise.
     """
 
-    bias_order: int = 2
-    smoothing_mm: float = 0.25
-    level_reach_mm: float = 1.0
-    level_margin_mm: float = 0.5
-    fluid_ratio: float = 1.5
-    fluid_reach_mm: float = 1.0
     fluid_brightness: float = 2.2
     base_clearance_mm: float = 0.75
-    continuation_mm: float = 1.5
     max_tilt_deg: float = 10.0
     grid_spacing_mm: float = 0.25
-    padding_mm: float = 2.5
     min_base_share: float = 0.75
     min_volume_mm3: float = 100.0
-    min_contrast: float = 4.0
 
 
 @dataclass(frozen=True)
@@ -252,7 +260,7 @@ def segmentation_from_mask(
     solid = intensity.largest_component(image != 0.0)
     check_component(solid, spacing, settings)
     share = TissueShare(
-        share=intensity.smooth(solid.astype(np.float64), _blur(spacing, settings), spacing),
+        share=intensity.smooth(solid.astype(np.float64), _blur(spacing), spacing),
         mask=solid,
         fluid=np.zeros_like(solid),
         hole=np.zeros_like(solid),
@@ -306,7 +314,7 @@ def tissue_share(image: Array, spacing: Array, settings: SegmentationSettings) -
     The boundary is where the smoothed image is half-way between the surroundings and the robust
     local level of the tissue itself. A bright film or drop at the wall thus does not raise it.
     """
-    blur = _blur(spacing, settings)
+    blur = _blur(spacing)
     bright = intensity.bright_mask(image, spacing, blur)
     _refuse_two(bright, spacing)
     rough = intensity.largest_component(bright)
@@ -315,7 +323,7 @@ def tissue_share(image: Array, spacing: Array, settings: SegmentationSettings) -
             f"no sample found: the largest bright region is smaller than"
             f" {settings.min_volume_mm3:g} mm3; check the image and its scale"
         )
-    margin = max(settings.level_margin_mm * MM, float(np.max(spacing))) + 0.25 * MM
+    margin = max(LEVEL_MARGIN_MM * MM, float(np.max(spacing))) + 0.25 * MM
     interior = intensity.eroded(rough, spacing, margin)
     interior &= image > HALF * np.median(image[rough])  # no bubbles
     if np.count_nonzero(interior) < 100:
@@ -336,14 +344,14 @@ def tissue_share(image: Array, spacing: Array, settings: SegmentationSettings) -
     image = intensity.without_noise_floor(image, noise)
     floor = float(np.mean(intensity.surroundings(image, rough, spacing, 2.0 * margin)))
     level = float(np.median(image[interior]))
-    if level - floor < settings.min_contrast * noise:
+    if level - floor < MIN_CONTRAST * noise:
         raise SegmentationError(
             f"no sample found: its brightest region ({level:.4g}) does not stand out from the"
             f" surroundings ({floor:.4g}) and noise ({noise:.3g}); check the image"
         )
-    bias = intensity.bias_field(image, interior, settings.bias_order)
+    bias = intensity.bias_field(image, interior, BIAS_ORDER)
     even = (image - floor) / bias
-    local = intensity.tissue_level(even, interior, spacing, settings.level_reach_mm * MM)
+    local = intensity.tissue_level(even, interior, spacing, LEVEL_REACH_MM * MM)
     raw = even / local
     grain = noise / (bias * local)
     low, high = np.percentile(raw[interior], [15.87, 84.13])
@@ -354,7 +362,7 @@ def tissue_share(image: Array, spacing: Array, settings: SegmentationSettings) -
     return TissueShare(
         share=share,
         mask=mask,
-        fluid=_free_fluid(raw, settings.fluid_ratio, spacing),
+        fluid=_free_fluid(raw, spacing),
         hole=mask & (share <= HALF),
         power=square / (bias * local) ** 2,
         texture=float(np.sqrt(max(texture, MIN_TEXTURE**2))),
@@ -377,24 +385,25 @@ def _refuse_two(bright: Mask, spacing: Array) -> None:
         )
 
 
-def _free_fluid(raw: Array, ratio: float, spacing: Array) -> Mask:
+def _free_fluid(raw: Array, spacing: Array) -> Mask:
     """Groups of voxels much brighter than the tissue nearby.
 
     Smaller voxels are smoothed to the size of `DROP_EDGE`, or a film would fill them.
     """
     blur = np.sqrt(np.maximum((DROP_EDGE * MM) ** 2 - spacing**2, 0.0) / 12.0)
-    labels, _ = ndimage.label(intensity.smooth(raw, blur, spacing) > ratio, np.ones((3, 3, 3)))
+    bright = intensity.smooth(raw, blur, spacing) > FLUID_RATIO
+    labels, _ = ndimage.label(bright, np.ones((3, 3, 3)))
     sizes = np.bincount(labels.ravel())
     fewest = max(3.0, DROP_MM3 * MM**3 / float(np.prod(spacing)))
     return np.asarray((sizes[labels] >= fewest) & (labels > 0), dtype=bool)
 
 
-def _blur(spacing: Array, settings: SegmentationSettings) -> Array:
+def _blur(spacing: Array) -> Array:
     """Standard deviation of the smoothing along each axis, (3,) [m].
 
     Less than 0.6 voxel edges and the surface would follow the voxels' steps.
     """
-    return np.maximum(settings.smoothing_mm * MM, 0.6 * spacing)
+    return np.maximum(SMOOTHING_MM * MM, 0.6 * spacing)
 
 
 def _from_share(
@@ -506,7 +515,7 @@ def _boundary(
 ) -> Boundary:
     """Boundary in the frame `sample_to_world`: half-maximum, film off, walls carried on."""
     spacing = settings.grid_spacing_mm * MM
-    origin, shape = _grid(surface, sample_to_world, spacing, settings.padding_mm * MM)
+    origin, shape = _grid(surface, sample_to_world, spacing, PADDING_MM * MM)
     grid = frame.grid_affine(origin, spacing)
     to_sample = np.linalg.inv(sample_to_world) @ to_world
     to_voxel = np.linalg.inv(to_sample) @ grid
@@ -516,7 +525,7 @@ def _boundary(
     first = round(float(settings.base_clearance_mm * MM - origin[2]) / spacing)
     walls = frame.iso_surface(local[:, :, first - 1 :], HALF, _raised(grid, first - 1))
     wet = frame.sampled(share.fluid.astype(np.float64), to_voxel, shape, order=1) > 0.01
-    reach = settings.fluid_reach_mm * MM
+    reach = FLUID_REACH_MM * MM
     away = _away(wet, spacing)
     walls = walls.where(frame.values_at(away, grid, walls.centres) > 0.75 * reach)
     rough = sdf.signed_distance(local > HALF, walls, origin, spacing)
@@ -524,7 +533,7 @@ def _boundary(
     hole = frame.sampled(share.hole.astype(np.float64), to_voxel, shape, order=1) > 0.01
     seen = np.minimum(away, _away(hole, spacing)) > reach
     found = _fitted(rough, seen, origin, share, to_sample, settings)
-    layers = round(settings.continuation_mm * MM / spacing)
+    layers = round(CONTINUATION_MM * MM / spacing)
     whole = sdf.continue_below(found.distance, first, layers, blur=2.0)
     boundary = frame.iso_surface(-whole, 0.0, grid)
     distance = sdf.signed_distance(whole < 0.0, boundary, origin, spacing)

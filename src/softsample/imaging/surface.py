@@ -4,7 +4,12 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from softsample.imaging import frame
-from softsample.imaging.segment import Segmentation, SegmentationSettings, checked_axes
+from softsample.imaging.segment import (
+    PADDING_MM,
+    Segmentation,
+    SegmentationSettings,
+    checked_axes,
+)
 from softsample.meshing.surface import TriangleSurface, base_centre, distance_grid
 
 Array = NDArray[np.float64]
@@ -36,7 +41,7 @@ def segmentation_from_surface(
     surface : TriangleSurface
         Closed, its axes those of the world [m].
     settings : SegmentationSettings, optional
-        Spacing and rim of the grid are used; in a small or large sample the spacing gives way.
+        The spacing of the grid is used; in a small or large sample it gives way.
     loading_axis, shear_axis : (3,) array
         World directions, nominally: from the glued base upward, and of the shear.
 
@@ -57,7 +62,7 @@ def segmentation_from_surface(
     to_world = frame.rigid(x, up, np.zeros(3))
     turned = surface.moved(to_world.T)
     spacing = _spacing(turned, settings.grid_spacing_mm * MM)
-    padding = max(settings.padding_mm * MM, RIM * spacing)
+    padding = max(PADDING_MM * MM, RIM * spacing)
     distance, origin, _ = distance_grid(turned, spacing, padding)
     height = origin[2] + spacing * np.arange(distance.shape[2])
     return Segmentation(

@@ -1,9 +1,6 @@
 """Hexahedral mesh of a solid that is given by a signed distance grid."""
 
 import logging
-from collections.abc import Mapping
-from dataclasses import dataclass, fields
-from typing import Any, Self
 
 import numpy as np
 from numpy.typing import NDArray
@@ -22,51 +19,22 @@ Ids = NDArray[np.int64]
 LOGGER = logging.getLogger(__name__)
 
 
-@dataclass(frozen=True)
-class MeshSettings:
-    """How the mesh is made; the defaults suit soft-tissue samples of 10 to 30 mm.
+CORE_DEPTH = 1.0
+"""Depth of a cell's centre below the surface [elements] from which on it is core: half an element
+and more is left for the buffer layer."""
 
-    Parameters
-    ----------
-    core_depth : float
-        Depth of a cell's centre below the surface, in elements, from which on it is core.
-    volume_weight : float
-        Weight of equal volumes against equal edges and right angles.
-    surface_weights : tuple of float
-        Weights of the squared distance to the surface, one minimisation each.
-    iterations : tuple of int
-        Largest number of L-BFGS steps of each minimisation.
-    min_scaled_jacobian : float
-        Elements below this are refused.
-    """
+VOLUME_WEIGHT = 0.5
+"""Weight of equal volumes against equal edges and right angles: shape goes before size."""
 
-    core_depth: float = 1.0
-    volume_weight: float = 0.5
-    surface_weights: tuple[float, ...] = (5.0, 50.0, 200.0)
-    iterations: tuple[int, ...] = (60, 60, 60)
-    min_scaled_jacobian: float = 0.2
+STAGES = (Stage(5.0, 0.3, 60), Stage(50.0, 1e-3, 60), Stage(200.0, 1e-3, 60))
+"""Minimisations: weight of the squared distance to the surface, barrier, L-BFGS steps at most. In
+the first the barrier lets folded corners untangle; by the last the nodes lie on the surface."""
 
-    @classmethod
-    def of_config(cls, section: Mapping[str, Any]) -> Self:
-        """From the config section `mesh`, whose other keys are not about the mesher."""
-        names = {field.name for field in fields(cls)}
-        return cls(**{name: value for name, value in section.items() if name in names})
-
-    def __post_init__(self) -> None:
-        if len(self.surface_weights) != len(self.iterations):
-            raise MeshError(
-                f"mesh settings name {len(self.surface_weights)} surface_weights and "
-                f"{len(self.iterations)} iterations: give one number of iterations a weight"
-            )
+LEAST_JACOBIAN = 0.2
+"""Scaled Jacobian below which an element is refused; what is left has room to deform."""
 
 
-def mesh_solid(
-    distance: Array,
-    origin: Array,
-    spacing: float,
-    element_size: float,
-    settings: MeshSettings | None = None,
-) -> HexMesh:
+def mesh_solid(distance: Array, origin: Array, spacing: float, element_size: float) -> HexMesh:
     """Hexahedra that fill a solid standing on the base plane z = 0.
 
     A core of grid cells aligned with the sample frame, cleaned until its surface is manifold,
@@ -86,7 +54,6 @@ def mesh_solid(
         Grid spacing [m].
     element_size : float
         Wanted edge of the elements [m].
-    settings : MeshSettings, optional
 
     Returns
     -------
@@ -97,24 +64,21 @@ def mesh_solid(
     ------
     MeshError
         If the grid is not usable, the elements are too coarse for the sample, or an element is
-        worse than ``settings.min_scaled_jacobian``.
+        worse than `LEAST_JACOBIAN`.
 
     Notes
     -----
     Verified in ``tests/unit/test_meshing_hexahedral.py``.
     """
-    settings = settings or MeshSettings()
     if not element_size > 0.0:
         raise MeshError(f"element size is {element_size} m: give a positive length")
     surface = LevelSet(distance, origin, spacing)
     _warn_of_spikes(surface)
     low, high = surface.inside_box
-    cells, corner = core_cells(
-        lambda points: -surface(points), low, high, element_size, settings.core_depth
-    )
+    cells, corner = core_cells(lambda points: -surface(points), low, high, element_size, CORE_DEPTH)
     mesh, inner = add_buffer(castellated_mesh(cells, corner, element_size))
-    mesh = _fit(mesh, inner, surface, element_size, settings)
-    _refuse_bad(mesh, element_size, settings)
+    mesh = _fit(mesh, inner, surface, element_size)
+    _refuse_bad(mesh, element_size)
     return mesh
 
 
@@ -130,9 +94,7 @@ def _warn_of_spikes(surface: LevelSet) -> None:
         )  # fmt: skip
 
 
-def _fit(
-    mesh: HexMesh, inner: Ids, surface: LevelSet, size: float, settings: MeshSettings
-) -> HexMesh:
+def _fit(mesh: HexMesh, inner: Ids, surface: LevelSet, size: float) -> HexMesh:
     """Move the nodes of a buffered core (see `add_buffer`) to the surface and optimise them."""
     outer = np.arange(len(mesh.points) - len(inner), len(mesh.points))
     base = mesh.points[:, 2] == 0.0
@@ -151,14 +113,11 @@ def _fit(
         distance=scaled_distance,
         pins=pin,
         targets=surface.highest_point[None] / size,
-        volume_weight=settings.volume_weight,
+        volume_weight=VOLUME_WEIGHT,
     )
     points = start / size
-    barriers = (0.3, *[1e-3] * (len(settings.surface_weights) - 1))
-    for weight, barrier, steps in zip(
-        settings.surface_weights, barriers, settings.iterations, strict=True
-    ):
-        points = optimise(problem, points, Stage(weight, barrier, steps))
+    for stage in STAGES:
+        points = optimise(problem, points, stage)
     return _snap(HexMesh(size * points, mesh.hexes), outer, base, pin, surface)
 
 
@@ -225,16 +184,16 @@ def _sagitta(mesh: HexMesh, places: Array, outer: Ids, surface: LevelSet) -> Arr
     return total / np.bincount(quads.ravel(), minlength=len(outer))
 
 
-def _refuse_bad(mesh: HexMesh, size: float, settings: MeshSettings) -> None:
-    """Raise MeshError if the surface is torn or an element worse than the settings allow."""
+def _refuse_bad(mesh: HexMesh, size: float) -> None:
+    """Raise MeshError if the surface is torn or an element is too distorted."""
     check_topology(mesh)
     jacobian = scaled_jacobian(mesh)
     worst = int(np.argmin(jacobian))
-    if jacobian[worst] < settings.min_scaled_jacobian:
+    if jacobian[worst] < LEAST_JACOBIAN:
         place = 1e3 * mesh.points[mesh.hexes[worst]].mean(axis=0)
         raise MeshError(
-            f"{int(np.sum(jacobian < settings.min_scaled_jacobian))} elements have a scaled "
-            f"Jacobian below {settings.min_scaled_jacobian:g}, the worst {jacobian[worst]:.3f} at "
+            f"{int(np.sum(jacobian < LEAST_JACOBIAN))} elements have a scaled "
+            f"Jacobian below {LEAST_JACOBIAN:g}, the worst {jacobian[worst]:.3f} at "
             f"({place[0]:.1f}, {place[1]:.1f}, {place[2]:.1f}) mm: choose an element size other "
             f"than {1e3 * size:.3g} mm, or smooth the segmentation there"
         )

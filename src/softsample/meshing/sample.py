@@ -11,7 +11,7 @@ from softsample.meshing.bond import bonded_nodes
 from softsample.meshing.cuboid import mesh_cuboid
 from softsample.meshing.cylinder import mesh_cylinder
 from softsample.meshing.graded import graded_hexes
-from softsample.meshing.hexahedral import MeshSettings, mesh_solid
+from softsample.meshing.hexahedral import mesh_solid
 from softsample.meshing.levelset import LevelSet
 from softsample.meshing.marks import MarkedImage
 from softsample.meshing.mesh import HexMesh
@@ -42,7 +42,6 @@ def mesh_real(
     spacing: float,
     element_size: float,
     preload: float,
-    settings: MeshSettings | None = None,
     *,
     boundary_shift: float | NDArray[np.float64] = 0.0,
     bond_mask: MarkedImage | None = None,
@@ -52,7 +51,7 @@ def mesh_real(
 
     Parameters
     ----------
-    distance, origin, spacing, element_size, settings
+    distance, origin, spacing, element_size
         As of `mesh_solid`.
     preload : float
         Way [m] of the platen below the highest point that decides which nodes are glued.
@@ -79,7 +78,7 @@ def mesh_real(
     """
     start = process_time()
     distance = distance - boundary_shift
-    mesh = mesh_solid(distance, origin, spacing, element_size, settings)
+    mesh = mesh_solid(distance, origin, spacing, element_size)
     seconds = process_time() - start
     surface = LevelSet(distance, origin, spacing)
     report = quality_report(mesh, element_size, surface.volume, surface)

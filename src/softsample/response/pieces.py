@@ -11,7 +11,6 @@ from softsample.constitutive.material import Material
 from softsample.constitutive.ogden import unit_modulus
 from softsample.fem.boundary import Boundary, ContactSettings, Ends, mode_boundary
 from softsample.fem.explicit import ExplicitModel, SolverSettings
-from softsample.meshing.hexahedral import MeshSettings
 from softsample.meshing.marks import MarkedImage
 from softsample.meshing.mesh import HexMesh
 from softsample.meshing.regions import relative_stiffness
@@ -215,7 +214,7 @@ def sample_mesher(
         indenter = given["ends"] if isinstance(given["ends"], Indenter) else None
         return lambda out: mesh_ideal(shape.grown(out), size, indenter, coarser)
     grid, marks = real()
-    quality, segmented = MeshSettings.of_config(mesh), mesh["boundary_shift_mm"] * MM
+    segmented = mesh["boundary_shift_mm"] * MM
     bond = BondSettings(**given["bond"])
 
     def of_depth(out: float) -> SampleMesh:
@@ -223,7 +222,6 @@ def sample_mesher(
             *grid,
             size,
             preload,
-            quality,
             boundary_shift=segmented + out,
             bond_mask=marks.get("bond_mask"),
             labels=marks.get("labels"),

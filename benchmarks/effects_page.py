@@ -1,11 +1,15 @@
 """Writes docs/effects.md from the library of effects: python benchmarks/effects_page.py."""
 
+from collections.abc import Iterator
 from pathlib import Path
 
 from softsample.loop.effects import library
-from softsample.loop.effects.base import Effect, Parameter
+from softsample.loop.effects.base import Effect
 
 PAGE = Path(__file__).parents[1] / "docs/effects.md"
+FEW = 8
+"""More initial guesses than these are counted and not listed."""
+ALL = {"tension", "compression", "shear"}
 TIERS = {
     "P": "post-processing of the predicted record",
     "L": "a run of the solver for each parameter",
@@ -14,31 +18,32 @@ TIERS = {
 HEAD = """# Effects that the diagnosis can name
 
 Written by `benchmarks/effects_page.py` from `src/softsample/loop/effects`; edit the files there.
-How they are chosen, and how to add one, is in [loop.md](loop.md). Offsets, drift and weight have
-the signs of the machine (positive in tension and along +x), displacement is positive while loading.
+How they are selected, and how to add one, is in [loop.md](loop.md).
 
 An effect is absent at the null values of its amplitudes. Its sensitivity is computed at the
-reference values. *Shapes* (times, onsets) enter nonlinearly and are fitted from each initial guess.
-Ranges of lengths and forces hold for samples 6.5 to 26 mm high and peak forces of 0.2 to 5 N;
-beyond these they are scaled with height and peak force (`softsample.loop.candidates`).
-Pure shear counts as tension, confined compression as compression.
-Records without time have no effects of time among their candidates. Times of relaxation are those
-of a usual study here; they follow the clock of the records. `specimen_stiffness` has one size,
-named after the specimen, for every specimen but the first of its mode.
+reference values. Parameters marked *shape* (times, onsets) enter nonlinearly and are fitted from
+each initial guess. Offsets, drift and weight have the signs of the machine (positive in
+tension and along +x); displacement is positive while loading.
+
+Ranges of lengths and forces hold for samples 6.5 to 26 mm high and peak forces of 0.2 to 5 N and
+are scaled with height and peak force beyond. Times of relaxation follow the clock of the records;
+those below are of a usual study. `specimen_stiffness` has one parameter, named after the specimen,
+for every specimen but the first of its mode. Pure shear counts as tension, confined compression as
+compression. Records without time have no effects marked *time*.
 """
 
 
 def page() -> str:
     """The whole page."""
     known = library().values()
-    lines = [HEAD, "| effect | tests | cost | of time | identifiable |", "|---|---|---|---|---|"]
-    lines += [
-        f"| [`{e.name}`](#{e.name}): {e.title} | {', '.join(e.modes)} | {e.tier} "
-        f"| {'yes' if e.of_time else 'no'} | {'yes' if e.identifiable else 'no'} |"
-        for e in known
+    lines = [
+        HEAD,
+        "| effect | tests | cost | parameter | range | null value | reference value | guesses |",
+        "|---|---|---|---|---|---|---|---|",
+        *(row for effect in known for row in _rows(effect)),
     ]
-    costs = ", ".join(f"{tier}: {text}" for tier, text in TIERS.items())
-    lines += ["", f"Cost: {costs}.", ""]
+    costs = "; ".join(f"{tier}: {text}" for tier, text in TIERS.items())
+    lines += ["", f"{costs}.", ""]
     return "\n".join(lines + [line for effect in known for line in _section(effect)])
 
 
@@ -50,22 +55,27 @@ def _section(effect: Effect) -> list[str]:
         "",
         f"{effect.title}. Signature: {effect.signature}.{identifiable}",
         "",
-        "| parameter | unit | range | null value | reference value | initial guesses |",
-        "|---|---|---|---|---|---|",
-        *(_row(p) for p in effect.parameters),
-        "",
         f"- Confounded with: {confused}.",
         f"- Discriminating experiment: {effect.experiment}.",
-        f"- Source of form and range: {effect.source}.",
+        f"- Source: {effect.source}.",
         "",
     ]
 
 
-def _row(p: Parameter) -> str:
-    neutral = f"{p.neutral:g}" if p.is_size else "shape"
-    starts = ", ".join(f"{value:g}" for value in p.grid) or "-"
-    cells = [f"`{p.name}`", p.unit, f"{p.low:g} to {p.high:g}", neutral, f"{p.nominal:g}", starts]
-    return f"| {' | '.join(cells)} |"
+def _rows(effect: Effect) -> Iterator[str]:
+    """Its lines of the table, one for each parameter."""
+    tests = "all" if set(effect.modes) == ALL else ", ".join(effect.modes)
+    cost = f"{effect.tier}, time" if effect.of_time else effect.tier
+    about = [f"[`{effect.name}`](#{effect.name})", tests, cost]
+    for p in effect.parameters:
+        null = f"{p.neutral:g}" if p.is_size else "shape"
+        guesses = ", ".join(f"{value:g}" for value in p.grid)
+        if len(p.grid) > FEW:
+            guesses = f"{len(p.grid)} from {min(p.grid):g} to {max(p.grid):g}"
+        unit = "" if p.unit == "1" else f" {p.unit}"
+        cells = [*about, f"`{p.name}`", f"{p.low:g} to {p.high:g}{unit}", null, f"{p.nominal:g}"]
+        yield f"| {' | '.join([*cells, guesses])} |"
+        about = ["", "", ""]
 
 
 if __name__ == "__main__":

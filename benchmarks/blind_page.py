@@ -115,9 +115,9 @@ classes named.
 
 SMALLEST = """
 Smallest multiple of the nominal size from which on an effect was noticed in every experiment
-(–: none):
+(–: none), with a floor of {floors}:
 
-| effect | {settings} |
+| effect | {designs} |
 |---|{rules}|"""
 
 CONFUSION = """
@@ -221,18 +221,24 @@ def _smallest_sizes(
     power: Rows, settings: Sequence[tuple[str, float]], sizes: Sequence[float]
 ) -> Iterator[str]:
     """From which size on each effect is noticed; `power` by effect, design, floor and size."""
+    designs = sorted({design for design, _ in settings})
     yield SMALLEST.format(
-        settings=" | ".join(f"{design}, floor {floor:g} %" for design, floor in settings),
-        rules="|".join("---" for _ in settings),
+        floors=" and ".join(f"{floor:g} %" for floor in sorted({floor for _, floor in settings})),
+        designs=" | ".join(designs),
+        rules="|".join("---" for _ in designs),
     )
     for name in EFFECTS:
         cells = [
-            _smallest([
-                (size, power[name, *setting, size]["value"])
-                for size in sizes
-                if (name, *setting, size) in power
-            ])
-            for setting in settings
+            ", ".join(
+                _smallest([
+                    (size, power[name, *setting, size]["value"])
+                    for size in sizes
+                    if (name, *setting, size) in power
+                ])
+                for setting in settings
+                if setting[0] == design
+            )
+            for design in designs
         ]  # fmt: skip
         yield f"| `{name}` | {' | '.join(cells)} |"
 

@@ -7,8 +7,6 @@ from softsample.loop.effects import library
 from softsample.loop.effects.base import Effect
 
 PAGE = Path(__file__).parents[1] / "docs/effects.md"
-FEW = 8
-"""More initial guesses than these are counted and not listed."""
 ALL = {"tension", "compression", "shear"}
 TIERS = {
     "P": "post-processing of the predicted record",
@@ -22,14 +20,14 @@ How they are selected, and how to add one, is in [loop.md](loop.md).
 
 An effect is absent at the null values of its amplitudes. Its sensitivity is computed at the
 reference values. Parameters marked *shape* (times, onsets) enter nonlinearly and are fitted from
-each initial guess. Offsets, drift and weight have the signs of the machine (positive in
+several initial guesses. Offsets, drift and weight have the signs of the machine (positive in
 tension and along +x); displacement is positive while loading.
 
 Ranges of lengths and forces hold for samples 6.5 to 26 mm high and peak forces of 0.2 to 5 N and
-are scaled with height and peak force beyond. Times of relaxation follow the clock of the records;
-those below are of a usual study. `specimen_stiffness` has one parameter, named after the specimen,
-for every specimen but the first of its mode. Pure shear counts as tension, confined compression as
-compression. Records without time have no effects marked *time*.
+are scaled with height and peak force beyond. Times of relaxation follow the clock of the records.
+`specimen_stiffness` has one parameter, named after the specimen, for every specimen but the first
+of its mode. Pure shear counts as tension, confined compression as compression. Records without time
+have no effects marked *time*.
 """
 
 
@@ -38,8 +36,8 @@ def page() -> str:
     known = library().values()
     lines = [
         HEAD,
-        "| effect | tests | cost | parameter | range | null value | reference value | guesses |",
-        "|---|---|---|---|---|---|---|---|",
+        "| effect | tests | cost | parameter | range | null value | reference value |",
+        "|---|---|---|---|---|---|---|",
         *(row for effect in known for row in _rows(effect)),
     ]
     costs = "; ".join(f"{tier}: {text}" for tier, text in TIERS.items())
@@ -55,9 +53,9 @@ def _section(effect: Effect) -> list[str]:
         "",
         f"{effect.title}. Signature: {effect.signature}.{identifiable}",
         "",
-        f"- Confounded with: {confused}.",
-        f"- Discriminating experiment: {effect.experiment}.",
-        f"- Source: {effect.source}.",
+        f"Confounded with {confused}. Discriminating experiment: {effect.experiment}.",
+        "",
+        f"Source: {effect.source}.",
         "",
     ]
 
@@ -69,12 +67,9 @@ def _rows(effect: Effect) -> Iterator[str]:
     about = [f"[`{effect.name}`](#{effect.name})", tests, cost]
     for p in effect.parameters:
         null = f"{p.neutral:g}" if p.is_size else "shape"
-        guesses = ", ".join(f"{value:g}" for value in p.grid)
-        if len(p.grid) > FEW:
-            guesses = f"{len(p.grid)} from {min(p.grid):g} to {max(p.grid):g}"
         unit = "" if p.unit == "1" else f" {p.unit}"
         cells = [*about, f"`{p.name}`", f"{p.low:g} to {p.high:g}{unit}", null, f"{p.nominal:g}"]
-        yield f"| {' | '.join([*cells, guesses])} |"
+        yield f"| {' | '.join(cells)} |"
         about = ["", "", ""]
 
 

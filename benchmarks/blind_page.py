@@ -20,13 +20,12 @@ Written by `benchmarks/blind_page.py` from `softsample.blindlab`; edit the files
     make blind-full   # four sizes, designs A, B and C, fewer of each: results/blind-full/
 
 The laboratory makes records with undeclared effects and asks the diagnosis for the cause. It
-shares nothing with the [effect library](effects.md): it has formulas of its own, relaxation has a
-continuous spectrum, its clock is four times as fine, and its elastic curves come from another mesh,
-loading time and modulus fractions. The makers of records import nothing of `softsample.loop`, and
-the score nothing of the effects; a test checks this. The ground truth is drawn from seeds, written
-to `planted.json` and hashed into `seal.json` before the first record is judged. Answers are frozen
-in `answers/`; scoring refuses a ground truth whose hash differs. Seeds from `first_seed` on serve
-the score alone.
+shares nothing with the [effect library](effects.md): formulas, clock, mesh, loading time and
+modulus fractions are its own. The makers of records import nothing of `softsample.loop`, and the
+score nothing of the effects; a test checks this. The ground truth is drawn from seeds, written to
+`planted.json` and hashed into `seal.json` before the first record is judged. Answers are frozen in
+`answers/`; scoring refuses a ground truth whose hash differs. Seeds from `first_seed` on serve the
+score alone.
 
 - Specimens: cuboids of many proportions; for `real_geometry` phantoms of imperfect shape, whose
   cuboid is the model. Modulus {MU_PA[0]:g} to {MU_PA[1]:g} Pa, drawn for every experiment.
@@ -78,39 +77,40 @@ BARS: dict[str, tuple[str, float, float]] = {
     "16 stated confidence less hits": ("<=", 0.05, 0.08),
 }
 """Criterion of each goal, without floor and with one of 1 %."""
+COUNTS = ("2 effects with power", "11 white RMS after")
+"""Goals that are no shares."""
 
 SCORED = """
 ## Score
 
 Written from [data/blind/score.json](data/blind/score.json): design B, nominal sizes, seeds that no
 development saw; {judged} of {planned} experiments judged. In brackets the one-sided 95 % bound,
-bold what misses its criterion. Counts of effects are out of 25.
+bold what misses its criterion. Counts of effects are out of 25; the file has the numbers of
+experiments.
 
-| goal | criterion | noise only | n | criterion | floor 1 % | n |
-|---|---|---|---|---|---|---|"""
+| goal | criterion | noise only | criterion | floor 1 % |
+|---|---|---|---|---|"""
 
 WITHIN_REACH = """
-Attainable: an answer that left no more error than records without any effect have would remove {}
-of the held-out error without a floor, {} with it. Of pairs whose effects are both noticed alone,
-both classes are named in {} without a floor ({} pairs), in {} with it ({} pairs)."""
+Attainable: an answer that left no more error than records without any effect have would remove {} %
+of the held-out error without a floor, {} % with it. Of pairs whose effects are both noticed alone,
+both classes are named in {} % without a floor ({} pairs), in {} % with it ({} pairs)."""
 
 PER_EFFECT = """
-Effects that were not always noticed, or were named wrongly; all others were noticed in 100 % and
-named wrongly in 0 %:
+Effects that were not always noticed, or were named wrongly (all others: 100 % and 0 %):
 
-| effect | noticed | wrong | noticed, floor 1 % | wrong, floor 1 % |
+| effect | noticed [%] | wrong | noticed, floor 1 % | wrong |
 |---|---|---|---|---|"""
 
 FULL_SCORE = """
 ## All sizes and designs
 
 Written from [data/blind-full/score.json](data/blind-full/score.json): {judged} of {planned}
-experiments, {seeds} of each effect, design, size and floor. Each cell has percentages at {sizes}
-times the nominal size: effects noticed, of these in the right class, of all wrongly named. Then
-false alarms; effects out of the library, at any size, called unknown or none; pairs at 1x with both
-classes named.
+experiments, {seeds} of each effect, design, size and floor. Percentages at {sizes} times the
+nominal size: effects noticed, of these in the right class, of all wrongly named. Then false alarms;
+those out of the library, at any size, called unknown or none; pairs at 1x with both classes named.
 
-| design | floor | noticed | class right | wrong | false alarms | out of library | pairs |
+| design | floor | noticed [%] | class right | wrong | false alarms | out of library | pairs |
 |---|---|---|---|---|---|---|---|"""
 
 SMALLEST = """
@@ -157,7 +157,8 @@ def _score(found: Mapping[str, Any]) -> Iterator[str]:
             f"{sign} {_shown(goal, bar)} | {_judged(goal, sign, bar, rows[goal, floor])}"
             for floor, bar in zip((0.0, 1.0), bars, strict=True)
         ]
-        yield f"| {goal.lstrip('0123456789 ')} | {' | '.join(cells)} |"
+        unit = "" if goal in COUNTS else " [%]"
+        yield f"| {goal.lstrip('0123456789 ')}{unit} | {' | '.join(cells)} |"
     left, able = (
         [rows.get((goal, floor), {"value": None, "n": 0}) for floor in (0.0, 1.0)]
         for goal in (
@@ -176,7 +177,7 @@ def _score(found: Mapping[str, Any]) -> Iterator[str]:
             for floor in (0.0, 1.0)
             for goal in ("2 power", "5 wrong")
         ]
-        if cells != ["100 %", "0 %"] * 2:
+        if cells != ["100", "0"] * 2:
             yield f"| `{name}` | {' | '.join(cells)} |"
     yield CONFUSION.rstrip()
 
@@ -210,7 +211,7 @@ def _full(found: Mapping[str, Any]) -> Iterator[str]:
             )
         goals = ("3 class correct when noticed", "5 confidently wrong")
         named = [[rows[goal, *setting, size]["value"] for size in sizes] for goal in goals]
-        cells = [", ".join(_shown("", x).rstrip(" %") for x in row) for row in (noticed, *named)]
+        cells = [", ".join(_shown("", x) for x in row) for row in (noticed, *named)]
         whole = ("1 false alarms", "6 out of library: unknown or none", "8 pairs: both classes")
         cells += [_shown("", rows[goal, *setting, None]["value"]) for goal in whole]
         yield f"| {setting[0]} | {setting[1]:g} % | {' | '.join(cells)} |"
@@ -252,20 +253,18 @@ def _smallest(noticed: Sequence[tuple[float, float]]) -> str:
 def _judged(goal: str, sign: str, bar: float, row: Mapping[str, Any]) -> str:
     """Value with its bound, bold where it misses the bar."""
     if row["value"] is None:
-        return "– | 0"
+        return "–"
     met = row["value"] <= bar if sign == "<=" else row["value"] >= bar
     value = _shown(goal, row["value"])
     bound = "" if row["bound"] is None else f" ({_shown(goal, row['bound'])})"
-    return f"{value if met else f'**{value}**'}{bound} | {row['n']}"
+    return f"{value if met else f'**{value}**'}{bound}"
 
 
 def _shown(goal: str, value: float | None) -> str:
     """Shares in percent."""
     if value is None:
         return "–"
-    if goal in ("2 effects with power", "11 white RMS after"):
-        return f"{value:.3g}"
-    return f"{100.0 * value:.0f} %"
+    return f"{value:.3g}" if goal in COUNTS else f"{100.0 * value:.0f}"
 
 
 def _table(kinds: dict[str, Kind]) -> list[str]:

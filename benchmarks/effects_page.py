@@ -8,11 +8,6 @@ from softsample.loop.effects.base import Effect
 
 PAGE = Path(__file__).parents[1] / "docs/effects.md"
 ALL = {"tension", "compression", "shear"}
-TIERS = {
-    "P": "post-processing of the predicted record",
-    "L": "a run of the solver for each parameter",
-    "M": "runs of a changed model",
-}
 HEAD = """# Effects that the diagnosis can name
 
 Written by `benchmarks/effects_page.py` from `src/softsample/loop/effects`; edit the files there.
@@ -36,12 +31,11 @@ def page() -> str:
     known = library().values()
     lines = [
         HEAD,
-        "| effect | tests | cost | parameter | range | null value | reference value |",
-        "|---|---|---|---|---|---|---|",
+        "| effect | tests | parameter | range | null value | reference value |",
+        "|---|---|---|---|---|---|",
         *(row for effect in known for row in _rows(effect)),
     ]
-    costs = "; ".join(f"{tier}: {text}" for tier, text in TIERS.items())
-    lines += ["", f"{costs}.", ""]
+    lines.append("")
     return "\n".join(lines + [line for effect in known for line in _section(effect)])
 
 
@@ -63,14 +57,13 @@ def _section(effect: Effect) -> list[str]:
 def _rows(effect: Effect) -> Iterator[str]:
     """Its lines of the table, one for each parameter."""
     tests = "all" if set(effect.modes) == ALL else ", ".join(effect.modes)
-    cost = f"{effect.tier}, time" if effect.of_time else effect.tier
-    about = [f"[`{effect.name}`](#{effect.name})", tests, cost]
+    about = [f"[`{effect.name}`](#{effect.name})", f"{tests}, time" if effect.of_time else tests]
     for p in effect.parameters:
         null = f"{p.neutral:g}" if p.is_size else "shape"
         unit = "" if p.unit == "1" else f" {p.unit}"
         cells = [*about, f"`{p.name}`", f"{p.low:g} to {p.high:g}{unit}", null, f"{p.nominal:g}"]
         yield f"| {' | '.join(cells)} |"
-        about = ["", "", ""]
+        about = ["", ""]
 
 
 if __name__ == "__main__":

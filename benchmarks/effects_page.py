@@ -13,10 +13,10 @@ HEAD = """# Effects that the diagnosis can name
 Written by `benchmarks/effects_page.py` from `src/softsample/loop/effects`; edit the files there.
 How they are selected, and how to add one, is in [loop.md](loop.md).
 
-An effect is absent at the null values of its amplitudes. Its sensitivity is computed at the
-reference values. Parameters marked *shape* (times, onsets) enter nonlinearly and are fitted from
-several initial guesses. Offsets, drift and weight have the signs of the machine (positive in
-tension and along +x); displacement is positive while loading.
+An effect is absent at the null values of its amplitudes, 0 unless stated. Its sensitivity is
+computed at the reference values. Parameters marked *shape* (times, onsets) enter nonlinearly and
+are fitted from several initial guesses. Offsets, drift and weight have the signs of the machine
+(positive in tension and along +x); displacement is positive while loading.
 
 Ranges of lengths and forces hold for samples 6.5 to 26 mm high and peak forces of 0.2 to 5 N and
 are scaled with height and peak force beyond. Times of relaxation follow the clock of the records.
@@ -31,8 +31,8 @@ def page() -> str:
     known = library().values()
     lines = [
         HEAD,
-        "| effect | tests | parameter | range | null value | reference value |",
-        "|---|---|---|---|---|---|",
+        "| effect | tests | parameter | range | reference value |",
+        "|---|---|---|---|---|",
         *(row for effect in known for row in _rows(effect)),
     ]
     lines.append("")
@@ -59,10 +59,11 @@ def _rows(effect: Effect) -> Iterator[str]:
     tests = "all" if set(effect.modes) == ALL else ", ".join(effect.modes)
     about = [f"[`{effect.name}`](#{effect.name})", f"{tests}, time" if effect.of_time else tests]
     for p in effect.parameters:
-        null = f"{p.neutral:g}" if p.is_size else "shape"
         unit = "" if p.unit == "1" else f" {p.unit}"
-        cells = [*about, f"`{p.name}`", f"{p.low:g} to {p.high:g}{unit}", null, f"{p.nominal:g}"]
-        yield f"| {' | '.join(cells)} |"
+        null = f", null {p.neutral:g}" if p.neutral else ""
+        kind = null if p.is_size else ", shape"
+        about += [f"`{p.name}`", f"{p.low:g} to {p.high:g}{unit}{kind}", f"{p.nominal:g}"]
+        yield f"| {' | '.join(about)} |"
         about = ["", ""]
 
 

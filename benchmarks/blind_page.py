@@ -19,12 +19,11 @@ Written by `benchmarks/blind_page.py` from `softsample.blindlab`; edit the files
     make blind        # every effect at its nominal size, design B: results/blind/
     make blind-full   # four sizes, designs A, B and C, fewer of each: results/blind-full/
 
-The laboratory makes records with undeclared effects and asks the diagnosis for the cause. It
-shares nothing with the [effect library](effects.md): formulas, clock, mesh, loading time and
-modulus fractions are its own. The makers of records import nothing of `softsample.loop`, and the
-score nothing of the effects; a test checks this. The ground truth is drawn from seeds, written to
-`planted.json` and hashed into `seal.json` before the first record is judged. Answers are frozen in
-`answers/`; scoring refuses a ground truth whose hash differs. Seeds from `first_seed` on serve the
+The laboratory makes records with undeclared effects and asks the diagnosis for the cause. Its
+formulas, clock, mesh, loading time and modulus fractions are its own: the makers of records import
+nothing of `softsample.loop`, and the score nothing of the effects (test). The ground truth is drawn
+from seeds, written to `planted.json` and hashed into `seal.json` before the first record is judged;
+scoring refuses another. Answers are frozen in `answers/`. Seeds from `first_seed` on serve the
 score alone.
 
 - Specimens: cuboids of many proportions; for `real_geometry` phantoms of imperfect shape, whose
@@ -34,11 +33,9 @@ score alone.
   speed.
 - Noise: {1e3 * WHITE:g} mN white, and {1e3 * SLOW:g} mN with a correlation of a second.
 - Floor: a smooth error of each test that nothing explains, correlated over a quarter of the
-  stroke. The diagnosis is told its size, as a laboratory would know it from replicates, and the
-  error of its own mesh (config `blind: noise:`).
+  stroke. The diagnosis is told its size and the error of its own mesh (config `blind: noise:`).
 - `score.json` has value, one-sided 95 % bound and number of experiments of each goal, by design,
-  floor and size. `confusion.csv` and `.png` show which effect an answer names first; a class that
-  holds the true effect counts for it.
+  floor and size. A class that holds the true effect counts for it.
 
 ## Effects and the size called 1x
 

@@ -12,7 +12,8 @@ HEAD = """# Effects that the diagnosis can name
 
 Written by `benchmarks/effects_page.py` from `src/softsample/loop/effects`; edit the files there.
 How they are selected, and how to add one, is in [loop.md](loop.md). A section has the signature of
-an effect, what it is confounded with, and the source of its form and range.
+an effect, what it is confounded with, the discriminating experiment, and the source of form and
+range.
 
 An effect is absent at the null values of its amplitudes, 0 unless stated. Its sensitivity is
 computed at the reference values. Parameters marked *shape* (times, onsets) enter nonlinearly and
@@ -48,7 +49,7 @@ def _section(effect: Effect) -> list[str]:
         "",
         f"{effect.title}: {effect.signature}.{identifiable}",
         "",
-        f"Confounded with {confused}. Discriminating experiment: {effect.experiment}.",
+        f"Confounded with {confused}. Experiment: {effect.experiment}.",
         "",
         f"Source: {effect.source}.",
         "",

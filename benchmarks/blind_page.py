@@ -1,7 +1,7 @@
 """Writes docs/blindlab.md from the blind laboratory: python benchmarks/blind_page.py."""
 
 import json
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
@@ -107,12 +107,12 @@ experiments, {seeds} of each effect, design, size and floor. Percentages at {siz
 nominal size: effects noticed, of these in the right class, of all wrongly named. Then false alarms;
 those out of the library, at any size, called unknown or none; pairs at 1x with both classes named.
 
-| design | floor | noticed [%] | class right | wrong | false alarms | out of library | pairs |
+| design | floor [%] | noticed [%] | class right | wrong | false alarms | out of library | pairs |
 |---|---|---|---|---|---|---|---|"""
 
 SMALLEST = """
 Smallest multiple of the nominal size from which on an effect was noticed in every experiment
-(–: none), with a floor of {floors}:
+(–: none), with a floor of {floors}, once if both agree:
 
 | effect | {designs} |
 |---|{rules}|"""
@@ -211,7 +211,7 @@ def _full(found: Mapping[str, Any]) -> Iterator[str]:
         cells = [", ".join(_shown("", x) for x in row) for row in (noticed, *named)]
         whole = ("1 false alarms", "6 out of library: unknown or none", "8 pairs: both classes")
         cells += [_shown("", rows[goal, *setting, None]["value"]) for goal in whole]
-        yield f"| {setting[0]} | {setting[1]:g} % | {' | '.join(cells)} |"
+        yield f"| {setting[0]} | {setting[1]:g} | {' | '.join(cells)} |"
     yield from _smallest_sizes(power, settings, sizes)
 
 
@@ -227,7 +227,7 @@ def _smallest_sizes(
     )
     for name in EFFECTS:
         cells = [
-            ", ".join(
+            _once(
                 _smallest([
                     (size, power[name, *setting, size]["value"])
                     for size in sizes
@@ -239,6 +239,12 @@ def _smallest_sizes(
             for design in designs
         ]  # fmt: skip
         yield f"| `{name}` | {' | '.join(cells)} |"
+
+
+def _once(cells: Iterable[str]) -> str:
+    """All cells, or the one that all are."""
+    found = list(cells)
+    return found[0] if len(set(found)) == 1 else ", ".join(found)
 
 
 def _smallest(noticed: Sequence[tuple[float, float]]) -> str:

@@ -122,8 +122,8 @@ CONFUSION = """
 """
 
 ASUNDER = """
-The first score is of specimens from number {} on, that of all sizes of those from {} on: the two
-were run by different states of the diagnosis.
+The first score is of specimens from number {} on, the second of those from {} on, by different
+states of the diagnosis.
 """
 
 Rows = Mapping[tuple[Any, ...], Mapping[str, Any]]

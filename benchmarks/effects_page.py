@@ -47,7 +47,7 @@ def _section(effect: Effect) -> list[str]:
     return [
         f"## `{effect.name}`",
         "",
-        f"{effect.title}: {effect.signature}.{identifiable}",
+        f"{effect.title}. {effect.signature[0].upper()}{effect.signature[1:]}.{identifiable}",
         "",
         f"Confounded with {confused}. Experiment: {effect.experiment}.",
         "",

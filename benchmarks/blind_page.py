@@ -1,7 +1,7 @@
 """Writes docs/blindlab.md from the blind laboratory: python benchmarks/blind_page.py."""
 
 import json
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
@@ -19,36 +19,34 @@ Written by `benchmarks/blind_page.py` from `softsample.blindlab`; edit the files
     make blind        # every effect at its nominal size, design B: results/blind/
     make blind-full   # four sizes, designs A, B and C, fewer of each: results/blind-full/
 
-The laboratory makes records with effects that nobody declares and asks the loop what is wrong. It
-shares nothing with the effect library: its formulas are others, relaxation has a continuous
-spectrum, its clock is four times as fine, and its elastic curves come from runs on another mesh,
-in another loading time and at modulus fractions off the loop's. Makers of records import nothing of
-`softsample.loop`, and the judge nothing of its effects; a test holds that. The ground truth is
-drawn from seeds, written to `planted.json` and hashed into `seal.json` before the first record is
-judged; the answers are frozen in `answers/`; the score opens the seal and refuses if the hash
-differs. Seeds from `first_seed` on serve the score alone.
+The laboratory makes records with undeclared effects and asks the diagnosis for the cause. Its
+formulas, clock, mesh, loading time and modulus fractions are its own: the makers of records import
+nothing of `softsample.loop`, and the score nothing of the effects (test). The ground truth is drawn
+from seeds, written to `planted.json` and hashed into `seal.json` before the first record is judged;
+scoring refuses another. Answers are frozen in `answers/`. Seeds from `first_seed` on serve the
+score alone.
 
-- Samples: cuboids of many proportions; for `real_geometry` phantoms of imperfect shape, whose
-  cuboid is the loop's model. Modulus {MU_PA[0]:g} to {MU_PA[1]:g} Pa, drawn anew for every
-  experiment.
+- Specimens: cuboids of many proportions; for `real_geometry` phantoms of imperfect shape, whose
+  cuboid is the model. Modulus {MU_PA[0]:g} to {MU_PA[1]:g} Pa, drawn for every experiment.
 - Designs at {SPEED:g} mm/s: A the loading ramp alone; B {REST:g} s of rest, ramp, {HOLD:g} s of
   hold, unloading; C is B at {" and ".join(f"{speed:g}" for speed in DESIGNS["C"])} times the
   speed.
-- Noise {1e3 * WHITE:g} mN white in each sample and {1e3 * SLOW:g} mN with a correlation of a
-  second. A floor adds a smooth error of each test that nothing explains, correlated over a
-  quarter of the stroke. The loop is told the floor (as a laboratory would know it from
-  replicates), and what its own mesh does not resolve: config `blind: noise:`.
-- Goals are those of LOOP, by number; `score.json` has value, one-sided 95 % bound and number of
-  experiments by design, floor and size. `confusion.csv` and `.png` show which effect an answer
-  names first; a class that holds the true effect counts for it.
+- Noise: {1e3 * WHITE:g} mN white, and {1e3 * SLOW:g} mN with a correlation of a second.
+- Floor: a smooth error of each test that nothing explains, correlated over a quarter of the
+  stroke. The diagnosis is told its size and the error of its own mesh (config `blind: noise:`).
+- `score.json` has value, one-sided 95 % bound and number of experiments of each goal, by design,
+  floor and size. A class that holds the true effect counts for it.
 
 ## Effects and the size called 1x
 
-Sizes vary by a tenth from experiment to experiment. Rows are those of LOOP's section B.
+Sizes vary by a tenth from experiment to experiment.
 """
 NEXT = {
-    "## What is only another modulus": (SCALES, "The right answer is that nothing can be seen."),
-    "## Kinds that the loop has no name for": (
+    "## Effects that only scale the modulus": (
+        SCALES,
+        "The right answer is that nothing can be seen.",
+    ),
+    "## Effects out of the library": (
         STRANGERS,
         "The right answer is `unknown` or `none`.",
     ),
@@ -75,45 +73,48 @@ BARS: dict[str, tuple[str, float, float]] = {
     "14 error of the size": ("<=", 0.10, 0.20),
     "16 stated confidence less hits": ("<=", 0.05, 0.08),
 }
-"""Goals of LOOP, without floor and with one of 1 %."""
+"""Criterion of each goal, without floor and with one of 1 %."""
+COUNTS = ("2 effects with power", "11 white RMS after")
+"""Goals that are no shares."""
 
 SCORED = """
 ## Score
 
 Written from [data/blind/score.json](data/blind/score.json): design B, nominal sizes, seeds that no
-development saw. {judged} of the {planned} experiments were judged; the plan is in random order. In
-brackets the one-sided 95 % bound. Counts of effects are out of 25.
+development saw; {judged} of {planned} experiments judged. In brackets the one-sided 95 % bound,
+bold what misses its criterion. Counts of effects are out of 25; the file has the numbers of
+experiments.
 
-| goal | bar | noise only | n | bar | floor 1 % | n |
-|---|---|---|---|---|---|---|"""
+| goal | criterion | noise only | criterion | floor 1 % |
+|---|---|---|---|---|"""
 
 WITHIN_REACH = """
-What is within reach: if an answer left the error that records without any effect leave, {} of the
-held-out error would be removed without a floor, {} with it. Of pairs whose effects are both noticed
-alone, both classes are named in {} without a floor ({} pairs), in {} with it ({} pairs)."""
+Attainable: an answer that left no more error than records without any effect have would remove {} %
+of the held-out error without a floor, {} % with it. Of pairs whose effects are both noticed alone,
+both classes are named in {} % without a floor ({} pairs), in {} % with it ({} pairs)."""
 
 PER_EFFECT = """
-Noticed and wrongly named, by effect:
+Effects that were not always noticed, or were named wrongly (all others: 100 % and 0 %):
 
-| effect | noticed | wrong | noticed, floor 1 % | wrong, floor 1 % |
+| effect | noticed [%] | wrong | noticed, floor 1 % | wrong |
 |---|---|---|---|---|"""
 
 FULL_SCORE = """
 ## All sizes and designs
 
 Written from [data/blind-full/score.json](data/blind-full/score.json): {judged} of {planned}
-experiments, {seeds} of each effect, design, size and floor. Over the 25 effects: how many were
-noticed, how many of these in the right class, how many of all wrongly named. False alarms; kinds
-without a name, at any size, called unknown or none; pairs at 1x with both classes named.
+experiments, {seeds} of each effect, design, size and floor. Percentages at {sizes} times the
+nominal size: effects noticed, of these in the right class, of all wrongly named. Then false alarms;
+those out of the library, at any size, called unknown or none; pairs at 1x with both classes named.
 
-| design | floor | size | noticed | class right | wrong | false alarms | out of library | pairs |
-|---|---|---|---|---|---|---|---|---|"""
+| design | floor [%] | noticed [%] | class right | wrong | false alarms | out of library | pairs |
+|---|---|---|---|---|---|---|---|"""
 
 SMALLEST = """
-Smallest multiple of the size called 1x from which on an effect was noticed in every experiment
-(–: none of {sizes}):
+Smallest multiple of the nominal size from which on an effect was noticed in every experiment
+(–: none), with a floor of {floors}, once if both agree:
 
-| effect | {settings} |
+| effect | {designs} |
 |---|{rules}|"""
 
 CONFUSION = """
@@ -121,8 +122,8 @@ CONFUSION = """
 """
 
 ASUNDER = """
-The score further up is of specimens from number {} on, the tables of all sizes of those from {} on:
-the two were not run by the same state of the loop.
+The first score is of specimens from number {} on, the second of those from {} on, by different
+states of the diagnosis.
 """
 
 Rows = Mapping[tuple[Any, ...], Mapping[str, Any]]
@@ -153,7 +154,8 @@ def _score(found: Mapping[str, Any]) -> Iterator[str]:
             f"{sign} {_shown(goal, bar)} | {_judged(goal, sign, bar, rows[goal, floor])}"
             for floor, bar in zip((0.0, 1.0), bars, strict=True)
         ]
-        yield f"| {goal.lstrip('0123456789 ')} | {' | '.join(cells)} |"
+        unit = "" if goal in COUNTS else " [%]"
+        yield f"| {goal.lstrip('0123456789 ')}{unit} | {' | '.join(cells)} |"
     left, able = (
         [rows.get((goal, floor), {"value": None, "n": 0}) for floor in (0.0, 1.0)]
         for goal in (
@@ -172,7 +174,8 @@ def _score(found: Mapping[str, Any]) -> Iterator[str]:
             for floor in (0.0, 1.0)
             for goal in ("2 power", "5 wrong")
         ]
-        yield f"| `{name}` | {' | '.join(cells)} |"
+        if cells != ["100", "0"] * 2:
+            yield f"| `{name}` | {' | '.join(cells)} |"
     yield CONFUSION.rstrip()
 
 
@@ -191,21 +194,24 @@ def _full(found: Mapping[str, Any]) -> Iterator[str]:
         for size in sizes
         if (f"2 power {name}", *setting, size) in rows
     }
-    yield FULL_SCORE.format(**found["experiments"], seeds=max(row["n"] for row in power.values()))
+    yield FULL_SCORE.format(
+        **found["experiments"],
+        seeds=max(row["n"] for row in power.values()),
+        sizes=", ".join(f"{size:g}" for size in sizes),
+    )
     for setting in settings:
+        noticed = []
         for size in sizes:
             here = [row for (_, *where), row in power.items() if where == [*setting, size]]
-            noticed = sum(row["value"] * row["n"] for row in here) / sum(row["n"] for row in here)
-            cells = [_shown("", noticed)] + [
-                _shown("", rows[goal, *setting, size]["value"])
-                for goal in ("3 class correct when noticed", "5 confidently wrong")
-            ]
-            whole = ("1 false alarms", "6 out of library: unknown or none", "8 pairs: both classes")
-            cells += [
-                _shown("", rows[goal, *setting, None]["value"]) if size == 1.0 else ""
-                for goal in whole
-            ]
-            yield f"| {setting[0]} | {setting[1]:g} % | {size:g} | {' | '.join(cells)} |"
+            noticed.append(
+                sum(row["value"] * row["n"] for row in here) / sum(row["n"] for row in here)
+            )
+        goals = ("3 class correct when noticed", "5 confidently wrong")
+        named = [[rows[goal, *setting, size]["value"] for size in sizes] for goal in goals]
+        cells = [", ".join(_shown("", x) for x in row) for row in (noticed, *named)]
+        whole = ("1 false alarms", "6 out of library: unknown or none", "8 pairs: both classes")
+        cells += [_shown("", rows[goal, *setting, None]["value"]) for goal in whole]
+        yield f"| {setting[0]} | {setting[1]:g} | {' | '.join(cells)} |"
     yield from _smallest_sizes(power, settings, sizes)
 
 
@@ -213,21 +219,32 @@ def _smallest_sizes(
     power: Rows, settings: Sequence[tuple[str, float]], sizes: Sequence[float]
 ) -> Iterator[str]:
     """From which size on each effect is noticed; `power` by effect, design, floor and size."""
+    designs = sorted({design for design, _ in settings})
     yield SMALLEST.format(
-        sizes=", ".join(f"{size:g}" for size in sizes),
-        settings=" | ".join(f"{design}, floor {floor:g} %" for design, floor in settings),
-        rules="|".join("---" for _ in settings),
+        floors=" and ".join(f"{floor:g} %" for floor in sorted({floor for _, floor in settings})),
+        designs=" | ".join(designs),
+        rules="|".join("---" for _ in designs),
     )
     for name in EFFECTS:
         cells = [
-            _smallest([
-                (size, power[name, *setting, size]["value"])
-                for size in sizes
-                if (name, *setting, size) in power
-            ])
-            for setting in settings
+            _once(
+                _smallest([
+                    (size, power[name, *setting, size]["value"])
+                    for size in sizes
+                    if (name, *setting, size) in power
+                ])
+                for setting in settings
+                if setting[0] == design
+            )
+            for design in designs
         ]  # fmt: skip
         yield f"| `{name}` | {' | '.join(cells)} |"
+
+
+def _once(cells: Iterable[str]) -> str:
+    """All cells, or the one that all are."""
+    found = list(cells)
+    return found[0] if len(set(found)) == 1 else ", ".join(found)
 
 
 def _smallest(noticed: Sequence[tuple[float, float]]) -> str:
@@ -239,25 +256,23 @@ def _smallest(noticed: Sequence[tuple[float, float]]) -> str:
 def _judged(goal: str, sign: str, bar: float, row: Mapping[str, Any]) -> str:
     """Value with its bound, bold where it misses the bar."""
     if row["value"] is None:
-        return "– | 0"
+        return "–"
     met = row["value"] <= bar if sign == "<=" else row["value"] >= bar
     value = _shown(goal, row["value"])
     bound = "" if row["bound"] is None else f" ({_shown(goal, row['bound'])})"
-    return f"{value if met else f'**{value}**'}{bound} | {row['n']}"
+    return f"{value if met else f'**{value}**'}{bound}"
 
 
 def _shown(goal: str, value: float | None) -> str:
     """Shares in percent."""
     if value is None:
         return "–"
-    if goal in ("2 effects with power", "11 white RMS after"):
-        return f"{value:.3g}"
-    return f"{100.0 * value:.0f} %"
+    return f"{value:.3g}" if goal in COUNTS else f"{100.0 * value:.0f}"
 
 
 def _table(kinds: dict[str, Kind]) -> list[str]:
-    rows = [f"| `{n}` | {k.row} | {k.nominal} | {k.form} |" for n, k in kinds.items()]
-    return ["| name | row of LOOP | 1x | the laboratory's form |", "|---|---|---|---|", *rows]
+    rows = [f"| `{n}` | {k.nominal} | {k.form} |" for n, k in kinds.items()]
+    return ["| name | 1x | form in the laboratory |", "|---|---|---|", *rows]
 
 
 if __name__ == "__main__":

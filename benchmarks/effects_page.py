@@ -1,44 +1,43 @@
 """Writes docs/effects.md from the library of effects: python benchmarks/effects_page.py."""
 
+from collections.abc import Iterator
 from pathlib import Path
 
 from softsample.loop.effects import library
-from softsample.loop.effects.base import Effect, Parameter
+from softsample.loop.effects.base import Effect
 
 PAGE = Path(__file__).parents[1] / "docs/effects.md"
-TIERS = {
-    "P": "post-processing of the predicted record",
-    "L": "a run of the solver for each parameter",
-    "M": "runs of a changed model",
-}
+ALL = {"tension", "compression", "shear"}
 HEAD = """# Effects that the diagnosis can name
 
 Written by `benchmarks/effects_page.py` from `src/softsample/loop/effects`; edit the files there.
-How they are chosen, and how to add one, is in [loop.md](loop.md). Offsets, drift and weight have
-the signs of the machine (positive in tension and along +x), displacement is positive while loading.
+How they are selected, and how to add one, is in [loop.md](loop.md). A section has the signature of
+an effect, what it is confounded with, the discriminating experiment, and the source of form and
+range.
 
-An effect is absent at the null values of its amplitudes. Its sensitivity is computed at the
-reference values. *Shapes* (times, onsets) enter nonlinearly and are fitted from each initial guess.
-Ranges of lengths and forces hold for samples 6.5 to 26 mm high and peak forces of 0.2 to 5 N;
-beyond these they are scaled with height and peak force (`softsample.loop.candidates`).
-Pure shear counts as tension, confined compression as compression.
-Records without time have no effects of time among their candidates. Times of relaxation are those
-of a usual study here; they follow the clock of the records. `specimen_stiffness` has one size,
-named after the specimen, for every specimen but the first of its mode.
+An effect is absent at the null values of its amplitudes, 0 unless stated. Its sensitivity is
+computed at the reference values. Parameters marked *shape* (times, onsets) enter nonlinearly and
+are fitted from several initial guesses. Offsets, drift and weight have the signs of the machine
+(positive in tension and along +x); displacement is positive while loading.
+
+Ranges of lengths and forces hold for samples 6.5 to 26 mm high and peak forces of 0.2 to 5 N and
+are scaled with height and peak force beyond. Times of relaxation follow the clock of the records.
+`specimen_stiffness` has one parameter, named after the specimen, for every specimen but the first
+of its mode. Pure shear counts as tension, confined compression as compression. Records without time
+have no effects marked *time*.
 """
 
 
 def page() -> str:
     """The whole page."""
     known = library().values()
-    lines = [HEAD, "| effect | tests | cost | of time | identifiable |", "|---|---|---|---|---|"]
-    lines += [
-        f"| [`{e.name}`](#{e.name}): {e.title} | {', '.join(e.modes)} | {e.tier} "
-        f"| {'yes' if e.of_time else 'no'} | {'yes' if e.identifiable else 'no'} |"
-        for e in known
+    lines = [
+        HEAD,
+        "| effect | tests | parameter | range | reference value |",
+        "|---|---|---|---|---|",
+        *(row for effect in known for row in _rows(effect)),
     ]
-    costs = ", ".join(f"{tier}: {text}" for tier, text in TIERS.items())
-    lines += ["", f"Cost: {costs}.", ""]
+    lines.append("")
     return "\n".join(lines + [line for effect in known for line in _section(effect)])
 
 
@@ -48,24 +47,26 @@ def _section(effect: Effect) -> list[str]:
     return [
         f"## `{effect.name}`",
         "",
-        f"{effect.title}. Signature: {effect.signature}.{identifiable}",
+        f"{effect.title}. {effect.signature[0].upper()}{effect.signature[1:]}.{identifiable}",
         "",
-        "| parameter | unit | range | null value | reference value | initial guesses |",
-        "|---|---|---|---|---|---|",
-        *(_row(p) for p in effect.parameters),
+        f"Confounded with {confused}. Experiment: {effect.experiment}.",
         "",
-        f"- Confounded with: {confused}.",
-        f"- Discriminating experiment: {effect.experiment}.",
-        f"- Source of form and range: {effect.source}.",
+        f"Source: {effect.source}.",
         "",
     ]
 
 
-def _row(p: Parameter) -> str:
-    neutral = f"{p.neutral:g}" if p.is_size else "shape"
-    starts = ", ".join(f"{value:g}" for value in p.grid) or "-"
-    cells = [f"`{p.name}`", p.unit, f"{p.low:g} to {p.high:g}", neutral, f"{p.nominal:g}", starts]
-    return f"| {' | '.join(cells)} |"
+def _rows(effect: Effect) -> Iterator[str]:
+    """Its lines of the table, one for each parameter."""
+    tests = "all" if set(effect.modes) == ALL else ", ".join(effect.modes)
+    about = [f"[`{effect.name}`](#{effect.name})", f"{tests}, time" if effect.of_time else tests]
+    for p in effect.parameters:
+        unit = "" if p.unit == "1" else f" {p.unit}"
+        null = f", null {p.neutral:g}" if p.neutral else ""
+        kind = null if p.is_size else ", shape"
+        about += [f"`{p.name}`", f"{p.low:g} to {p.high:g}{unit}{kind}", f"{p.nominal:g}"]
+        yield f"| {' | '.join(about)} |"
+        about = ["", ""]
 
 
 if __name__ == "__main__":

@@ -333,7 +333,7 @@ def test_the_page_of_all_sizes_has_every_effect_and_setting():
     found = {"score": score(cases), "experiments": {"planned": 60, "judged": len(cases)}}
     lines = "\n".join(blind_page._full(found))
     assert "50 of 60" in " ".join(lines.split())
-    assert "| B | 0 % | 0.5 | 100 % | 100 % | 0 % |  |  |  |" in lines
+    assert "| B | 0 | 100, 100 | 100, 100 | 0, 0 | – | – | – |" in lines
     for name in blind_page.EFFECTS:
         assert f"| `{name}` | 0.5 |" in lines
 

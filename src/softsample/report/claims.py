@@ -102,7 +102,7 @@ def _mean(quantity: str, mode: str, why: str = "") -> Callable[[Tables], Finding
         return Finding(
             f"{_signed(ours[0])} % (SD {ours[1]:.1f})",
             _verdict(p_value >= LEVEL),
-            f"Welch's test: p = {p_value:.2g}{'; ' if why else ''}{why}",
+            f"p = {p_value:.2g}{'; ' if why else ''}{why}",
         )
 
     return judge
@@ -115,9 +115,8 @@ def _shear_bias(tables: Tables) -> Finding:
     bias = rows[rows["model_variant"] == "cuboid"].set_index("sample_variant")["bias_percent"]
     if "bond_by_contact" in bias:
         why = (
-            f"; the bonded part of the top decides: {_signed(float(bias['real']))} % if what lies "
-            f"within the pre-load is bonded, {_signed(float(bias['bond_by_contact']))} % if what "
-            "touches is (coarser elements); adhesive fills gaps"
+            f"; {_signed(float(bias['real']))} % if what lies within the pre-load is bonded, "
+            f"{_signed(float(bias['bond_by_contact']))} % if what touches is (coarser elements)"
         )
         found = replace(found, why=found.why + why)
     return found
@@ -136,8 +135,7 @@ def _above(other: str) -> Callable[[Tables], Finding]:
         return Finding(
             f"so over {100.0 * share:.0f} % of the strains up to 0.25",
             _verdict(share > MOST),
-            "incomplete contact lowers the nominal stress in compression; "
-            "it depends on the synthetic tops",
+            "incomplete contact lowers the nominal stress in compression",
         )
 
     return judge
@@ -160,7 +158,7 @@ def _exponents(tables: Tables) -> Finding:
     return Finding(
         "; ".join(words).replace("-8", "−8") + f"; one pair for all: p = {p_value:.1g}",
         _verdict(every),
-        "one mode of loading hardly bounds α1; the test knows the noise of the records alone",
+        "one mode of loading hardly bounds α1; the test knows noise alone",
     )
 
 
@@ -174,7 +172,7 @@ def _accuracy(geometry: str) -> Callable[[Tables], Finding]:
             "ideal": "a cuboid is in full contact from the start",
         }
         return Finding(
-            f"area between the curves over that below the record: {', '.join(ranges)}",
+            f"area error: {', '.join(ranges)}",
             _verdict(bool(errors.max().max() <= ACCURATE)),
             f"accurate: {ACCURATE:g} % at most; {why[geometry]}",
         )
@@ -291,8 +289,8 @@ def _signed(value: float) -> str:
     return f"{value:+.1f}".replace("-", "−")
 
 
-MADE_UP = "the synthetic shapes were generated to have similar areas"
-RELIEF = "depends on the relief of the synthetic tops; what would suffice is below"
+MADE_UP = "similar by construction"
+RELIEF = "depends on the relief of the tops"
 
 CLAIMS: tuple[tuple[str, str, tuple[str, ...], Callable[[Tables], Finding]], ...] = (
     ("2.4.2", "0.5 mm elements are mesh-independent", ("sensitivity", "fit_errors"), _mesh),

@@ -12,14 +12,6 @@ from softsample.report.geometry_effects import spoken
 
 MISSING = "–"
 
-QUANTITY_NAMES = {
-    "bottom_area_absolute": "bottom area, without sign",
-    "bottom_area": "bottom area",
-    "top_area": "top area",
-    "modulus_two_term": "modulus, two-term model",
-    "modulus_one_term": "modulus, one-term model",
-}
-
 
 def render_page(template: Path, tables: Mapping[str, pd.DataFrame]) -> str:
     """A page of Markdown.
@@ -44,7 +36,6 @@ def render_page(template: Path, tables: Mapping[str, pd.DataFrame]) -> str:
     )  # fmt: skip
     environment.filters |= {"fixed": fixed, "signed": signed, "mean": mean}
     environment.filters["loading"] = lambda mode: str(mode).replace("+", " and ")
-    environment.filters["quantity"] = QUANTITY_NAMES.__getitem__
     environment.globals |= {"spoken": spoken}
     rows = {name: table.to_dict("records") for name, table in tables.items()}
     return environment.get_template(template.name).render(**rows)

@@ -15,11 +15,9 @@ ABOUT = (
     "doi 10.1016/j.actbio.2016.10.036): averages over loading, unloading and specimens."
 )
 UNSTATED = (
-    "scatter: the curves are averages",
-    "whether the nominal stress, force over the area of the cube, allows for bonded ends: bonded "
-    "and sliding ends are both run",
-    "the other direction of shear: the published one is the mirror image of the first, and is no "
-    "measurement of its own",
+    "scatter",
+    "whether the nominal stress allows for bonded ends",
+    "the other direction of shear (the published one is a mirror image)",
     "time",
 )
 EDGE_MM = 5.0

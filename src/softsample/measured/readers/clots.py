@@ -10,15 +10,14 @@ from softsample.measured.sample import Sample, cuboid, record
 
 ABOUT = (
     "Blood clots of nine conditions (C10 to C40 and T60 to T120 in their names), three of each, in "
-    "simple shear to half of their height either way, with shear and normal force; the "
-    "file of each clot runs from the largest negative to the largest positive shear."
+    "simple shear to half of their height either way, with shear and normal force."
 )
 UNSTATED = (
-    "edge of the cubes (about 10 mm in the authors' papers): another one scales the modulus only",
-    "which strain: taken as the amount of shear, displacement over height",
-    "how the clots were held: bonded and sliding ends are both run",
-    "sign of the normal force: taken as tension positive; it is nearly an even function of strain",
-    "time: the files are resampled over strain",
+    "edge of the cubes (about 10 mm in the authors' papers), which scales the modulus only",
+    "strain (taken as the amount of shear)",
+    "how the clots were held",
+    "sign of the normal force (taken as tension positive)",
+    "time (the files are resampled over strain)",
 )
 EDGE_MM = 10.0
 LARGEST_FORCE = 1.0

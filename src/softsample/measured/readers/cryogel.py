@@ -13,12 +13,9 @@ ABOUT = (
     "diameter, pressed and released once at 0.01 mm/s, read at 200 Hz."
 )
 UNSTATED = (
-    "the touch point is approximate (steps of 0.05 mm): it gives height and zero of displacement, "
-    "and where contact begins is for the loop to find",
-    "friction on the platens (bonded and sliding ends are both run), and whether water leaves the "
-    "gel as it is pressed",
-    "beyond half of the height the records are left out: finite elements do not reach the 74 to "
-    "89 % that were measured",
+    "height and zero of displacement: the touch point is approximate (steps of 0.05 mm)",
+    "friction on the platens, and whether water leaves the gel",
+    "records beyond half of the height are left out, which finite elements do not reach",
 )
 GRAM_FORCE = 9.80665e-3
 """One gram-force [N]."""

@@ -16,7 +16,7 @@ ABOUT = (
     "5900 with a load cell of 1 or 10 kN."
 )
 UNSTATED = (
-    "friction between silicone and platens: bonded and sliding ends are both run",
+    "friction between silicone and platens",
     "time between repeats, and whether the zero of displacement was set before each",
 )
 TIME, TRAVEL, LOAD = "Time (s)", "Compression (mm)", "Load (N)"

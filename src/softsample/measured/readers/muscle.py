@@ -14,12 +14,11 @@ ABOUT = (
     "authors of doi 10.1016/j.jmbbm.2023.106021 from earlier publications."
 )
 UNSTATED = (
-    "size of the specimens: forces are those of a cube of 10 mm; another one scales nothing but "
-    "the force",
-    "scatter: the curves are averages",
-    "the stress is a Cauchy stress where a column says so, and is taken for one in the other "
-    "sheets; force per first area is the Cauchy stress over the stretch (no change of volume)",
-    "friction: ends are taken as sliding, as a homogeneous stress is stated",
+    "size of the specimens (forces are those of a cube of 10 mm)",
+    "scatter",
+    "kind of stress in some sheets (taken as Cauchy stress; force per first area is that over the "
+    "stretch)",
+    "friction (ends are taken as sliding, as a homogeneous stress is stated)",
 )
 EDGE_MM = 10.0
 KPA = 1e-3

@@ -17,11 +17,10 @@ ABOUT = (
     "doi 10.1016/j.actbio.2025.07.002)."
 )
 UNSTATED = (
-    "height of the plugs: taken as the first gap, at which the plates already touch (some 0.03 N)",
-    "time between the four segments: taken as none, so that a segment begins where one ends",
-    "slip on the sandblasted plates: ends are taken as bonded",
-    "the column of normal stress is twice the force over the area, as a rheometer states it for a "
-    "cone; forces are read here",
+    "height of the plugs (taken as the first gap, at which the plates already touch)",
+    "time between the four segments (taken as none)",
+    "slip on the plates (ends are taken as bonded)",
+    "forces are read, since the column of normal stress is twice the force over the area",
 )
 DIAMETER_MM = 8.0
 SEGMENTS = tuple(f"Axial - {k}" for k in (1, 2, 3, 4))

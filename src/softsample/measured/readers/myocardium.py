@@ -11,21 +11,17 @@ from softsample.measured.sample import Sample, cuboid, record
 
 ABOUT = (
     "Right ventricular myocardium of sheep, eleven hearts, in six modes of simple shear and three "
-    "of tension and compression, with shear and normal force; the tests are those of Kakaletsis et "
-    "al. 2021, doi 10.1016/j.actbio.2020.12.006, as far as number and kind of the modes tell. The "
-    "authors' code takes every third mode as axial. Each heart has three stated sizes: strain "
-    "times the third edge of the first size is a round number of millimetres (0.5 to 4) in modes 1 "
-    "to 3, of the second in 4 to 6, of the third in 7 to 9. So the third edge is the height, and "
-    "the product of the first two the area."
+    "of tension and compression (every third mode), with shear and normal force, as in Kakaletsis "
+    "et al. 2021, doi 10.1016/j.actbio.2020.12.006. Each heart has three stated sizes, each of "
+    "three modes; the round displacements in millimetres that follow from strain times the third "
+    "edge make that the height, and the product of the first two the area."
 )
 UNSTATED = (
-    "which material axis each mode loads: the loop sees twelve tests of one heart, no direction",
-    "whether the three sizes are three cubes or one that was mounted three times: taken as three "
-    "specimens",
-    "which of the first two edges lies along the shear: taken as the first",
-    "the authors' files of stress divide by the second times the third edge; forces are read here",
-    "time, order of the modes and preconditioning: the files hold one force for each strain, from "
-    "the largest negative to the largest positive one, and none at zero",
+    "which material axis each mode loads",
+    "whether the three sizes are three cubes (taken as three specimens)",
+    "which of the first two edges lies along the shear (taken as the first)",
+    "forces are read, since the files of stress divide by the second times the third edge",
+    "time, order of the modes and preconditioning",
 )
 MODES = 9
 AXIAL = 3

@@ -10,8 +10,8 @@ from softsample.measured.sample import Sample, cuboid, record
 
 ABOUT = "One blood clot, a strip of 40 mm x 10 mm x 3 mm, in pure shear to half of its height."
 UNSTATED = (
-    "which edge is pulled: taken as 40 mm wide, 10 mm high, 3 mm thick, as pure shear wants it",
-    "how the strip was held: bonded and sliding ends are both run",
+    "which edge is pulled (taken as 40 mm wide, 10 mm high, 3 mm thick)",
+    "how the strip was held",
     "time",
 )
 LEAST_FORCE = 1.0

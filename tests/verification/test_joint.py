@@ -153,25 +153,28 @@ NEARLY = 0.4999
 """Poisson's ratio of a tissue that hardly changes its volume."""
 
 
-def sheared(shear):
+TERMS = ((FRACTION * MU, ALPHA[0]), ((1.0 - FRACTION) * MU, ALPHA[1]))
+"""Modulus [Pa] and exponent of each term of the tissue."""
+
+
+def sheared(shear, terms=TERMS):
     """Stress along and across simple shear of an incompressible Ogden solid [Pa], by hand.
 
     Cauchy's principal stresses are ``sum 2 mu/alpha lambda^alpha - p`` with the pressure that
     leaves the lateral faces free; the first principal direction is (lambda, 1) in the plane.
     """
     stretch = 0.5 * shear + np.sqrt(1.0 + 0.25 * shear**2)
-    terms = [(FRACTION * MU, ALPHA[0]), ((1.0 - FRACTION) * MU, ALPHA[1])]
     first, third = (sum(2.0 * m / a * (s**a - 1.0) for m, a in terms) for s in
                     (stretch, 1.0 / stretch))  # fmt: skip
     square = stretch**2
     return (first - third) * stretch / (1.0 + square), (first + square * third) / (1.0 + square)
 
 
-def two_channels(selections=(), offset=0.0):
+def two_channels(selections=(), offset=0.0, terms=TERMS):
     """Both channels of a disc that is sheared to one side and to the other."""
     one = np.concatenate([np.linspace(0, 1, 300), np.linspace(1, -1, 600), np.linspace(-1, 0, 300)])
     displacement = 0.5 * DISC.height * one
-    along, across = (DISC.area * stress for stress in sheared(displacement / DISC.height))
+    along, across = (DISC.area * stress for stress in sheared(displacement / DISC.height, terms))
     record = record_of("shear", displacement, along + offset, across)
     law = (modulus_fractions(ResponseSettings()), ALPHA, NEARLY)
     solid = unit_modulus(FRACTION, ALPHA, NEARLY, 1.0)
@@ -191,6 +194,17 @@ def test_both_channels_of_a_shear_are_predicted_to_either_side():
     ends = [normal.force[np.argmax(way * normal.travel)] for way in (1.0, -1.0)]
     assert ends[0] == pytest.approx(ends[1], rel=0.01)  # it pulls alike to either side
     assert normal.peak > 0.05 * force.peak
+
+
+def test_of_opposite_exponents_which_shear_hardly_tells_the_nearer_is_taken():
+    """A single term of 25 shears as one of -25 does, and has another normal force."""
+    tests = two_channels([{"channel": "force_normal"}], terms=((MU, 25.0),))
+    found = diagnose(tests, LoopSettings(), [library()["ogden_exponents"]])
+    assert set(found.selection.classes) == {"ogden_exponents"}
+    before, after = (
+        judged.held_out["shear_normal"].rms for judged in (found.before, found.selected)
+    )
+    assert after < 0.5 * before
 
 
 def test_the_normal_force_takes_part_in_the_fit():

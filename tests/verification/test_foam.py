@@ -1,0 +1,61 @@
+"""A foam that loses force on its way back, in compression: law and loss, made by hand.
+
+Storakers' foam of a Poisson's ratio of 0 keeps its width between plates that slide, so that the
+nominal stress is that of one stretch; nothing of the package predicts a force.
+"""
+
+import numpy as np
+import pytest
+
+import laboratory
+from softsample.loop.diagnose import LoopSettings, diagnose
+from softsample.loop.effects import library
+from softsample.loop.effects.base import SOLID
+from softsample.loop.specimen import Specimen
+from softsample.shapes import IdealShape
+
+PLUG = IdealShape("cylinder", 15e-3, 15e-3, 10e-3)
+MU, ALPHA, LOSS = 2000.0, 5.0, 0.2  # Pa, 1, 1
+STRAIN, RATE, WAIT = 0.45, 0.01, 2.0  # 1, 1/s, s
+
+
+@pytest.fixture(scope="module")
+def cycle():
+    """One cycle: up at a rate and back, on which a part of the force is missing."""
+    rng, way = np.random.default_rng(5), STRAIN / RATE
+    knots = np.cumsum([0.0, WAIT, way, way])
+    time = np.arange(0.0, knots[-1], 0.05)
+    strain = np.interp(time, knots, [0.0, 0.0, STRAIN, 0.0])
+    stretch = 1.0 - strain
+    force = PLUG.area * 2.0 * MU / ALPHA * (1.0 / stretch - stretch ** (ALPHA - 1.0))
+    back = np.clip((STRAIN - strain) / (0.1 * STRAIN), 0.0, 1.0) * (time > knots[2])
+    force = force * (1.0 - LOSS * back * (2.0 - back)) + 2e-4 * rng.normal(size=len(time))
+    phase = np.select([time < knots[1], time < knots[2]], ["baseline", "ramp"], "unloading")
+    elastic = laboratory.exact("compression", PLUG, 1.05 * STRAIN)
+    return Specimen("A", "compression", time, strain * PLUG.height, force, phase, elastic)
+
+
+@pytest.fixture(scope="module")
+def found(cycle):
+    names = (
+        "compressible_foam",
+        "ogden_exponents",
+        "elastic_law",
+        "unloading_loss",
+        "viscoelastic_relaxation",
+        "poroelastic_drainage",
+        "self_weight",
+    )
+    known = library(SOLID, [cycle])
+    return diagnose([cycle], LoopSettings(), [known[name] for name in names])
+
+
+def test_a_foam_is_found_though_loading_and_unloading_differ(found):
+    assert found.verdict == "explained", found.objection
+    assert set(found.selection.classes) == {"compressible_foam", "unloading_loss"}
+
+
+def test_modulus_and_loss_are_those_of_the_plug(found):
+    state = found.final.state
+    assert state.material.mu == pytest.approx(MU, rel=0.05)
+    assert state.values["unloading_loss"]["loss"] == pytest.approx(LOSS, abs=0.02)

@@ -97,9 +97,9 @@ def test_changes_are_for_the_steps_that_effects_know_whatever_the_settings(mode)
         assert 0.7 < ratio < 1.4, name  # a half without it
 
 
-def confirmed(factor):
+def confirmed(factor, stiffness=None):
     """Table for a softer, more compressible tissue, whose run gives so many times that change."""
-    specimens = []
+    specimens, stiffness = [], stiffness or {}
     for specimen in laboratory.Lab(seed=5).specimens():
         known, r = specimen.elastic.perturbations, laboratory.FRACTION
         missing = specimen.elastic.change_per_mu("poisson_0.04_less", r, specimen.travel)
@@ -107,12 +107,15 @@ def confirmed(factor):
         specimens.append(
             replace(
                 specimen,
-                force=specimen.force + laboratory.MU * missing,
+                force=stiffness.get(specimen.mode, 1.0)
+                * (specimen.force + laboratory.MU * missing),
+                piece=specimen.mode,
                 elastic=replace(specimen.elastic, perturbations={**known, **run}),
             )
         )
     sizes = {"poisson_ratio": {"nu": 0.45}}
-    (row,) = confirmations(specimens, sizes, 12.0, LoopSettings(), library()).to_dict("records")
+    table = confirmations(specimens, sizes, 12.0, LoopSettings(), library(), stiffness)
+    (row,) = table.to_dict("records")
     return row
 
 
@@ -125,6 +128,12 @@ def test_what_the_run_repeats_is_confirmed_and_what_it_does_not_is_refused():
     assert other["evidence_confirmed"] < 0.0
     assert not other["confirmed"]
     assert other["difference_percent"] > 5.0 > same["difference_percent"]
+
+
+def test_specimens_keep_the_stiffness_of_the_verdict():
+    same, stiffer = confirmed(1.0), confirmed(1.0, {"shear": 1.5})
+    assert stiffer["confirmed"]
+    assert stiffer["mu_pa"] == pytest.approx(same["mu_pa"], rel=0.01)
 
 
 def test_the_best_of_the_first_round_that_change_the_model_are_confirmed():

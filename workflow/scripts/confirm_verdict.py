@@ -26,6 +26,7 @@ with logged_to(snakemake):
         verdict["path"][0]["threshold"],
         LoopSettings.of_config(given.loop),
         {effect.name: effect for effect in candidates(tests, shapes[0].height, solid)},
+        verdict["specimen_stiffness"],
     )
     table.insert(0, "geometry", snakemake.wildcards.geometry)
     table.insert(0, "group", snakemake.wildcards.group)

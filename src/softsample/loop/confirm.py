@@ -144,6 +144,7 @@ def confirmations(
     threshold: float,
     settings: LoopSettings,
     effects: Mapping[str, Effect],
+    stiffness: Mapping[str, float],
 ) -> pd.DataFrame:
     """Evidence of effects whose change was scaled, and of the same ones simulated at their sizes.
 
@@ -160,6 +161,8 @@ def confirmations(
         Those of the verdict.
     effects : mapping
         Library that it chose from.
+    stiffness : mapping
+        Modulus of specimens over that of the group, where the verdict has found that they scatter.
 
     Returns
     -------
@@ -168,7 +171,7 @@ def confirmations(
         penalty for the parameters; whether the latter passes; `mu_pa` and `mu_confirmed_pa`;
         `difference_percent`, the largest one of the predicted forces [% of the peak of the test].
     """
-    problem, _ = pose(specimens, settings.noise)
+    problem, _ = pose([s.of_stiffness(stiffness) for s in specimens], settings.noise)
     base = problem.fit_material()
     before, rows = _left(problem, base), []
     for name, values in sizes.items():

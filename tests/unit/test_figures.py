@@ -454,7 +454,7 @@ def test_contact_areas_have_a_line_for_each_geometry():
     assert "[%]" in ax.get_ylabel()
 
 
-def test_effects_have_a_bar_for_each_experiment_and_a_line_at_the_papers_mean():
+def test_effects_have_a_point_for_each_experiment_and_a_line_at_the_papers_mean():
     rows = [
         {"terms": 2, "mode": "shear", "sample_variant": sample, "model_variant": "cuboid",
          "bias_percent": bias, "bias_sd_percent": np.nan}
@@ -462,7 +462,8 @@ def test_effects_have_a_bar_for_each_experiment_and_a_line_at_the_papers_mean():
     ]  # fmt: skip
     needed = pd.DataFrame({"terms": [2], "mode": ["shear"], "paper_percent": [-10.0]})
     (ax,) = effects_figure(pd.DataFrame(rows), needed, "effects").axes
-    assert [patch.get_width() for patch in ax.patches] == [-6.0, -2.0]
+    points = [line.get_xdata()[0] for line in ax.lines if line.get_marker() in ("s", "o")]
+    assert points == [-6.0, -2.0]
     assert [text.get_text() for text in ax.get_yticklabels()] == [
         "as in the study", "sample: top levelled",
     ]  # fmt: skip

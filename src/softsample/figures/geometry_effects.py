@@ -60,10 +60,9 @@ def _loading(mode: str) -> str:
 def _draw_biases(ax: Axes, part: pd.DataFrame, pairs: list[tuple[str, str]], colour: str) -> None:
     for row in part.to_dict("records"):
         pair = row["sample_variant"], row["model_variant"]
-        ax.barh(
-            pairs.index(pair), row["bias_percent"], xerr=np.nan_to_num(row["bias_sd_percent"]),
-            height=0.62, color=colour, alpha=1.0 if pair == PLAIN else 0.55,
-            error_kw={"lw": 0.8, "capsize": 1.5},
+        ax.errorbar(
+            row["bias_percent"], pairs.index(pair), xerr=np.nan_to_num(row["bias_sd_percent"]),
+            fmt="s" if pair == PLAIN else "o", color=colour, markersize=4.0, lw=1.0, capsize=2.0,
         )  # fmt: skip
         if pair == PLAIN:
             ax.axvline(row["bias_percent"], color="0.3", lw=0.9, ls="--")

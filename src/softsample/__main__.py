@@ -124,16 +124,16 @@ def _add(given: argparse.Namespace) -> None:
 
 
 def _check(folder: str) -> int:
-    from softsample.study.check import check_study
+    from softsample.study.check import check_study, each_cure_once
 
     result = check_study(folder)
     print("\n".join(result.found))
     if result.doubts:
         print(f"\nDoubts: {len(result.doubts)} (they stop nothing, but moduli may be wrong)")
-        print("\n".join(f"  {doubt}" for doubt in result.doubts))
+        print("\n".join(f"  {doubt}" for doubt in each_cure_once(result.doubts)))
     if result.faults:
         print(f"\nFaults: {len(result.faults)}", file=sys.stderr)
-        print("\n".join(f"  {fault}" for fault in result.faults), file=sys.stderr)
+        print("\n".join(f"  {fault}" for fault in each_cure_once(result.faults)), file=sys.stderr)
         return 1
     outcome = "Nothing is refused, but look at the doubts" if result.doubts else "No fault found"
     print(f"\n{outcome}; samples: {result.samples}. Please compare units, signs and zero with")

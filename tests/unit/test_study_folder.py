@@ -13,7 +13,7 @@ from softsample.__main__ import main
 from softsample.io import read_samples, write_surface
 from softsample.meshing.cuboid import mesh_cuboid
 from softsample.meshing.surface import TriangleSurface
-from softsample.study.check import check_study
+from softsample.study.check import check_study, each_cure_once
 
 ROOT = Path(__file__).resolve().parents[2]
 AFFINE = np.diag([0.4, 0.4, 0.4, 1.0])
@@ -326,3 +326,8 @@ def test_thirty_samples_are_checked_at_once(tmp_path):
     (tmp_path / "samples.tsv").write_text("\n".join(rows) + "\n")
     result = check_study(tmp_path)
     assert (result.samples, result.faults) == (30, [])
+
+
+def test_a_cure_that_many_rows_need_is_said_once():
+    lines = ["row 2: no; paste `a`", "row 3: no; paste `a`", "row 4: no; paste `b`", "row 5: no"]
+    assert each_cure_once(lines) == [lines[0], "row 3: no; as above", *lines[2:]]

@@ -2,7 +2,7 @@
 
 import difflib
 import re
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import Any
@@ -63,6 +63,18 @@ class Inspection:
     faults: list[str] = field(default_factory=list)
     doubts: list[str] = field(default_factory=list)
     samples: int = 0
+
+
+def each_cure_once(lines: Iterable[str]) -> list[str]:
+    """Faults or doubts; a cure (what follows the semicolon) is said the first time only."""
+    said: set[str] = set()
+    short = []
+    for line in lines:
+        what, _, cure = line.partition("; ")
+        short.append(f"{what}; as above" if cure in said else line)
+        if cure:
+            said.add(cure)
+    return short
 
 
 def check_study(folder: PathLike) -> Inspection:

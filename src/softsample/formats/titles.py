@@ -30,7 +30,8 @@ NAMES = {
         *("deformation", "gap", "weg", "verfahrweg", "kolbenweg", "prüfweg", "traverse"),
         *("traversenweg", "traversenposition", "verlängerung", "verschiebung", "auslenkung"),
         *("scherweg", "hub", "déplacement", "allongement", "course", "desplazamiento"),
-        *("spostamento",),
+        *("spostamento", "depth", "indentation", "penetration", "eindringtiefe", "eindringweg"),
+        *("profondeur", "profundidad"),
     },
     "force": {
         *("force", "load", "kraft", "standardkraft", "prüfkraft", "zugkraft", "druckkraft"),
@@ -50,11 +51,25 @@ NAMES = {
 BESIDE = {
     *("axial", "tensile", "compressive", "crosshead", "elapsed", "total", "test", "corrected"),
     *("1", "cell", "channel", "engineering", "nominal", "shear", "grip", "actuator", "machine"),
-    *("platen", "plate", "applied", "measured", "actual", "digital", "primary", "ch1", "ch"),
+    *(
+        "platen",
+        "plate",
+        "indenter",
+        "applied",
+        "measured",
+        "actual",
+        "digital",
+        "primary",
+        "ch1",
+        "ch",
+    ),
 }
 """Words of a title that do not change what it names."""
 
-COMPRESSIVE = ("compress", "druckkraft", "druckspannung", "stauchung")
+COMPRESSIVE = (
+    *("compress", "druckkraft", "druckspannung", "stauchung"),
+    *("depth", "indentation", "penetration", "eindring", "profondeur", "profundidad"),
+)
 """Parts of a title that say that compression is positive."""
 
 

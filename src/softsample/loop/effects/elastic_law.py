@@ -14,7 +14,9 @@ EFFECT = Effect(
     title="Another Ogden term",
     parameters=(
         Parameter("share", "1", 0.0, 1.0, 1.0, limits=(0.0, 1.0)),
-        Parameter("alpha", "1", -45.0, 40.0, -20.0, grid=(-35.0, -20.0, -4.0, 2.0, 8.0, 20.0, 35.0)),
+        Parameter(
+            "alpha", "1", -45.0, 40.0, -20.0, grid=(-35.0, -20.0, -4.0, 2.0, 8.0, 20.0, 35.0)
+        ),
     ),
     tier="L",
     is_law=True,

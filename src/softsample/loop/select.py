@@ -427,9 +427,7 @@ def _round(
         return Step(threshold, _one_of_each(candidates), None, refused=best, why=WITHIN_DOUBT)
     if not _earned(here, best):
         return Step(threshold, _one_of_each(candidates), None, refused=best, why=NOT_EARNED)
-    candidates = _one_of_each([best, *candidates])
-    alike = [explained_alike(here.current, c.fit, best.fit) for c in candidates]
-    candidates = [replace(c, cosine=x) for c, x in zip(candidates, alike, strict=True)]
+    candidates = _compared(here, _one_of_each([best, *candidates]), best)
     return Step(threshold, candidates, best, _members(candidates, best, settings), refused, why)
 
 
@@ -526,20 +524,19 @@ def _restarted(problem: Problem, fit: Fit, settings: SelectionSettings) -> Fit:
     return fit
 
 
+def _in_class(candidate: Candidate, best: Candidate, settings: SelectionSettings) -> bool:
+    """Whether records hardly tell a candidate from the best: of as much evidence, or alike."""
+    near = candidate.evidence > best.evidence - settings.class_gain
+    alike = candidate.cosine > settings.class_cosine and candidate.gain > 0.7 * best.gain
+    return candidate.evidence > 0.0 and (near or alike)
+
+
 def _members(
     candidates: Sequence[Candidate], best: Candidate, settings: SelectionSettings
 ) -> list[str]:
-    """The class of the best candidate, itself first: of as much evidence, or alike."""
-    return [best.name] + [
-        c.name
-        for c in candidates
-        if c.name != best.name
-        and c.evidence > 0.0
-        and (
-            c.evidence > best.evidence - settings.class_gain
-            or (c.cosine > settings.class_cosine and c.gain > 0.7 * best.gain)
-        )
-    ]
+    """The class of the best candidate, itself first."""
+    others = [c for c in candidates if c.name != best.name and _in_class(c, best, settings)]
+    return [best.name, *(c.name for c in others)]
 
 
 def _comes_later(candidate: Candidate) -> bool:
@@ -652,14 +649,17 @@ def _one_of_each(candidates: Sequence[Candidate]) -> list[Candidate]:
 def _nearest_law(
     here: _Round, best: Candidate, inside: Sequence[Candidate], settings: SelectionSettings
 ) -> Candidate:
-    """A candidate for a law, or another with about as much evidence, see `_nearest`."""
-    alike = [
-        c.fit
-        for c in inside
-        if c.fit.model.effects[-1].is_law and c.evidence > best.evidence - settings.class_gain
-    ]
-    nearest = _nearest(here.problem, here.current, alike)
-    return next(c for c in inside if c.fit is nearest)
+    """A candidate for a law, or another of its class, see `_nearest`."""
+    laws = [c for c in _compared(here, inside, best) if c.fit.model.effects[-1].is_law]
+    alike = [c for c in laws if c.fit is best.fit or _in_class(c, best, settings)]
+    nearest = _nearest(here.settled, here.base, [c.settled for c in alike])
+    return next(c for c in inside if c.settled is nearest)
+
+
+def _compared(here: _Round, candidates: Sequence[Candidate], best: Candidate) -> list[Candidate]:
+    """Candidates with the cosine to the best one."""
+    cosines = [explained_alike(here.current, c.fit, best.fit) for c in candidates]
+    return [replace(c, cosine=x) for c, x in zip(candidates, cosines, strict=True)]
 
 
 def _nearest(problem: Problem, current: Fit, alike: Sequence[Fit]) -> Fit:

@@ -1,8 +1,7 @@
 """Forward selection of effects with a backward check, and classes that data cannot split."""
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass, field, replace
-from itertools import product
 from typing import Self
 
 import numpy as np
@@ -11,14 +10,14 @@ from numpy.typing import NDArray
 from softsample.loop.discrepancy import settled
 from softsample.loop.effects.base import Effect
 from softsample.loop.errors import cross_validated, log_density
-from softsample.loop.fit import STARTS, Fit, Problem
-from softsample.loop.model import FIXED, SOFTEST, STIFFEST, Model, State
+from softsample.loop.fit import Fit, Problem
+from softsample.loop.joint import joint_fit, law_fit, nearest
+from softsample.loop.model import FIXED, Model
 from softsample.loop.screen import (
     LEAST_SIGNATURE,
     Signature,
     best_of_each,
     family_wise,
-    nominal_step,
     penalty,
     signatures,
 )
@@ -40,12 +39,6 @@ EARNED = float(np.log(20.0))
 
 OPEN_MODULUS = float(np.log(2.0))
 """Standard deviation of ln(mu) above which a fit leaves the modulus open: a factor of two."""
-
-FAR_MORE = 2.0
-"""How much more than another a fit changes what is held out for the other to be preferred."""
-
-PARTS = (0.5, 1.0)
-"""Of the nominal sizes of a law, from which it sets out."""
 
 PROMISING = 0.1
 """Candidates whose linear gain is below this part of the best one's, or of the threshold, are not
@@ -454,9 +447,12 @@ def _fitted(
         asked = max([threshold, *(c.evidence - settings.class_gain for c in candidates)])
         if signature in others and not signature.effect.idealised and smooth < asked:
             continue
-        candidates.append(_candidate(here, _joint(problem, current, signature, settings)))
+        candidates.append(
+            _candidate(here, joint_fit(problem, current, signature, settings.class_gain))
+        )
     if _goes_back(problem):
-        candidates += [_of_settled(here, law, settings) for law in effects if law.is_law]
+        laws = [effect for effect in effects if effect.is_law]
+        candidates += [_beside_hysteresis(here, law, settings) for law in laws]
     candidates.sort(key=_evidence, reverse=True)
     if candidates and current.model.effects:
         again = _restarted(problem, candidates[0].fit, settings)
@@ -474,28 +470,14 @@ def _goes_back(problem: Problem) -> bool:
     return any(((s.phase == "unloading") & ~s.held_out).any() for s in problem.specimens)
 
 
-def _of_settled(here: _Round, law: Effect, settings: SelectionSettings) -> Candidate:
+def _beside_hysteresis(here: _Round, law: Effect, settings: SelectionSettings) -> Candidate:
     """A law fitted with the sizes of the discrepancy that the plain model has left.
 
     With smaller ones, records that go back ask for a law whose loading and unloading differ least,
-    as no law explains that they do. It sets out from each point of its grid.
+    as no law explains that they do.
     """
-    shapes = [p.name for p in law.parameters if not p.is_size]
-    starts = law.starts or [
-        {p.name: p.neutral + part * nominal_step(p) for p in law.sizes}
-        | dict(zip(shapes, point, strict=True))
-        for part, point in product(PARTS, _points(law))
-    ]
-    model = here.base.model.with_effect(law)
-    states = _own_starts(here.settled, model, here.base.state, starts)
-    fits = [here.settled.fit(model, state) for state in states]
-    best = _likeliest(here.settled, here.base, fits, settings)
-    return _candidate(here, here.problem.at(best.model, best.state))
-
-
-def _points(effect: Effect) -> list[tuple[float, ...]]:
-    """Points of the grid of how an effect acts."""
-    return list(product(*(p.grid for p in effect.parameters if not p.is_size)))
+    fit = law_fit(here.settled, here.base, law, settings.class_gain)
+    return _candidate(here, here.problem.at(fit.model, fit.state))
 
 
 def _candidate(here: _Round, fit: Fit) -> Candidate:
@@ -518,7 +500,7 @@ def _restarted(problem: Problem, fit: Fit, settings: SelectionSettings) -> Fit:
         values = {name: v for name, v in fit.state.values.items() if name != effect.name}
         without = problem.fit(fit.model.without(effect.name), replace(fit.state, values=values))
         found = best_of_each(signatures(problem, without, [effect]), without.white)
-        joint = _joint(problem, without, found[effect.name][1], settings)
+        joint = joint_fit(problem, without, found[effect.name][1], settings.class_gain)
         again = problem.fit(fit.model, joint.state)
         fit = min(fit, again, key=lambda one: one.cost)
     return fit
@@ -590,56 +572,6 @@ def _without(here: _Round, candidate: Candidate) -> tuple[Problem, Fit]:
     return settled(here.problem, fit, 1)
 
 
-def _joint(
-    problem: Problem, current: Fit, signature: Signature, settings: SelectionSettings
-) -> Fit:
-    """Joint fit from the linear estimate of the sizes.
-
-    Small sizes and the other points of the grid are tried until one fit earns what the linear
-    estimate promises; starts of the effect's own are all tried, at an even modulus fraction.
-    """
-    effect = signature.effect
-    sizes, *_ = np.linalg.lstsq(signature.columns, current.white, rcond=None)
-    estimate = dict(signature.start)
-    for x, p in zip(sizes, effect.sizes, strict=True):
-        margin = 0.02 * (p.high - p.low)
-        size = p.neutral + x * nominal_step(p)
-        estimate[p.name] = float(np.clip(size, p.low + margin, p.high - margin))
-    shapes = [p for p in effect.parameters if not p.is_size]
-    points = _points(effect) if len(effect.sizes) < 3 else []
-    starts = [estimate, {**signature.start, **_small(effect)}] + [
-        {**estimate, **dict(zip([p.name for p in shapes], point, strict=True))} for point in points
-    ]
-    promised = current.cost - 0.95 * signature.gain(current.white)
-    model = current.model.with_effect(effect)
-    states = [
-        replace(current.state, values={**current.state.values, effect.name: values})
-        for values in starts
-    ]
-    own = _own_starts(problem, model, current.state, effect.starts)
-    if effect.idealised:  # a change so large that the material found without it says little
-        states = [replace(states[0], material=m) for m in (current.state.material, *STARTS)]
-        promised = -np.inf
-    fits: list[Fit] = []
-    for state in states:
-        fits.append(problem.fit(model, state))
-        if fits[-1].cost < promised:
-            break
-    fits += [problem.fit(model, state) for state in own]
-    return _likeliest(problem, current, fits, settings)
-
-
-def _likeliest(
-    problem: Problem, current: Fit, fits: Sequence[Fit], settings: SelectionSettings
-) -> Fit:
-    """The best of several fits of one effect; of a law one that changes little, see `_nearest`."""
-    ranked = sorted(fits, key=lambda fit: fit.cost)
-    if not ranked[0].model.effects[-1].is_law:
-        return ranked[0]
-    most = ranked[0].cost + settings.class_gain
-    return _nearest(problem, current, [fit for fit in ranked if fit.cost < most])
-
-
 def _one_of_each(candidates: Sequence[Candidate]) -> list[Candidate]:
     """Of several fits of one effect the first, the one of most evidence first of all."""
     first = {c.name: c for c in reversed(candidates)}
@@ -649,55 +581,17 @@ def _one_of_each(candidates: Sequence[Candidate]) -> list[Candidate]:
 def _nearest_law(
     here: _Round, best: Candidate, inside: Sequence[Candidate], settings: SelectionSettings
 ) -> Candidate:
-    """A candidate for a law, or another of its class, see `_nearest`."""
+    """A candidate for a law, or another of its class, see `softsample.loop.joint.nearest`."""
     laws = [c for c in _compared(here, inside, best) if c.fit.model.effects[-1].is_law]
     alike = [c for c in laws if c.fit is best.fit or _in_class(c, best, settings)]
-    nearest = _nearest(here.settled, here.base, [c.settled for c in alike])
-    return next(c for c in inside if c.settled is nearest)
+    taken = nearest(here.settled, here.base, [c.settled for c in alike])
+    return next(c for c in inside if c.settled is taken)
 
 
 def _compared(here: _Round, candidates: Sequence[Candidate], best: Candidate) -> list[Candidate]:
     """Candidates with the cosine to the best one."""
     cosines = [explained_alike(here.current, c.fit, best.fit) for c in candidates]
     return [replace(c, cosine=x) for c, x in zip(candidates, cosines, strict=True)]
-
-
-def _nearest(problem: Problem, current: Fit, alike: Sequence[Fit]) -> Fit:
-    """The first of fits of laws that the records hardly tell, but for those that change far more.
-
-    Of what is held out: of opposite exponents in shear, one predicts a push and the other a pull.
-    """
-    changes = [problem.departure(fit, current) for fit in alike]
-    most = FAR_MORE * min(changes)
-    return next(fit for fit, change in zip(alike, changes, strict=True) if change <= most)
-
-
-def _own_starts(
-    problem: Problem, model: Model, state: State, starts: Sequence[Mapping[str, float]]
-) -> list[State]:
-    """States with given values of a model's last effect; a law with its own modulus, evenly."""
-    effect, material = model.effects[-1], state.material
-    if effect.is_law:
-        material = replace(material, mu1_fraction=0.5)
-    states = [
-        replace(state, material=material, values={**state.values, effect.name: {**start}})
-        for start in starts
-    ]
-    return [_of_own_modulus(problem, model, x) for x in states] if effect.is_law else states
-
-
-def _of_own_modulus(problem: Problem, model: Model, state: State) -> State:
-    """A state with the modulus that the records ask for, all else as it is."""
-    predicted = problem.white(problem.predicted(model, state))
-    measured = problem.white([specimen.force for specimen in problem.specimens])
-    factor = float(predicted @ measured) / max(float(predicted @ predicted), 1e-300)
-    mu = float(np.clip(state.material.mu * factor, SOFTEST, STIFFEST))
-    return replace(state, material=replace(state.material, mu=mu))
-
-
-def _small(effect: Effect) -> dict[str, float]:
-    """Sizes just off their neutral values."""
-    return {p.name: p.neutral + 0.01 * nominal_step(p) for p in effect.sizes}
 
 
 def explained_alike(current: Fit, one: Fit, other: Fit) -> float:

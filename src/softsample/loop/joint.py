@@ -1,0 +1,143 @@
+"""Joint fits of the material and one effect more, from several initial guesses."""
+
+from collections.abc import Mapping, Sequence
+from dataclasses import replace
+from itertools import product
+
+import numpy as np
+
+from softsample.loop.effects.base import Effect
+from softsample.loop.fit import STARTS, Fit, Problem
+from softsample.loop.model import SOFTEST, STIFFEST, Model, State
+from softsample.loop.screen import Signature, nominal_step
+
+FAR_MORE = 2.0
+"""How much more than another a fit changes what is held out for the other to be preferred."""
+
+PARTS = (0.5, 1.0)
+"""Of the nominal sizes of a law, from which it sets out."""
+
+
+def joint_fit(problem: Problem, current: Fit, signature: Signature, tie: float) -> Fit:
+    """Joint fit from the linear estimate of the sizes.
+
+    Small sizes and the other points of the grid are tried until one fit earns what the linear
+    estimate promises; starts of the effect's own are all tried, at an even modulus fraction.
+
+    Parameters
+    ----------
+    problem, current : Problem, Fit
+        Records, and the fit without the effect.
+    signature : Signature
+        Of the effect, there.
+    tie : float
+        Sum of squares within which fits of a law are as good as each other.
+    """
+    effect = signature.effect
+    sizes, *_ = np.linalg.lstsq(signature.columns, current.white, rcond=None)
+    estimate = dict(signature.start)
+    for x, p in zip(sizes, effect.sizes, strict=True):
+        margin = 0.02 * (p.high - p.low)
+        size = p.neutral + x * nominal_step(p)
+        estimate[p.name] = float(np.clip(size, p.low + margin, p.high - margin))
+    shapes = [p for p in effect.parameters if not p.is_size]
+    points = _points(effect) if len(effect.sizes) < 3 else []
+    starts = [estimate, {**signature.start, **_small(effect)}] + [
+        {**estimate, **dict(zip([p.name for p in shapes], point, strict=True))} for point in points
+    ]
+    promised = current.cost - 0.95 * signature.gain(current.white)
+    model = current.model.with_effect(effect)
+    states = [
+        replace(current.state, values={**current.state.values, effect.name: values})
+        for values in starts
+    ]
+    own = _own_starts(problem, model, current.state, effect.starts)
+    if effect.idealised:  # a change so large that the material found without it says little
+        states = [replace(states[0], material=m) for m in (current.state.material, *STARTS)]
+        promised = -np.inf
+    fits: list[Fit] = []
+    for state in states:
+        fits.append(problem.fit(model, state))
+        if fits[-1].cost < promised:
+            break
+    fits += [problem.fit(model, state) for state in own]
+    return _likeliest(problem, current, fits, tie)
+
+
+def law_fit(problem: Problem, base: Fit, law: Effect, tie: float) -> Fit:
+    """Joint fit of a law from each point of its grid, whatever a linear estimate says.
+
+    Parameters
+    ----------
+    problem, base, tie
+        As of `joint_fit`.
+    law : Effect
+        Another elastic law.
+    """
+    shapes = [p.name for p in law.parameters if not p.is_size]
+    starts = law.starts or [
+        {p.name: p.neutral + part * nominal_step(p) for p in law.sizes}
+        | dict(zip(shapes, point, strict=True))
+        for part, point in product(PARTS, _points(law))
+    ]
+    model = base.model.with_effect(law)
+    states = _own_starts(problem, model, base.state, starts)
+    return _likeliest(problem, base, [problem.fit(model, state) for state in states], tie)
+
+
+def nearest(problem: Problem, current: Fit, alike: Sequence[Fit]) -> Fit:
+    """The first of several fits, but for those that change far more of what is held out.
+
+    Of opposite exponents, which shear hardly tells, one predicts a push and the other a pull.
+
+    Parameters
+    ----------
+    problem, current : Problem, Fit
+        Records, and the fit without what is compared.
+    alike : sequence of Fit
+        Fits of laws that the records hardly tell apart, the best first.
+    """
+    changes = [problem.departure(fit, current) for fit in alike]
+    most = FAR_MORE * min(changes)
+    return next(fit for fit, change in zip(alike, changes, strict=True) if change <= most)
+
+
+def _likeliest(problem: Problem, current: Fit, fits: Sequence[Fit], tie: float) -> Fit:
+    """The best of several fits of one effect; of a law one that changes little, see `nearest`."""
+    ranked = sorted(fits, key=lambda fit: fit.cost)
+    if not ranked[0].model.effects[-1].is_law:
+        return ranked[0]
+    return nearest(problem, current, [fit for fit in ranked if fit.cost < ranked[0].cost + tie])
+
+
+def _own_starts(
+    problem: Problem, model: Model, state: State, starts: Sequence[Mapping[str, float]]
+) -> list[State]:
+    """States with given values of a model's last effect; a law with its own modulus, evenly."""
+    effect, material = model.effects[-1], state.material
+    if effect.is_law:
+        material = replace(material, mu1_fraction=0.5)
+    states = [
+        replace(state, material=material, values={**state.values, effect.name: {**start}})
+        for start in starts
+    ]
+    return [_of_own_modulus(problem, model, x) for x in states] if effect.is_law else states
+
+
+def _of_own_modulus(problem: Problem, model: Model, state: State) -> State:
+    """A state with the modulus that the records ask for, all else as it is."""
+    predicted = problem.white(problem.predicted(model, state))
+    measured = problem.white([specimen.force for specimen in problem.specimens])
+    factor = float(predicted @ measured) / max(float(predicted @ predicted), 1e-300)
+    mu = float(np.clip(state.material.mu * factor, SOFTEST, STIFFEST))
+    return replace(state, material=replace(state.material, mu=mu))
+
+
+def _small(effect: Effect) -> dict[str, float]:
+    """Sizes just off their neutral values."""
+    return {p.name: p.neutral + 0.01 * nominal_step(p) for p in effect.sizes}
+
+
+def _points(effect: Effect) -> list[tuple[float, ...]]:
+    """Points of the grid of how an effect acts."""
+    return list(product(*(p.grid for p in effect.parameters if not p.is_size)))

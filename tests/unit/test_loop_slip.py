@@ -1,4 +1,4 @@
-"""Friction pulls the other way on the way back: the loop of a slipping sample."""
+"""Friction pulls the other way on unloading: the loop of a slipping sample."""
 
 from dataclasses import replace
 

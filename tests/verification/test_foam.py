@@ -1,4 +1,4 @@
-"""A foam that loses force on its way back, in compression: law and loss, made by hand.
+"""A foam in compression that loses force on unloading: law and loss in closed form.
 
 Storakers' foam of a Poisson's ratio of 0 keeps its width between plates that slide, so that the
 nominal stress is that of one stretch; nothing of the package predicts a force.

@@ -25,7 +25,7 @@ Curve = tuple[str, float, str, Array, Array]
 MODULUS = 1000.0  # Pa, of the runs
 MARGIN = 1.08  # runs go on beyond the stroke, for shifts of the travel
 SLOWER = 4.0  # a run that comes back, for its loop is a small difference
-SLIP_BACK = "slip_back"  # the curve of the slippery platen on its way back
+SLIP_BACK = "slip_back"  # the curve of the slippery platen on unloading
 GRID = 0.5  # mm, of signed distances
 PRELOAD = 1.0  # mm
 
@@ -132,7 +132,7 @@ def _cuboid_runs(
 def _way_back(
     model: ExplicitModel, body: Body, held: Boundary, mode: str, solver: SolverSettings
 ) -> Callable[[Run], Array]:
-    """What the force is more on the way back, on the travels of a run; friction turns round."""
+    """What the force is more on unloading, on the travels of a run; friction turns round."""
     stroke = MM * body.stroke(mode)
     there_and_back = History(np.array([0.0, 1.0, 2.0]), np.array([0.0, stroke, 0.0]))
     cycle = model.run(

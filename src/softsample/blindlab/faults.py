@@ -43,7 +43,7 @@ class Trial:
     curves : mapping
         Force over modulus [mm2] as a function of travel [mm], by mode.
     loop : callable
-        What a slipping sample's force over modulus is more on the way back, in compression.
+        What a slipping sample's force over modulus is more on unloading, in compression.
     """
 
     mode: str
@@ -62,7 +62,7 @@ class Trial:
 
     @property
     def comes_back(self) -> NDArray[np.bool_]:
-        """Whether the platen is on its way back, (n,)."""
+        """Whether the platen goes back, (n,)."""
         last = len(self.travel) - 1 - int(np.argmax(self.travel[::-1]))
         return np.arange(len(self.travel)) > last
 

@@ -111,7 +111,7 @@ def _curve(
 
 
 def _loop(curves: pd.DataFrame, size: float) -> Curve:
-    """What a slipping sample's force over modulus is more on the way back."""
+    """What a slipping sample's force over modulus is more on unloading."""
     of_size = curves[(curves["mode"] == "compression") & (curves["size"] == size)]
     there, back = (of_size[of_size["curve"] == name] for name in ("slip", SLIP_BACK))
     if back.empty:

@@ -42,7 +42,7 @@ class Elastic:
     laws : LawResponse, optional
         What other laws would change.
     most_push : float
-        Push per modulus [m2] at which a sample that was pulled buckles on its way back.
+        Push per modulus [m2] at which a sample that was pulled buckles on unloading.
     """
 
     curves: ResponseCurves

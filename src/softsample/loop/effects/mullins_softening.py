@@ -1,4 +1,4 @@
-"""The tissue is softer on the way back than on the virgin curve, whatever the pace."""
+"""The tissue is softer on unloading than on the virgin curve, whatever the pace."""
 
 import numpy as np
 

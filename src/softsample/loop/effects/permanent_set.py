@@ -8,7 +8,7 @@ from softsample.loop.specimen import Specimen
 
 
 def _travel(specimen: Specimen, travel: Array, values: Values) -> Array:
-    """It pulls or presses nothing at `set` of its largest displacement, the way back being
+    """It pulls or presses nothing at `set` of its largest displacement, unloading being
     stretched in between; a loading as far to the other side takes the set back.
     """
     furthest = turned(travel)

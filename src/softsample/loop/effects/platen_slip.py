@@ -17,7 +17,7 @@ def _elastic(specimen: Specimen, fraction: float, travel: Array, values: Values)
 
 
 def _loop(specimen: Specimen, fraction: float, travel: Array, share: float) -> Array:
-    """Change (n,) [m2] from loading to the way back.
+    """Change (n,) [m2] from loading to unloading.
 
     Between the runs, sticking, with more or less friction, and without, it is linear in the share
     of the slip: a sample that sticks does not rub, and sliding without friction costs nothing. The

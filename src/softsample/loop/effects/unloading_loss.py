@@ -1,4 +1,4 @@
-"""The tissue bears less on the way back, whatever the speed, and all of it when loaded again."""
+"""The tissue bears less on unloading, whatever the speed, and all of it when loaded again."""
 
 import numpy as np
 

@@ -47,7 +47,7 @@ def _elastic(specimen: Specimen, fraction: float, travel: Array, values: Values)
     """What a bulk modulus that stays adds, by the correspondence of elastic and relaxed.
 
     With less of its shear modulus the tissue is less compressible: its Poisson's ratio rises. The
-    change is proportional to what has relaxed, on the way back too, where that is more than is
+    change is proportional to what has relaxed, on unloading too, where that is more than is
     left of the elastic force; how much it is goes by the part of the modulus that is left.
     """
     if not values["bulk"]:

@@ -411,8 +411,6 @@ class Kind:
     ----------
     make : callable
         From random numbers, body and multiple of the nominal size.
-    row : str
-        Row of section B of LOOP, where the nominal size comes from.
     nominal : str
         The size called 1x.
     form : str
@@ -422,7 +420,6 @@ class Kind:
     """
 
     make: Maker
-    row: str
     nominal: str
     form: str
     imperfect: bool = False
@@ -431,104 +428,81 @@ class Kind:
 EFFECTS: dict[str, Kind] = {
     "viscoelastic_relaxation": Kind(
         _relaxation,
-        "Viscoelastic relaxation",
         "g 0.3, 10 s",
         "log-normal spectrum of times",
     ),
-    "mullins_softening": Kind(
-        _softening, "Preconditioning / Mullins", "d 0.2", "error function of the work given back"
-    ),
+    "mullins_softening": Kind(_softening, "d 0.2", "error function of the work given back"),
     "residual_precompression": Kind(
         _precompressed,
-        "Residual compression",
         f"{PRESSED} mm",
         "own run of shear from there; tension and compression curve joined",
     ),
-    "poroelastic_drainage": Kind(
-        _drainage, "Poroelastic drainage", "g 0.1, 300 s", "consolidation series, axial tests"
-    ),
-    "dehydration": Kind(_drying, "Dehydration", "3 % in 100 s", "saturating growth, 500 s"),
-    "displacement_zero": Kind(
-        _zero, "Displacement zero error", "0.1 mm, a sign for each test", "shifted travel"
-    ),
-    "late_contact": Kind(_gap, "Late contact", "0.2 mm", "shifted travel in compression"),
+    "poroelastic_drainage": Kind(_drainage, "g 0.1, 300 s", "consolidation series, axial tests"),
+    "dehydration": Kind(_drying, "3 % in 100 s", "saturating growth, 500 s"),
+    "displacement_zero": Kind(_zero, "0.1 mm, a sign for each test", "shifted travel"),
+    "late_contact": Kind(_gap, "0.2 mm", "shifted travel in compression"),
     "platen_tilt": Kind(
         _of_curve("platen_tilt", "tilt", lambda s: {"tilt_deg": s}),
-        "Platen tilt",
         "1 degree",
         "own run, any direction",
     ),
     "real_geometry": Kind(
         _of_curve("real_geometry", "shape", lambda s: {}),
-        "Bumpy top, cuboid idealised",
         "a random phantom",
         "own run on its mesh",
         imperfect=True,
     ),
     "partial_bond": Kind(
         _of_curve("partial_bond", "strip", lambda s: {"missing": 0.125 * s}),
-        "Partial bond",
         "12.5 %",
         "own run, strip on any side",
     ),
-    "bond_peel": Kind(_peeling, "Progressive peel", "10 % at peak", "sin^4 of the furthest travel"),
+    "bond_peel": Kind(_peeling, "10 % at peak", "sin^4 of the furthest travel"),
     "platen_slip": Kind(
         _slip,
-        "Friction / slip instead of no-slip",
         "coefficient 0.25",
         "own run with Coulomb friction, there and back",
     ),
-    "machine_compliance": Kind(
-        _compliance, "Machine + cell compliance", "0.05 mm/N", "spring in series, solved"
-    ),
+    "machine_compliance": Kind(_compliance, "0.05 mm/N", "spring in series, solved"),
     "poisson_ratio": Kind(
         _of_curve("poisson_ratio", "poisson", lambda s: {"nu": 0.49 - 0.01 * s}),
-        "Compressibility nu",
         "0.48",
         "own run",
     ),
     "boundary_shift": Kind(
         _of_curve("boundary_shift", "larger", lambda s: {"shift_mm": 0.1 * s}),
-        "Voxel / segmentation bias",
         "0.1 mm",
         "own run of a larger cuboid",
     ),
     "ogden_exponents": Kind(
         _of_curve("ogden_exponents", "third_term", lambda s: {}),
-        "Wrong exponents / third term",
         "3.3 % of mu at alpha -15",
         "own run with three terms",
     ),
-    "tension_compression_asymmetry": Kind(
-        _asymmetry, "Tension-compression asymmetry", "10 %", "hyperbolic tangent of the strain"
-    ),
+    "tension_compression_asymmetry": Kind(_asymmetry, "10 %", "hyperbolic tangent of the strain"),
     "anisotropy": Kind(
         _of_curve("anisotropy", "fibres", lambda s: {}),
-        "Anisotropy",
         "k1 4 % of mu",
         "own run, fibres 15 degrees off the axis",
     ),
-    "self_weight": Kind(_weight, "Self-weight sag", "half the weight", "constant, axial tests"),
+    "self_weight": Kind(_weight, "half the weight", "constant, axial tests"),
     "adhesion": Kind(
         _sticky,
-        "Adhesion on first contact",
         "5 mN",
         "(1 + u/a) exp(-1.7 u/a), half more on return",
     ),
-    "force_offset": Kind(_offset, "Force offset", "5 mN, a sign for each test", "constant"),
-    "force_drift": Kind(_drift, "Drift / cell creep", "0.1 mN/s", "creep of 900 s"),
-    "channel_lag": Kind(_lag, "Lag between channels", "0.1 s", "delay on the finer clock"),
-    "backlash": Kind(_play, "Backlash", "0.03 mm", "play operator"),
-    "mains_pickup": Kind(
-        _hum, "50 Hz and harmonics", "2 mN, 1.5 to 40 s", "sine with a second harmonic"
-    ),
+    "force_offset": Kind(_offset, "5 mN, a sign for each test", "constant"),
+    "force_drift": Kind(_drift, "0.1 mN/s", "creep of 900 s"),
+    "channel_lag": Kind(_lag, "0.1 s", "delay on the finer clock"),
+    "backlash": Kind(_play, "0.03 mm", "play operator"),
+    "mains_pickup": Kind(_hum, "2 mN, 1.5 to 40 s", "sine with a second harmonic"),
 }
 """What a test at one speed can identify, by the names of the loop."""
 
 SCALES: dict[str, Kind] = {
-    "gain": Kind(partial(_scaled, "gain", 0.01), "Gain", "1 %", "factor"),
+    "gain": Kind(partial(_scaled, "gain", 0.01), "1 %", "factor"),
     "rate_stiffening": Kind(
-        partial(_scaled, "rate_stiffening", 0.15), "Rate stiffening", "15 %", "factor at one speed"
+        partial(_scaled, "rate_stiffening", 0.15), "15 %", "factor at one speed"
     ),
 }
 """What is nothing but another modulus."""
@@ -536,15 +510,14 @@ SCALES: dict[str, Kind] = {
 STRANGERS: dict[str, Kind] = {
     "stiff_inclusion": Kind(
         _of_curve("stiff_inclusion", "inclusion", lambda s: {}),
-        "Heterogeneity grey/white",
         "a ball, six times as stiff",
         "own run",
     ),
-    "cell_nonlinearity": Kind(_bent_cell, "-", "2 %", "sine of the force, 1.2 N long"),
-    "clock_jitter": Kind(_jitter, "-", "25 pauses of up to 0.6 s", "late time stamps"),
-    "temperature_ramp": Kind(_warming, "Temperature", "5 % softer in the hold", "step of 3 s"),
-    "stick_slip": Kind(_stick_slip, "-", "2 %", "sawtooth while the platen moves"),
-    "mixed_labels": Kind(_mixed_labels, "-", "tension and shear", "records change their labels"),
+    "cell_nonlinearity": Kind(_bent_cell, "2 %", "sine of the force, 1.2 N long"),
+    "clock_jitter": Kind(_jitter, "25 pauses of up to 0.6 s", "late time stamps"),
+    "temperature_ramp": Kind(_warming, "5 % softer in the hold", "step of 3 s"),
+    "stick_slip": Kind(_stick_slip, "2 %", "sawtooth while the platen moves"),
+    "mixed_labels": Kind(_mixed_labels, "tension and shear", "records change their labels"),
 }
 """Kinds that no file of the library describes."""
 

@@ -3,7 +3,7 @@
 No rule reads a force, so that what is held out cannot be chosen by what it would show.
 """
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Collection, Mapping, Sequence
 from dataclasses import dataclass, fields
 from fnmatch import fnmatchcase
 from typing import Any, Self
@@ -25,6 +25,10 @@ PHASES = {"loading": ("baseline", "ramp"), "hold": ("hold",), "unloading": ("unl
 
 SIDES = {"positive": 1.0, "negative": -1.0}
 """Sign of the displacement by the names that selections use."""
+
+
+FEWEST_OTHERS = 3
+"""Other groups from which one is predicted: each of them in its turn from two at least."""
 
 
 @dataclass(frozen=True)
@@ -153,6 +157,16 @@ def _there(selection: Selection, rows: Sequence[Row]) -> str:
     values = {name: dict.fromkeys(resolved(row)[name] for row in rows) for name in used}
     listed = [f"{name}: {', '.join(names)}" for name, names in values.items()]
     return f"there are {'; '.join(listed)}"
+
+
+def in_turn(
+    selections: Sequence[Mapping[str, Any]], leave_out: str | None, groups: Collection[str]
+) -> bool:
+    """Whether what a study holds out is held out of one group at a time.
+
+    So it is with `hold_out` and `leave_out: group`, and more than `FEWEST_OTHERS` groups.
+    """
+    return bool(selections) and leave_out == "group" and len(groups) > FEWEST_OTHERS
 
 
 def folds(rows: Sequence[Row], leave_out: str | None) -> list[tuple[str, list[str]]]:

@@ -11,8 +11,8 @@ from softsample.constitutive.ogden import OgdenMaterial
 from softsample.fem.boundary import ContactSettings
 from softsample.fem.explicit import SolverSettings
 from softsample.loop.confirm import at_size, confirmations, simulate_sizes, sizes_to_confirm
-from softsample.loop.diagnose import LoopSettings
 from softsample.loop.effects import library
+from softsample.loop.posed import LoopSettings
 from softsample.meshing.sample import mesh_ideal
 from softsample.response.perturbations import paced, simulate_perturbations
 from softsample.response.pieces import MechanicalTest, MeshedSample, PerturbationSettings

@@ -8,10 +8,11 @@ import pytest
 
 import laboratory
 from softsample.loop.correction import NAME, _can_tell, confirmed, learned
-from softsample.loop.diagnose import LoopSettings, diagnose, judgement, pose, report
+from softsample.loop.diagnose import diagnose, judgement, report
 from softsample.loop.effects import library
 from softsample.loop.errors import cross_validated, folds, held_out_errors
 from softsample.loop.page import page
+from softsample.loop.posed import LoopSettings, pose
 from softsample.response.curves import ResponseCurves
 
 SETTINGS = LoopSettings()

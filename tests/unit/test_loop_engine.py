@@ -10,7 +10,7 @@ from scipy.linalg import block_diag
 
 import laboratory
 from laboratory import elastic
-from softsample.loop.diagnose import LoopSettings, diagnose, judgement, pose, report
+from softsample.loop.diagnose import diagnose, judgement, report
 from softsample.loop.discrepancy import estimated, settled
 from softsample.loop.effects import library
 from softsample.loop.errors import (
@@ -34,6 +34,7 @@ from softsample.loop.noise import (
     measure_noise,
 )
 from softsample.loop.page import page
+from softsample.loop.posed import LoopSettings, pose
 from softsample.loop.resample import resampled, stretches
 from softsample.loop.screen import family_wise, null_threshold, penalty, signatures
 from softsample.loop.select import WITHIN_DOUBT, Candidate, Step, _Search, explained_alike, select
@@ -602,6 +603,7 @@ def test_an_effect_that_was_exchanged_does_not_come_back(monkeypatch):
 
     posed = SimpleNamespace(fit=lambda model, state: fit(*model.names))
     monkeypatch.setattr("softsample.loop.select._pruned", lambda problem, fit, settings: fit)
+    monkeypatch.setattr("softsample.loop.select.settled", lambda problem, fit: (problem, fit))
     search = Search(posed, [], LoopSettings().selection, 12.0, posed, fit())
     for names in ("A", "AB", "ABC"):
         search._take(

@@ -10,13 +10,14 @@ import laboratory
 from softsample.calibration.measured import MeasuredCurve, fitted_curves
 from softsample.errors import CalibrationError
 from softsample.loop.candidates import candidates
-from softsample.loop.diagnose import LoopSettings, diagnose, pose
+from softsample.loop.diagnose import diagnose
 from softsample.loop.effects import library
 from softsample.loop.effects.base import SOLID
 from softsample.loop.errors import held_out_errors
 from softsample.loop.held_out import specimens_of
 from softsample.loop.leave_out import left_out_errors
 from softsample.loop.model import Material, Model, State
+from softsample.loop.posed import LoopSettings, pose
 from softsample.loop.scale import relative_stiffness, same_tests, scale_of, scatter
 from softsample.loop.specimen import FORCE, NORMAL
 from softsample.loop.verdict import document

@@ -8,10 +8,11 @@ import pytest
 
 import laboratory
 from softsample.loop.accept import objection_to
-from softsample.loop.diagnose import LoopSettings, diagnose, error_report, judgement
+from softsample.loop.diagnose import diagnose, error_report, judgement
 from softsample.loop.effects import library
 from softsample.loop.model import Model
 from softsample.loop.noise import NoiseSettings
+from softsample.loop.posed import LoopSettings
 from softsample.loop.select import driven_to_an_end
 
 OFFSET = library()["force_offset"]

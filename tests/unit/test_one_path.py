@@ -156,11 +156,15 @@ def test_one_function_predicts_a_record():
     forces = callers("force_per_mu", own)
     assert {place for place in forces if not place[0].startswith("loop/effects/")} == {
         ("loop/model.py", "Model._elastic"),
+        ("loop/model.py", "Model._of_law"),
     }
     assert {path for path, _ in in_part(forces, "loop/effects/")} == {
         "loop/effects/platen_slip.py", "loop/effects/viscoelastic_relaxation.py"
     }  # fmt: skip
-    assert callers("elastic", own) == {("loop/model.py", "Model._elastic")}
+    assert callers("elastic", own) == {
+        ("loop/model.py", "Model._elastic"),
+        ("loop/model.py", "Model._of_law"),
+    }
     assert callers("tissue", own) == {("loop/model.py", "Model._force")}
     assert callers("instrument", own) == {("loop/model.py", "Model.reading")}
     assert callers("reading", own) == {

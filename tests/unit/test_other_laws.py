@@ -11,9 +11,10 @@ from softsample.constitutive.homogeneous import homogeneous_force, homogeneous_n
 from softsample.constitutive.material import Material, Term
 from softsample.constitutive.ogden import OgdenMaterial, unit_modulus
 from softsample.loop.candidates import candidates
-from softsample.loop.diagnose import LoopSettings, diagnose
+from softsample.loop.diagnose import diagnose
 from softsample.loop.effects.base import SOLID
 from softsample.loop.noise import NoiseSettings
+from softsample.loop.posed import LoopSettings
 from softsample.loop.specimen import Specimen
 from softsample.loop.verdict import elastic_law
 from softsample.protocol import travel_sign

@@ -11,7 +11,7 @@ from softsample.blindlab.models import model_curves
 from softsample.blindlab.plan import Benches, Experiment
 from softsample.blindlab.score import Case, score
 from softsample.fem.explicit import SolverSettings
-from softsample.loop.diagnose import LoopSettings
+from softsample.loop.posed import LoopSettings
 from softsample.response.pieces import PerturbationSettings
 
 BENCHES = Benches(cuboids=1, shapes=1, first=31)

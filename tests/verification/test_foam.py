@@ -6,11 +6,14 @@ nominal stress is that of one stretch; nothing of the package predicts a force.
 
 import numpy as np
 import pytest
+from scipy.integrate import cumulative_trapezoid
 
 import laboratory
-from softsample.loop.diagnose import LoopSettings, diagnose
+from softsample.loop.diagnose import diagnose
 from softsample.loop.effects import library
 from softsample.loop.effects.base import SOLID
+from softsample.loop.model import Material, Model, State
+from softsample.loop.posed import LoopSettings
 from softsample.loop.specimen import Specimen
 from softsample.shapes import IdealShape
 
@@ -59,3 +62,31 @@ def test_modulus_and_loss_are_those_of_the_plug(found):
     state = found.final.state
     assert state.material.mu == pytest.approx(MU, rel=0.05)
     assert state.values["unloading_loss"]["loss"] == pytest.approx(LOSS, abs=0.02)
+
+
+@pytest.mark.parametrize("depth", [0.5, 2.0])
+def test_an_uneven_face_is_columns_of_the_law_that_the_tissue_has(cycle, depth):
+    """Against the integral of the foam's force over the heights, and a change of its bulk."""
+    known = library(SOLID, [cycle])
+    foam, face, other = (known[n] for n in ("compressible_foam", "uneven_contact", "poisson_ratio"))
+    values = {
+        "compressible_foam": {"share": 1.0, "alpha": ALPHA, "nu": 0.0},
+        "uneven_contact": {"depth_mm": depth},
+        "poisson_ratio": {"nu": 0.48},
+    }
+
+    def force(test, *effects):
+        state = State(Material(MU, 0.5), {e.name: values[e.name] for e in effects})
+        return Model(effects).predict(test, state)
+
+    found = force(cycle, foam, face)
+    travel = np.linspace(0.0, cycle.reach, 20001)
+    stretch = 1.0 - travel / PLUG.height
+    law = PLUG.area * 2.0 * MU / ALPHA * (1.0 / stretch - stretch ** (ALPHA - 1.0))
+    whole = cumulative_trapezoid(law, travel, initial=0.0)
+    ahead, behind = (np.interp(cycle.travel - low, travel, whole) for low in (0.0, 1e-3 * depth))
+    exact = (ahead - behind) / (1e-3 * depth)
+    np.testing.assert_allclose(found, exact, atol=2e-3 * exact.max())
+    plain = force(cycle)
+    part = np.divide(force(cycle, other), plain, out=np.ones_like(plain), where=plain > 0.0)
+    np.testing.assert_allclose(force(cycle, foam, face, other), part * found, rtol=1e-12)

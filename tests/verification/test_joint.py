@@ -11,11 +11,12 @@ from softsample.constitutive.ogden import unit_modulus
 from softsample.fem.boundary import ContactSettings, mode_boundary
 from softsample.fem.explicit import ExplicitModel, SolverSettings
 from softsample.loop.candidates import candidates
-from softsample.loop.diagnose import LoopSettings, diagnose, judgement, pose
+from softsample.loop.diagnose import diagnose, judgement
 from softsample.loop.effects import library
 from softsample.loop.held_out import specimens_of
 from softsample.loop.model import Material, Model, State
 from softsample.loop.noise import NoiseSettings
+from softsample.loop.posed import LoopSettings, pose
 from softsample.loop.screen import signatures
 from softsample.meshing.sample import mesh_ideal
 from softsample.protocol import travel_sign

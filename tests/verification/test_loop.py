@@ -9,8 +9,9 @@ import pytest
 import laboratory
 from laboratory import PLANTED, Lab
 from softsample.loop import effects
-from softsample.loop.diagnose import LoopSettings, diagnose, report
+from softsample.loop.diagnose import diagnose, report
 from softsample.loop.noise import NoiseSettings
+from softsample.loop.posed import LoopSettings
 from softsample.loop.select import SelectionSettings
 
 SETTINGS = LoopSettings()

@@ -11,10 +11,11 @@ import numpy as np
 import pytest
 
 import laboratory
-from softsample.loop.diagnose import LoopSettings, diagnose
+from softsample.loop.diagnose import diagnose
 from softsample.loop.effects import library
 from softsample.loop.effects.base import SOLID
 from softsample.loop.model import Material, Model, State
+from softsample.loop.posed import LoopSettings
 from softsample.loop.specimen import Specimen
 from softsample.shapes import IdealShape
 

@@ -27,7 +27,7 @@ os.environ.update(PYTHONPATH=os.pathsep.join(dict.fromkeys(search_path)))
 from softsample.errors import SoftsampleError
 from softsample.files import show_presence
 from softsample.formats import files_of
-from softsample.holdout import check_hold_out, folds, wholly_held_out
+from softsample.holdout import check_hold_out, folds, in_turn, wholly_held_out
 from softsample.io import read_json, read_samples, read_table, read_yaml
 from softsample.progress import show_jobs_in_lines
 from softsample.protocol import NEVER_UNIFORM
@@ -122,6 +122,8 @@ if os.environ.get("SOFTSAMPLE_PARTIAL"):
     if not came_through:
         raise WorkflowError("no group of samples came through; there is nothing to report")
 SAMPLES, GROUPS, PIECES = PLAN.rows, PLAN.groups, PLAN.pieces
+# Whether what is held out is held out of one group at a time.
+POOLED = in_turn(HOLD_OUT, LEAVE_OUT, GROUPS)
 COMPRESSED = [name for name in PIECES if SAMPLES[name]["mode"] == "compression"]
 SHIPPED = (ROOT / "resources").resolve() in TABLE.resolve().parents
 
@@ -305,10 +307,26 @@ def rows_of(names):
     return [resolved(SAMPLES[name]) for name in names]
 
 
+def others_of(group):
+    """Samples of the other groups that tell of one, by group; none if they are not known in full."""
+    others = {name: names for name, names in GROUPS.items() if name != group}
+    return others if POOLED else {}
+
+
+def verdicts_of_others(kind):
+    """Input function: verdicts of these groups, on all of their records or by themselves."""
+    return lambda wildcards: [
+        f"<results>/loop/{name}/{kind}/verdict.json" for name in others_of(wildcards.group)
+    ]
+
+
 def folds_of(group):
-    """Samples of each part of a group that is left out in turn, by the name of the fold."""
+    """Samples of each part of a group that is left out in turn, by the name of the fold.
+
+    None where the study holds something out of one group at a time.
+    """
     if LEAVE_OUT == "group":
-        return {f"leave_out_{group}": samples_of(group)}
+        return {} if POOLED else {f"leave_out_{group}": samples_of(group)}
     rows = [SAMPLES[name] for name in samples_of(group)]
     return {f"leave_out_{value}": names for value, names in folds(rows, LEAVE_OUT)}
 

@@ -11,6 +11,15 @@ OF_CHANGED_MODELS = {
 }
 
 
+OF_DIAGNOSES = {
+    "samples": lambda wildcards: samples_of(wildcards.group),
+    "rows": lambda wildcards: rows_of(diagnosed(wildcards)),
+    "folds": lambda wildcards: folds_of(wildcards.group),
+    "leave_out": LEAVE_OUT,
+    "loop": config["loop"],
+}
+
+
 rule perturbations:
     input:
         distance=for_real("_distance.nii.gz"),
@@ -40,6 +49,8 @@ rule perturbations:
 rule diagnose:
     input:
         **responses(),
+        whole=verdicts_of_others("whole"),
+        alone=verdicts_of_others("alone"),
         code=library("workflow/scripts/diagnose.py"),
     output:
         verdict="<results>/loop/{group}/verdict.json",
@@ -50,16 +61,54 @@ rule diagnose:
     benchmark:
         "<benchmarks>/diagnose/{group}.tsv"
     params:
-        samples=lambda wildcards: samples_of(wildcards.group),
-        rows=lambda wildcards: rows_of(diagnosed(wildcards)),
-        folds=lambda wildcards: folds_of(wildcards.group),
+        **OF_DIAGNOSES,
+        others=lambda wildcards: others_of(wildcards.group),
         hold_out=HOLD_OUT,
-        leave_out=LEAVE_OUT,
-        loop=config["loop"],
     message:
         "Diagnose the residual: group {wildcards.group}"
     script:
         "../scripts/diagnose.py"
+
+
+# What a study holds out of one group at a time is predicted with all that is known of the others.
+use rule diagnose as diagnose_alone with:
+    input:
+        **responses(),
+        code=library("workflow/scripts/diagnose.py"),
+    output:
+        verdict="<results>/loop/{group}/alone/verdict.json",
+        page="<results>/loop/{group}/alone/verdict.md",
+        figure="<results>/loop/{group}/alone/verdict.png",
+    log:
+        "<logs>/diagnose/{group}_alone.log",
+    benchmark:
+        "<benchmarks>/diagnose/{group}_alone.tsv"
+    params:
+        **OF_DIAGNOSES,
+        others={},
+        hold_out=HOLD_OUT,
+    message:
+        "Diagnose the residual, by itself: group {wildcards.group}"
+
+
+use rule diagnose as diagnose_whole with:
+    input:
+        **responses(),
+        code=library("workflow/scripts/diagnose.py"),
+    output:
+        verdict="<results>/loop/{group}/whole/verdict.json",
+        page="<results>/loop/{group}/whole/verdict.md",
+        figure="<results>/loop/{group}/whole/verdict.png",
+    log:
+        "<logs>/diagnose/{group}_whole.log",
+    benchmark:
+        "<benchmarks>/diagnose/{group}_whole.tsv"
+    params:
+        **OF_DIAGNOSES,
+        others={},
+        hold_out=[],
+    message:
+        "Diagnose the residual, all of its records: group {wildcards.group}"
 
 
 use rule diagnose as diagnose_ideal with:
@@ -75,6 +124,10 @@ use rule diagnose as diagnose_ideal with:
         "<logs>/diagnose/{group}_ideal.log",
     benchmark:
         "<benchmarks>/diagnose/{group}_ideal.tsv"
+    params:
+        **OF_DIAGNOSES,
+        others={},
+        hold_out=HOLD_OUT,
     message:
         "Diagnose the residual of the idealised shape: group {wildcards.group}"
 

@@ -4,7 +4,7 @@ from softsample.blindlab.bodies import Body
 from softsample.blindlab.judge import Resolution, answer, elastics
 from softsample.blindlab.plan import Benches, Extent, plan
 from softsample.io import read_table, write_json
-from softsample.loop.diagnose import LoopSettings
+from softsample.loop.posed import LoopSettings
 from softsample.workflow import logged_to, progress_bar
 
 with logged_to(snakemake):

@@ -4,8 +4,8 @@ from softsample.constitutive.ogden import of_fit
 from softsample.io import read_json, read_record, read_table, write_table
 from softsample.loop.candidates import candidates
 from softsample.loop.confirm import confirmations, sizes_to_confirm
-from softsample.loop.diagnose import LoopSettings
 from softsample.loop.held_out import tests_of
+from softsample.loop.posed import LoopSettings
 from softsample.shapes import IdealShape
 from softsample.workflow import logged_to
 

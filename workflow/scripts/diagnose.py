@@ -5,10 +5,12 @@ from softsample.figures.loop import loop_figure
 from softsample.figures.style import save
 from softsample.io import read_json, read_record, read_table, write_json, write_text, written_aside
 from softsample.loop.candidates import candidates
-from softsample.loop.diagnose import LoopSettings, diagnose
+from softsample.loop.diagnose import diagnose
 from softsample.loop.held_out import hold_out_text, tests_of
 from softsample.loop.leave_out import left_out_errors
 from softsample.loop.page import page
+from softsample.loop.pool import Others
+from softsample.loop.posed import LoopSettings
 from softsample.loop.verdict import document
 from softsample.shapes import IdealShape
 from softsample.workflow import logged_to, progress_bar, provenance
@@ -23,10 +25,14 @@ with logged_to(snakemake):
     ]
     records = [read_record(path) for path in files.records]
     shapes = [IdealShape.of_report(read_json(path)) for path in files.cuboids]
-    tests = tests_of(given.rows, records, responses, shapes, given.hold_out)
+    every = given.rows, records, responses, shapes
+    whole, tests = tests_of(*every, []), tests_of(*every, given.hold_out)
     own = [test for test in tests if test.name in given.samples]
-    effects = candidates(own, shapes[0].height, solid)
-    found = diagnose(own, settings, effects)
+    heights = {row["sample"]: shape.height for row, shape in zip(given.rows, shapes, strict=True)}
+    effects = candidates(own, heights[own[0].name], solid)
+    verdicts = [[read_json(path) for path in files.get(kind, [])] for kind in ("whole", "alone")]
+    others = Others.of(given.others, (whole, tests), heights, verdicts, settings, solid)
+    found = diagnose(own, settings, effects, others)
     left_out = left_out_errors(tests, given.folds, settings, effects, progress_bar())
     rule = hold_out_text(given.hold_out, given.leave_out)
     verdict = document(found, left_out, settings, solid, given.rows, rule)

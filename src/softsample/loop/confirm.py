@@ -15,12 +15,12 @@ from numpy.typing import NDArray
 from softsample.constitutive.material import Material, Term
 from softsample.constitutive.ogden import Fibres, OgdenMaterial
 from softsample.fem.boundary import Boundary, platen_boundary
-from softsample.loop.diagnose import LoopSettings, pose
 from softsample.loop.discrepancy import settled
 from softsample.loop.effects import library
 from softsample.loop.effects.base import Effect, Values
 from softsample.loop.fit import Fit, Problem
 from softsample.loop.model import Model, State
+from softsample.loop.posed import LoopSettings, pose
 from softsample.loop.screen import penalty
 from softsample.loop.specimen import KINDS, Specimen
 from softsample.response.perturbations import MARGIN, changed_boundaries, paced

@@ -1,8 +1,8 @@
 """From the tests of one group to a verdict."""
 
 from collections.abc import Mapping, Sequence
-from dataclasses import asdict, dataclass, field
-from typing import Any, Self
+from dataclasses import asdict, dataclass, replace
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -28,22 +28,15 @@ from softsample.loop.noise import (
     FORM,
     Noise,
     NoiseSettings,
-    Whitener,
-    block_size,
-    covariances,
-    measure_noise,
-    most_blocks,
-    shared,
 )
+from softsample.loop.pool import Group, Others, Pooled, pooled
+from softsample.loop.posed import LoopSettings, Posed
 from softsample.loop.resample import confidence
-from softsample.loop.scale import Scales, most_likely, relative_stiffness, scatter
-from softsample.loop.select import Selection, SelectionSettings, plain_model, select
-from softsample.loop.specimen import Specimen, blocks
+from softsample.loop.scale import Scales, most_likely, scatter
+from softsample.loop.select import Candidate, Selection, Step, select, unusable
+from softsample.loop.specimen import Specimen
 
 Array = NDArray[np.float64]
-
-PER_BLOCK = 4
-"""Points of a block at which predictions are computed."""
 
 HELD_OUT = "held_out"
 """Fold of what a study holds out."""
@@ -53,24 +46,6 @@ STIFFNESS = specimen_stiffness.EFFECT.name
 
 NINETY = 1.6449
 """Standard deviations of a two-sided 90 % interval."""
-
-
-@dataclass(frozen=True)
-class LoopSettings:
-    """Mirrors config `loop:`."""
-
-    noise: NoiseSettings = field(default_factory=NoiseSettings)
-    selection: SelectionSettings = field(default_factory=SelectionSettings)
-
-    @classmethod
-    def of_config(
-        cls, loop: Mapping[str, Mapping[str, Any]], noise: Mapping[str, Any] | None = None
-    ) -> Self:
-        """From the config's section `loop`; `noise` has what differs there."""
-        return cls(
-            NoiseSettings(**{**loop["noise"], **(noise or {})}),
-            SelectionSettings(**loop["selection"]),
-        )
 
 
 @dataclass(frozen=True)
@@ -104,6 +79,8 @@ class Diagnosis:
         What folds confirm of what is left, if anything: a correction, not a cause.
     corrected : Judged or None
         Errors with it.
+    told : Pooled or None
+        What the other groups of the study have chosen, if the effects are theirs.
     """
 
     problem: Problem
@@ -118,6 +95,7 @@ class Diagnosis:
     refused: Judged | None = None
     correction: Confirmed | None = None
     corrected: Judged | None = None
+    told: Pooled | None = None
 
     @property
     def verdict(self) -> str:
@@ -160,74 +138,18 @@ class Diagnosis:
 
     def confidence(self, settings: LoopSettings, draws: int) -> float | None:
         """How often the first effect's class is found again; none without effect or draws."""
-        if draws == 0 or self.objection or not self.selection.classes:
+        if draws == 0 or self.objection or self.told or not self.selection.classes:
             return None
         return confidence(
             self.problem, self.selection, self.selection.library, settings.selection, draws
         )
 
 
-def pose(every: Sequence[Specimen], settings: NoiseSettings) -> tuple[Problem, list[Noise]]:
-    """The records with their noise; the discrepancy needs a first fit of the material.
-
-    The problem works with `PER_BLOCK` means of samples in a block, which say as much. What is held
-    out of the records is no part of it.
-    """
-    specimens = _fitted(every, settings)
-    most = most_blocks(len(specimens))
-    cells = [specimen.mode == "torsion" for specimen in specimens]
-    noises = shared([measure_noise(specimen, settings, most) for specimen in specimens], cells)
-    specimens = [
-        specimen.reduced(max(1, noise.size // PER_BLOCK))
-        for specimen, noise in zip(specimens, noises, strict=True)
-    ]
-    nothing = [np.zeros_like(s.force) for s in specimens]
-    whiteners = _whiteners(specimens, noises, nothing, settings)
-    rough = Problem(specimens, whiteners, settings).fit_material()
-    material = rough.state.material
-    travels = [rough.model.travel(s, rough.state) for s in specimens]
-    predicted = [rough.model.predict(s, rough.state) for s in specimens]
-    whiteners = _whiteners(specimens, noises, predicted, settings)
-    lower = [
-        material.mu
-        * s.stiffness
-        * s.elastic.ratio_change_per_mu(
-            material.mu1_fraction, travel, s.elastic.poisson_ratio - settings.poisson_ratio
-        )
-        for s, travel in zip(specimens, travels, strict=True)
-    ]
-    unseen = [specimen for specimen in every if specimen.held_out.any()]
-    posed = Problem(specimens, whiteners, settings, material, lower, unseen)
-    return posed, noises
-
-
-def _is_fitted(specimen: Specimen, settings: NoiseSettings, most: int) -> bool:
-    """Whether a block of the test, of which there are `most`, is left that is not held out."""
-    size = block_size(specimen.time, settings, most)
-    return bool(np.any(blocks(specimen.held_out.astype(float), size) == 0.0))
-
-
-def _whiteners(
-    specimens: Sequence[Specimen],
-    noises: Sequence[Noise],
-    models: Sequence[Array],
-    settings: NoiseSettings,
-) -> list[Whitener]:
-    """Whitener of every test, its scale by what a model predicts per sample [N]."""
-    most = most_blocks(len(specimens))
-    sizes = [block_size(s.time, settings, most) for s in specimens]
-    found = []
-    for s, noise, model, size in zip(specimens, noises, models, sizes, strict=True):
-        known, discrepancy = covariances(s, noise, blocks(model, size), settings, size)
-        kept = blocks(s.held_out.astype(float), size) == 0.0
-        found.append(Whitener(known, size, kept, discrepancy))
-    return found
-
-
 def diagnose(
     specimens: Sequence[Specimen],
     settings: LoopSettings,
     effects: Sequence[Effect] | None = None,
+    others: Others | None = None,
 ) -> Diagnosis:
     """Find the residual, trace it to effects, add them, and measure the error before and after.
 
@@ -239,17 +161,19 @@ def diagnose(
         Noise, floor and rules of the selection.
     effects : sequence of Effect, optional
         Library to choose from; all by default.
+    others : Others, optional
+        The other groups of the study, if all that was measured of them is known.
     """
     known = list(library(tests=specimens).values()) if effects is None else list(effects)
-    problem, noises = pose(specimens, settings.noise)
-    first = plain_model(problem)
-    stiffness = _scattered(*first, settings)
+    posed = Posed.of(specimens, settings)
+    problem, noises, first, stiffness = posed.problem, posed.noises, posed.first, posed.stiffness
     if stiffness:
-        specimens = [specimen.of_stiffness(stiffness) for specimen in specimens]
-        problem, noises = pose(specimens, settings.noise)
         known = [effect for effect in known if effect.name != STIFFNESS]
-    selection = select(problem, known, settings.selection)
-    judged = _Judge(specimens, noises)
+    selection, told = select(problem, known, settings.selection), None
+    if others:
+        told = pooled(Group.of(posed, posed, known), others, settings.selection)
+        selection = _told(selection, told) if told else selection
+    judged = _Judge(posed.specimens, noises)
     plain, chosen = (selection.plain, selection.base), (selection.problem, selection.final)
     models = [plain, chosen] if selection.classes else [plain]
     folds = [cross_validated(*model) for model in models]
@@ -263,32 +187,38 @@ def diagnose(
     if refused:
         asked = refused.posed, refused.settled
         next_one = judged(*asked, cross_validated(*asked), most_likely(*asked))
-    objection = objection_to(selection, rest, selected, settings.selection, settings.noise)
+    objection = unusable(selection.final)
+    if not told:
+        objection = objection_to(selection, rest, selected, settings.selection, settings.noise)
     correction = corrected = None
-    if objection or selection.classes:
-        posed = [(*model, of) for model, of in zip(models, folds, strict=True)]
-        correction = confirmed(posed if objection else posed[-1:], judged.spread)
+    if not told and (objection or selection.classes):
+        every = [(*model, of) for model, of in zip(models, folds, strict=True)]
+        correction = confirmed(every if objection else every[-1:], judged.spread)
     if correction:
         corrected = judged(
             correction.problem, correction.whole, correction.folds, correction.scales
         )
     return Diagnosis(
         problem, noises, selection, objection, stiffness, first, before, rest, selected,
-        next_one, correction, corrected,
+        next_one, correction, corrected, told,
     )  # fmt: skip
 
 
-def _fitted(specimens: Sequence[Specimen], settings: NoiseSettings) -> list[Specimen]:
-    """Tests of which not all is held out."""
-    most = most_blocks(len(specimens))
-    return [s for s in specimens if _is_fitted(s, settings, most)]
-
-
-def _scattered(problem: Problem, fit: Fit, settings: LoopSettings) -> dict[str, float]:
-    """Stiffness of specimens over that of the group; none if it is no more than scales may be."""
-    found = relative_stiffness(problem, fit)
-    usual = 0.01 * settings.noise.scale_percent * settings.selection.unknown_ratio
-    return found if scatter(found) > usual else {}
+def _told(selection: Selection, told: Pooled) -> Selection:
+    """A selection with the effects that other groups have chosen in place of its own."""
+    problem, fit, threshold = told.problem, told.fit, selection.steps[0].threshold
+    chosen = [
+        Candidate(name, fit, problem, fit, evidence, evidence, False)
+        for name, evidence in told.evidence.items()
+    ]
+    steps = [Step(threshold, [one], one, told.classes[one.name]) for one in chosen]
+    return replace(
+        selection,
+        problem=problem,
+        final=fit,
+        classes=told.classes,
+        steps=[*selection.steps, *steps],
+    )
 
 
 @dataclass(frozen=True)
@@ -381,6 +311,7 @@ def judgement(diagnosis: Diagnosis, settings: LoopSettings) -> dict[str, Any]:
         "theta_before": _theta(diagnosis.first[1], settings.noise, fractions),
         "theta_after": _theta(final, settings.noise, fractions, diagnosis.stiffness),
         "withheld": _withheld(diagnosis, settings),
+        "pooled": diagnosis.told.report() if diagnosis.told else None,
         "correction": diagnosis.correction.report() if diagnosis.correction else None,
         "error_before": error_report(diagnosis.before.fitted),
         "error_after": error_report(diagnosis.after.fitted),

@@ -14,7 +14,7 @@ from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.linalg import cho_factor, cho_solve
+from scipy.linalg import cho_factor, cho_solve, solve_triangular
 from scipy.optimize import minimize
 
 from softsample.loop.fit import Fit, Problem
@@ -106,7 +106,8 @@ def settled(problem: Problem, fit: Fit, rounds: int = ROUNDS) -> tuple[Problem, 
 
 def _tests(problem: Problem, fit: Fit, names: Sequence[str]) -> list[_Test]:
     """Means of groups of blocks of every test."""
-    residual, slopes = problem.coloured(fit.white[:-1]), problem.coloured(fit.jacobian[:-1])
+    n = problem.count
+    residual, slopes = problem.coloured(fit.white[:n]), problem.coloured(fit.jacobian[:n])
     found = []
     for specimen, r, j, common, w in zip(
         problem.specimens, residual, slopes, problem.common, problem.whiteners, strict=True
@@ -141,10 +142,13 @@ def _restricted(
         factor = cho_factor(total, lower=True, check_finite=False)
         value += float(np.log(np.diag(factor[0])).sum())
         inverses.append(cho_solve(factor, np.eye(len(total)), check_finite=False))
+        columns = np.column_stack([test.slopes, test.residual])
+        white = solve_triangular(factor[0], columns, lower=True, check_finite=False)
+        slopes, residual = white[:, :-1], white[:, -1]
         weighted.append(inverses[-1] @ test.slopes)
-        information += test.slopes.T @ weighted[-1]
-        score += weighted[-1].T @ test.residual
-        value += 0.5 * float(test.residual @ inverses[-1] @ test.residual)
+        information += slopes.T @ slopes  # positive whatever the rounding, where slopes are alike
+        score += slopes.T @ residual
+        value += 0.5 * float(residual @ residual)
     scale = 1.0 / np.sqrt(np.diag(information))
     inner = cho_factor(
         information * np.outer(scale, scale) + NOTHING * np.eye(len(scale)), lower=True

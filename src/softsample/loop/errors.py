@@ -1,6 +1,6 @@
 """Error of a model on the records: per mode and phase, and held out."""
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Collection, Mapping, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -15,6 +15,9 @@ from softsample.loop.specimen import Specimen, blocks
 Array = NDArray[np.float64]
 Mask = NDArray[np.bool_]
 
+
+TOUCHED = 0.1
+"""Change by an effect of what a fold leaves out, over that of all, from which on it is touched."""
 
 MOST_LEFT_OUT = 5
 """Folds that leave out tests, at most: each is a fit of all the others."""
@@ -140,13 +143,33 @@ class Fold:
     fit: Fit
 
 
-def cross_validated(problem: Problem, fit: Fit) -> dict[str, Fold]:
-    """The model of a fit, fitted to what each fold leaves.
+def touched(problem: Problem, fit: Fit, name: str) -> list[str]:
+    """Folds that leave out what an effect of a fit changes, on the whole or more."""
+    without, parts = fit.model.without(name), []
+    for specimen, w in zip(problem.specimens, problem.whiteners, strict=True):
+        change = fit.model.predict(specimen, fit.state) - without.predict(specimen, fit.state)
+        parts.append(blocks(change, w.size) / specimen.peak)
+    kept = [part[w.keep] for part, w in zip(parts, problem.whiteners, strict=True)]
+    usual = TOUCHED**2 * np.mean(np.square(np.concatenate(kept)))
+    return [
+        fold
+        for fold, masks in folds(problem).items()
+        if np.mean(np.square(np.concatenate([p[m] for p, m in zip(parts, masks, strict=True)])))
+        > usual
+    ]
+
+
+def cross_validated(
+    problem: Problem, fit: Fit, names: Collection[str] | None = None
+) -> dict[str, Fold]:
+    """The model of a fit, fitted to what each fold leaves; to those of some names, or to all.
 
     The noise of `problem` has to allow for errors in the form of the fit's effects.
     """
     found = {}
     for name, masks in folds(problem).items():
+        if names is not None and name not in names:
+            continue
         kept = [w.on(w.keep & ~mask) for w, mask in zip(problem.whiteners, masks, strict=True)]
         rest = problem.with_whiteners(kept)
         found[name] = Fold(masks, rest, rest.fit(fit.model, fit.state))

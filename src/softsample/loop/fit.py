@@ -53,7 +53,7 @@ class Fit:
     cost : float
         Sum of squares of the white residual.
     white : (n,) float64
-        White residual of all tests, one after the other.
+        White residual of all tests, one after the other, then that of what has a prior.
     jacobian : (n, p) float64
         Its derivative by the packed parameters.
     at_bound : tuple of str
@@ -171,6 +171,11 @@ class Problem:
         own = white + np.multiply.outer(self._shared, more @ white)
         return [w.coloured(part) for w, part in zip(self.whiteners, self.by_test(own), strict=True)]
 
+    @property
+    def count(self) -> int:
+        """Number of blocks of all tests; entries of a white residual beyond are of priors."""
+        return sum(int(w.keep.sum()) for w in self.whiteners)
+
     def by_test(self, white: Array) -> list[Array]:
         """Parts of a white residual (n,) that belong to each test."""
         return np.split(white, np.cumsum([w.keep.sum() for w in self.whiteners])[:-1])
@@ -192,13 +197,15 @@ class Problem:
             squares.append(np.mean(np.square((one - two)[specimen.held_out] / peak)))
         return float(np.sqrt(np.mean(squares))) if squares else 0.0
 
-    def white_changes(self, here: Sequence[Array], there: Sequence[Sequence[Array]]) -> Array:
-        """White changes (n, k) from one prediction to k others; the prior does not change."""
+    def white_changes(
+        self, here: Sequence[Array], there: Sequence[Sequence[Array]], model: Model
+    ) -> Array:
+        """White changes (n, k) from one prediction to k others; priors of a model stay."""
         changes = [
             np.stack([changed[t] - before for changed in there], axis=1)
             for t, before in enumerate(here)
         ]
-        return np.concatenate([self.white(changes), np.zeros((1, len(there)))])
+        return np.concatenate([self.white(changes), np.zeros((1 + len(model.known), len(there)))])
 
     @property
     def variances(self) -> dict[str, float]:
@@ -223,14 +230,15 @@ class Problem:
         return float(sizes @ sizes)
 
     def residual(self, model: Model, state: State) -> Array:
-        """White residual of a state, its last entry that of the prior of the contact zero."""
-        return self._left(self.predicted(model, state), state)
+        """White residual of a state, its last entries those of priors, the contact zero's first."""
+        return self._left(model, self.predicted(model, state), state)
 
-    def _left(self, predicted: Sequence[Array], state: State) -> Array:
+    def _left(self, model: Model, predicted: Sequence[Array], state: State) -> Array:
         """White residual of a state whose predictions are known."""
-        prior = state.contact_zero / self.settings.contact_zero_mm
         parts = [s.force - force for s, force in zip(self.specimens, predicted, strict=True)]
-        return np.append(self.white(parts), prior)
+        priors = [(state.values[e.name][p.name] - mean) / d for e, p, (mean, d) in model.known]
+        zero = state.contact_zero / self.settings.contact_zero_mm
+        return np.concatenate([self.white(parts), [zero, *priors]])
 
     def _beside(self, model: Model, here: Sequence[Array], state: State, k: int) -> list[Array]:
         """Predictions of a state that differs in entry `k` from one whose predictions are known."""
@@ -282,16 +290,19 @@ class Problem:
             return latest[0][1]
 
         def white(vector: Array) -> Array:
-            return self._left(predicted(vector), packing.unpack(vector))
+            return self._left(model, predicted(vector), packing.unpack(vector))
 
         def slope(vector: Array) -> Array:
             steps = np.where(vector + DIFFERENCE > packing.high, -DIFFERENCE, DIFFERENCE)
             moved = [packing.unpack(vector + step) for step in np.diag(steps)]
             here = predicted(vector)
             there = [self._beside(model, here, state, k) for k, state in enumerate(moved)]
-            changes = self.white_changes(here, there)
-            changes[-1, CONTACT_ZERO] = -steps[CONTACT_ZERO] / self.settings.contact_zero_mm
-            return -changes / steps
+            slopes = -self.white_changes(here, there, model) / steps
+            slopes[self.count, CONTACT_ZERO] = 1.0 / self.settings.contact_zero_mm
+            for k, (effect, p, (_, deviation)) in enumerate(model.known, start=self.count + 1):
+                place = FIXED + model.parameters.index((effect, p))
+                slopes[k, place] = (p.high - p.low) / deviation
+            return slopes
 
         found = least_squares(
             white, first, slope, bounds=(packing.low, packing.high), x_scale=0.1,

@@ -5,9 +5,10 @@ from dataclasses import replace
 
 import numpy as np
 
-from softsample.loop.diagnose import LoopSettings, diagnose
+from softsample.loop.diagnose import diagnose
 from softsample.loop.effects.base import Effect
 from softsample.loop.errors import Error, held_out_errors
+from softsample.loop.posed import LoopSettings
 from softsample.loop.specimen import Specimen
 
 Errors = dict[str, dict[str, Error]]

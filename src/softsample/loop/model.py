@@ -59,6 +59,11 @@ class Model:
         """All parameters of all effects."""
         return [(effect, p) for effect in self.effects for p in effect.parameters]
 
+    @property
+    def known(self) -> list[tuple[Effect, Parameter, tuple[float, float]]]:
+        """Parameters of which a mean and a standard deviation are known."""
+        return [(effect, p, p.known) for effect, p in self.parameters if p.known]
+
     def travel(self, specimen: Specimen, state: "State") -> Array:
         """Travel that reaches the sample (n,) [m]."""
         return self._loading(specimen, state)[0]
@@ -108,13 +113,36 @@ class Model:
         return travel
 
     def _elastic(self, specimen: Specimen, state: "State", travel: Array) -> Array:
-        """Elastic force (n,) [N], without history."""
+        """Elastic force (n,) [N], without history.
+
+        What changes shape, boundary or compressibility changes the same part of the force along the
+        displacement, whatever the law and however uneven the face.
+        """
         fraction = state.material.mu1_fraction
-        per_mu = specimen.elastic.force_per_mu(fraction, travel)
+        model = specimen.elastic.force_per_mu(fraction, travel)
+        law, changes = self._of_law(specimen, state, travel), np.zeros_like(model)
         for effect in self.effects:
-            values = state.values[effect.name]
-            per_mu = per_mu + effect.elastic(specimen, fraction, travel, values)
-        return np.asarray(state.material.mu * specimen.stiffness * per_mu)
+            if not effect.is_law:
+                changes += effect.elastic(specimen, fraction, travel, state.values[effect.name])
+        if specimen.channel == FORCE and changes.any():
+            changes *= np.divide(law, model, out=np.ones_like(model), where=model != 0.0)
+        return np.asarray(state.material.mu * specimen.stiffness * (law + changes))
+
+    def _of_law(self, specimen: Specimen, state: "State", travel: Array) -> Array:
+        """Force per modulus (n,) [m2] of the law: of columns side by side if the face is uneven."""
+        fraction, columns, parts = state.material.mu1_fraction, travel[:, None], np.ones(1)
+        for effect in self.effects:
+            depths, weights = effect.heights(specimen, state.values[effect.name])
+            if depths.any():
+                columns = (columns[:, :, None] - depths).reshape(len(travel), -1)
+                parts = np.outer(parts, weights).ravel()
+        every = columns.ravel()
+        force = specimen.elastic.force_per_mu(fraction, every)
+        for effect in self.effects:
+            if effect.is_law:
+                values = state.values[effect.name]
+                force = force + effect.elastic(specimen, fraction, every, values)
+        return np.asarray(force.reshape(columns.shape) @ parts)
 
     def _slope(self, specimen: Specimen, state: "State", travel: Array) -> Array:
         """Slope of that force (n,) [N/m], not negative."""

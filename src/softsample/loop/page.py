@@ -27,6 +27,8 @@ def page(group: str, verdict: Mapping[str, Any]) -> str:
     parts += [_recommended(verdict["recommended"]), ""]
     if verdict["specimen_stiffness"] and not verdict["effects"]:
         parts += [_specimens(verdict["specimen_stiffness"]), ""]
+    if verdict["pooled"]:
+        parts += [_pooled(verdict["pooled"]), ""]
     for effect in verdict["effects"]:
         parts += _effect(effect)
     if verdict["correction"]:
@@ -54,6 +56,17 @@ def _recommended(found: Mapping[str, Any]) -> str:
         named = " and ".join(f"`{name}`" for name in found["widened_by"])
         text += f" The interval allows for {named} at sizes that these records would not show."
     return text
+
+
+def _pooled(found: Mapping[str, Any]) -> str:
+    """One sentence on what other groups tell."""
+    errors = [found[f"others_{when}_percent"] for when in ("before", "alone", "after")]
+    before, alone, after = (f"{error:.2g}" for error in errors)
+    return (
+        f"The {found['groups']} other groups choose the effects, and how large they may be: what is "
+        f"held out of each of them is predicted to {after} % of the peak with these effects ({alone} % "
+        f"by its own diagnosis, {before} % without effects; geometric means)."
+    )
 
 
 def _specimens(stiffness: Mapping[str, float]) -> str:

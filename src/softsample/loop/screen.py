@@ -97,7 +97,7 @@ def signatures(problem: Problem, base: Fit, effects: Sequence[Effect]) -> list[S
                 for start in starts
                 for p in effect.sizes
             ]
-            columns = problem.white_changes(here, changed) / step
+            columns = problem.white_changes(here, changed, base.model) / step
             columns -= explained @ (explained.T @ columns)
             for start, part in zip(starts, np.split(columns, len(starts), axis=1), strict=True):
                 found.append(Signature(effect, start, part, _orthonormal(part)))

@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 
 from softsample.loop.discrepancy import settled
 from softsample.loop.effects.base import Effect
-from softsample.loop.errors import cross_validated, log_density
+from softsample.loop.errors import cross_validated, log_density, touched
 from softsample.loop.fit import Fit, Problem
 from softsample.loop.joint import joint_fit, law_fit, nearest
 from softsample.loop.model import FIXED, Model
@@ -190,23 +190,23 @@ def select(problem: Problem, effects: Sequence[Effect], settings: SelectionSetti
         found, len(first.current.white), settings.null_draws, settings.seed, settings.least_gain
     )
     search = _Search(problem, library, settings, threshold, problem, first.current)
-    rival = replace(search, steps=[], classes={}, doubted={})
+    rival = replace(search, steps=[], classes={}, doubted={}, visited=[])
     search.complete()
-    final, fit = search.within_ranges()
     if (law := rival.law_first(search.steps[0])) is not None:
         rival.begin(law)
         rival.complete()
-        other = rival.within_ranges()
-        if _penalised(*other) < _penalised(final, fit):
-            search, (final, fit) = rival, other
+    search, best = min(
+        ((one, one.likeliest) for one in (search, rival) if one.steps),
+        key=lambda pair: pair[1].left,
+    )
     return Selection(
-        final,
+        best.problem,
         first.settled,
         library,
         first.base,
-        fit,
+        best.fit,
         search.steps,
-        search.classes,
+        best.classes,
         weak,
         strongest,
     )
@@ -247,6 +247,23 @@ class _Round:
         return cls(posed, base, sharp, sharp.fit(base.model, base.state))
 
 
+@dataclass(frozen=True)
+class _Visited:
+    """A model that a search came to: records with the most likely sizes, its fit and classes."""
+
+    problem: Problem
+    fit: Fit
+    classes: dict[str, list[str]]
+
+    @property
+    def left(self) -> float:
+        """Misfit with the penalties for all effects; infinite if it explains nothing."""
+        effects = self.fit.model.effects
+        if effects and unusable(self.fit):
+            return np.inf
+        return self.problem.misfit(self.fit) + sum(penalty(e, len(self.fit.white)) for e in effects)
+
+
 @dataclass
 class _Search:
     """State of a selection: what has been chosen, and the noise with the doubt of its form."""
@@ -260,9 +277,12 @@ class _Search:
     steps: list[Step] = field(default_factory=list)
     classes: dict[str, list[str]] = field(default_factory=dict)
     doubted: dict[str, bool] = field(default_factory=dict)
+    visited: list[_Visited] = field(default_factory=list)
 
     def complete(self) -> None:
         """Add effects until no more are asked for, and exchange one that was a wrong choice."""
+        if not self.visited:
+            self._visit()
         self.forward()
         if self.exchange():
             self.forward()
@@ -310,24 +330,16 @@ class _Search:
                 return True
         return False
 
-    def within_ranges(self) -> tuple[Problem, Fit]:
-        """What was chosen with the most likely sizes.
-
-        What others drive to the end of its range makes way for the next one.
-        """
-        problem, fit = settled(self.doubting, self.current)
-        while len(self.classes) > 1 and (at_end := driven_to_an_end(fit)):
-            name, _, _ = at_end.partition(".")
-            del self.classes[name]
-            self.library = [effect for effect in self.library if effect.name != name]
-            self.doubting, self.current = self._doubting_others(name)
-            self.forward()
-            problem, fit = settled(self.doubting, self.current)
-        return problem, fit
+    @property
+    def likeliest(self) -> _Visited:
+        """The likeliest of the models that it came to, of those that may explain something."""
+        return min(self.visited, key=lambda model: model.left)
 
     def _round(self, problem: Problem, current: Fit) -> Step:
-        open_effects = [e for e in self.library if e.name not in current.model.names]
-        return _round(_Round.of(problem, current), open_effects, self.threshold, self.settings)
+        """One effect more; another law in place of one that is there is left to an exchange."""
+        named, has_law = current.model.names, any(e.is_law for e in current.model.effects)
+        left = [e for e in self.library if e.name not in named and not (has_law and e.is_law)]
+        return _round(_Round.of(problem, current), left, self.threshold, self.settings)
 
     def _take(self, problem: Problem, current: Fit, chosen: Candidate, members: list[str]) -> None:
         """Add what was chosen, doubt its form if need be, and drop what it has made superfluous."""
@@ -336,6 +348,13 @@ class _Search:
         self.doubting = self._doubting(problem, chosen.settled)
         self.current = _pruned(self.doubting, chosen.settled, self.settings)
         self.classes = {name: self.classes[name] for name in self.current.model.names}
+        if len(self.classes) == len(chosen.settled.model.effects):  # as it was when it was taken
+            self.visited.append(_Visited(chosen.posed, chosen.settled, dict(self.classes)))
+        self._visit()
+
+    def _visit(self) -> None:
+        """Remember where the search is."""
+        self.visited.append(_Visited(*settled(self.doubting, self.current), dict(self.classes)))
 
     def _doubting(self, problem: Problem, fit: Fit) -> Problem:
         """With room for error in the form of the last effect, if the records show one."""
@@ -351,16 +370,6 @@ class _Search:
             fit = problem.fit(model, replace(self.current.state, values=known))
             problem = self._doubting(problem, fit)
         return problem, problem.fit(model, fit.state)
-
-
-def _penalised(problem: Problem, fit: Fit) -> float:
-    """Misfit of a fit with the penalties for all of its effects."""
-    return problem.misfit(fit) + sum(penalty(e, len(fit.white)) for e in fit.model.effects)
-
-
-def _density(problem: Problem, fit: Fit) -> float:
-    """Logarithm of the predictive density of what folds leave out."""
-    return log_density(problem, fit, cross_validated(problem, fit))
 
 
 def driven_to_an_end(fit: Fit) -> str:
@@ -435,7 +444,7 @@ def _fitted(
     )
     candidates: list[Candidate] = []
     least = PROMISING * max([threshold, *(gain for gain, _ in ranked)])
-    smooth = _smooth_excess(problem.by_test(current.white[:-1]))
+    smooth = _smooth_excess(problem.by_test(current.white[: problem.count]))
     promising = [s for gain, s in ranked[: settings.refits] if gain >= least]
     others = [
         s for _, s in ranked if s not in promising and (s.effect.idealised or s.effect.starts)
@@ -534,22 +543,28 @@ def _beyond_doubt(here: _Round, candidate: Candidate, threshold: float) -> bool:
     """
     effect = candidate.fit.model.effects[-1]
     alone = _without(here, candidate)
-
-    def misfit(posed: Problem, fit: Fit) -> float:
-        doubted = posed.settings.doubted(posed.variances, effect.like_floor)
-        posed = posed.with_variances(doubted)
-        return posed.misfit(posed.fit(fit.model, fit.state))
-
-    before = min(misfit(here.settled, here.base), misfit(*alone))
-    after = misfit(candidate.posed, candidate.settled)
+    before = min(_doubted_misfit(*model, effect) for model in ((here.settled, here.base), alone))
+    after = _doubted_misfit(candidate.posed, candidate.settled, effect)
     return before - after - penalty(effect, len(here.base.white)) >= threshold
 
 
+def _doubted_misfit(posed: Problem, fit: Fit, effect: Effect) -> float:
+    """Misfit of a model with errors that no record may show, as far as they lie along an effect."""
+    posed = posed.with_variances(posed.settings.doubted(posed.variances, effect.like_floor))
+    return posed.misfit(posed.fit(fit.model, fit.state))
+
+
 def _earned(here: _Round, candidate: Candidate) -> bool:
-    """Whether an effect beside others makes what folds leave out likelier."""
+    """Whether an effect beside others makes likelier what those folds leave out that it changes."""
     if not here.base.model.effects:
         return True
-    return _density(candidate.posed, candidate.settled) > _density(here.settled, here.base) + EARNED
+    posed, fit = candidate.posed, candidate.settled
+    names = touched(posed, fit, candidate.name)
+    before, after = (
+        log_density(*model, cross_validated(*model, names))
+        for model in ((here.settled, here.base), (posed, fit))
+    )
+    return bool(names) and after > before + EARNED
 
 
 def _smooth_excess(white: Sequence[Array]) -> float:
@@ -602,7 +617,7 @@ def explained_alike(current: Fit, one: Fit, other: Fit) -> float:
 
 
 def _pruned(problem: Problem, fit: Fit, settings: SelectionSettings) -> Fit:
-    """The fit without effects that later ones have made superfluous."""
+    """The fit without effects that later ones have made superfluous, or no more than doubtful."""
     if len(fit.model.effects) < 2:
         return fit
     posed, best = settled(problem, fit)
@@ -611,8 +626,11 @@ def _pruned(problem: Problem, fit: Fit, settings: SelectionSettings) -> Fit:
         model = fit.model.without(effect.name)
         values = {name: v for name, v in fit.state.values.items() if name != effect.name}
         less = problem.fit(model, replace(fit.state, values=values))
-        alone, without = settled(problem, less)
-        gain = alone.misfit(without) - left
+        alone = settled(problem, less)
+        gain = alone[0].misfit(alone[1]) - left
+        if effect.like_floor:
+            doubted = (_doubted_misfit(*model, effect) for model in (alone, (posed, best)))
+            gain = min(gain, next(doubted) - next(doubted))
         if gain - penalty(effect, len(fit.white)) < settings.least_gain:
             return _pruned(problem, less, settings)
     return best

@@ -4,9 +4,10 @@ from collections.abc import Mapping, Sequence
 from typing import Any
 
 from softsample.constitutive.material import Material
-from softsample.loop.diagnose import Diagnosis, LoopSettings, error_report, report
+from softsample.loop.diagnose import Diagnosis, error_report, report
 from softsample.loop.effects.base import Values
 from softsample.loop.leave_out import Errors
+from softsample.loop.posed import LoopSettings
 
 
 def document(

@@ -38,6 +38,9 @@ class Parameter:
     limits : tuple of float
         Ends of the range at which a size may lie: limits of physics, such as all of a share, or of
         the form. Others are limits of what is plausible.
+    known : tuple of float
+        Mean and standard deviation of a normal prior; none by default, so that all of the range is
+        as likely.
     """
 
     name: str
@@ -48,6 +51,7 @@ class Parameter:
     grid: tuple[float, ...] = ()
     neutral: float = 0.0
     limits: tuple[float, ...] = ()
+    known: tuple[float, float] | None = None
 
     @property
     def is_size(self) -> bool:
@@ -61,6 +65,10 @@ def _travel(specimen: Specimen, travel: Array, values: Values) -> Array:
 
 def _rigid(specimen: Specimen, values: Values) -> float:
     return 0.0
+
+
+def _level(specimen: Specimen, values: Values) -> tuple[Array, Array]:
+    return np.zeros(1), np.ones(1)
 
 
 def _none(specimen: Specimen, fraction: float, travel: Array, values: Values) -> Array:
@@ -117,10 +125,11 @@ class Effect:
     like_floor : bool
         Whether errors of geometry, mesh and element type may lie along it, where no record can
         show them: only what exceeds their stated sizes is evidence for it.
-    travel, compliance, elastic, tissue, contact, instrument, crosstalk : callable
+    travel, compliance, heights, elastic, tissue, contact, instrument, crosstalk : callable
         See the functions above for their arguments; defaults do nothing. `compliance` is that of
-        what holds the sample [m/N]; `crosstalk` is what the reading of a normal force has of the
-        force along the displacement [N].
+        what holds the sample [m/N]; `heights` are depths [m] at which parts of the face lie and
+        these parts; `crosstalk` is what the reading of a normal force has of the force along the
+        displacement [N].
     """
 
     name: str
@@ -140,6 +149,7 @@ class Effect:
     starts: tuple[Values, ...] = ()
     travel: Callable[[Specimen, Array, Values], Array] = field(default=_travel)
     compliance: Callable[[Specimen, Values], float] = field(default=_rigid)
+    heights: Callable[[Specimen, Values], tuple[Array, Array]] = field(default=_level)
     elastic: Callable[[Specimen, float, Array, Values], Array] = field(default=_none)
     tissue: Callable[[Specimen, Array, Array, Values], Array] = field(default=_force)
     contact: Callable[[Specimen, Array, Array, Values], Array] = field(default=_force)
@@ -149,7 +159,8 @@ class Effect:
     @property
     def shifts_travel(self) -> bool:
         """Whether it acts on the travel."""
-        return self.travel is not _travel or self.compliance is not _rigid
+        moved = self.travel is not _travel or self.compliance is not _rigid
+        return moved or self.heights is not _level
 
     @property
     def only_instrument(self) -> bool:

@@ -8,15 +8,10 @@ from softsample.loop.specimen import Specimen
 PLACES, WEIGHTS = np.polynomial.legendre.leggauss(8)
 
 
-def _elastic(specimen: Specimen, fraction: float, travel: Array, values: Values) -> Array:
+def _heights(specimen: Specimen, values: Values) -> tuple[Array, Array]:
     """Columns side by side, their tops spread evenly over the depth below the highest one."""
-    if specimen.kind != "compression":
-        return np.zeros_like(travel)
-    force, depth = specimen.elastic.force_per_mu, 1e-3 * values["depth_mm"]
-    below = 0.5 * depth * (1.0 + PLACES)
-    columns = force(fraction, np.subtract.outer(travel, below).ravel())
-    mean = columns.reshape(len(travel), -1) @ (0.5 * WEIGHTS)
-    return np.asarray(mean - force(fraction, travel))
+    depth = 1e-3 * values["depth_mm"] if specimen.kind == "compression" else 0.0
+    return 0.5 * depth * (1.0 + PLACES), 0.5 * WEIGHTS
 
 
 EFFECT = Effect(
@@ -31,5 +26,5 @@ EFFECT = Effect(
     confused_with=("late_contact", "platen_tilt", "real_geometry"),
     experiment="scan the face; cut it anew; pressure film",
     modes=("compression",),
-    elastic=_elastic,
+    heights=_heights,
 )

@@ -1,0 +1,340 @@
+"""What the other groups of a study tell of one: effects, and how large they are.
+
+Groups of a study share their physics: each has a material of its own, and parameters of effects
+vary about a common mean. All that was measured of the other groups is known. Effects are added one
+by one, each time the one with which the others would have been predicted best: every one of them
+in its turn, from what is not held out of it and from all of the rest.
+"""
+
+from collections.abc import Collection, Mapping, Sequence
+from dataclasses import dataclass, replace
+from typing import Any, Self
+
+import numpy as np
+from numpy.typing import NDArray
+
+from softsample.constitutive.material import Material
+from softsample.holdout import FEWEST_OTHERS
+from softsample.loop.candidates import candidates
+from softsample.loop.discrepancy import settled
+from softsample.loop.effects.base import Effect, Parameter, Values
+from softsample.loop.errors import held_out_errors
+from softsample.loop.fit import Fit, Problem
+from softsample.loop.joint import joint_fit, law_fit
+from softsample.loop.model import FIXED, Model, State
+from softsample.loop.posed import LoopSettings, Posed
+from softsample.loop.scale import most_likely
+from softsample.loop.screen import best_of_each, penalty, signatures
+from softsample.loop.select import SelectionSettings, unusable
+from softsample.loop.specimen import Specimen
+
+Array = NDArray[np.float64]
+
+MOST_UNUSABLE = 0.5
+"""Part of the groups in which effects may explain nothing; in more of them they are none."""
+
+Told = Mapping[str, Mapping[str, tuple[float, float]]]
+"""Mean and standard deviation of parameters, by effect and parameter."""
+
+
+@dataclass(frozen=True)
+class Group:
+    """A group, all that was measured of it and what is not held out.
+
+    Parameters
+    ----------
+    whole : tuple of Problem, Fit
+        All records, and the plain model.
+    part : tuple of Problem, Fit
+        The same without what is held out.
+    tests : sequence of Specimen
+        All tests, with what is held out of them marked.
+    library : mapping of Effect
+        Effects that its records may show.
+    alone : float
+        Logarithm of the error on what is held out, by its own diagnosis; NaN if nothing is.
+    """
+
+    whole: tuple[Problem, Fit]
+    part: tuple[Problem, Fit]
+    tests: Sequence[Specimen]
+    library: Mapping[str, Effect]
+    alone: float = np.nan
+
+    @classmethod
+    def of(
+        cls,
+        whole: Posed,
+        part: Posed,
+        effects: Sequence[Effect],
+        alone: Mapping[str, Any] | None = None,
+    ) -> Self:
+        """From the records of a group, all of them and what is not held out.
+
+        `alone` is the `verdict.json` of its own diagnosis.
+        """
+        library = {effect.name: effect for effect in effects}
+        errors = [
+            0.01 * test["rms_percent"]
+            for test in (alone or {}).get("held_out_after", {}).get("held_out", {}).values()
+        ]
+        return cls(whole.plain, part.plain, part.specimens, library, _log_rms(errors))
+
+    def with_effect(self, name: str, tie: float) -> Self:
+        """The same with one effect more in the model of all records."""
+        (problem, fit), effect = self.whole, self.library[name]
+        if effect.is_law:
+            found = law_fit(problem, fit, effect, tie)
+        else:
+            signature = best_of_each(signatures(problem, fit, [effect]), fit.white)[name][1]
+            found = joint_fit(problem, fit, signature, tie)
+        return replace(self, whole=settled(problem, found))
+
+    def told(self) -> dict[str, dict[str, tuple[float, float]]]:
+        """Parameters of the effects in the model of all records, with standard deviations."""
+        _, fit = self.whole
+        deviations = iter(np.sqrt(np.diag(fit.covariance))[FIXED:])
+        return {
+            effect.name: {
+                p.name: (fit.state.values[effect.name][p.name], next(deviations) * (p.high - p.low))
+                for p in effect.parameters
+            }
+            for effect in fit.model.effects
+        }
+
+    def predicted(self, names: Sequence[str], told: Told) -> tuple[Problem, Fit]:
+        """What is not held out, fitted with effects of which others tell the parameters."""
+        problem, plain = self.part
+        effects = [_known(self.library[name], told[name]) for name in names]
+        values: dict[str, Values] = {
+            e.name: {p.name: p.known[0] for p in e.parameters if p.known} for e in effects
+        }
+        model = Model(tuple(effects))
+        return settled(problem, problem.fit(model, State(plain.state.material, values)))
+
+    def error(self, posed: Problem, fit: Fit) -> float:
+        """Logarithm of the error of a fit on what is held out [parts of peaks, RMS over tests]."""
+        found = held_out_errors(fit, self.tests, 0.0, most_likely(posed, fit))
+        return _log_rms([e.rms / e.peak for e in found.values()])
+
+
+@dataclass(frozen=True)
+class Others:
+    """The other groups of a study.
+
+    Parameters
+    ----------
+    groups : list of Group
+        All that was measured of each.
+    names : set of str
+        Effects that the records of any of them have asked for.
+    """
+
+    groups: list[Group]
+    names: set[str]
+
+    @classmethod
+    def of(
+        cls,
+        groups: Mapping[str, Collection[str]],
+        tests: tuple[Sequence[Specimen], Sequence[Specimen]],
+        heights: Mapping[str, float],
+        verdicts: tuple[Sequence[Mapping[str, Any]], Sequence[Mapping[str, Any]]],
+        settings: LoopSettings,
+        solid: Material,
+    ) -> Self | None:
+        """From the tests of a study; None if it has too few other groups.
+
+        Parameters
+        ----------
+        groups : mapping
+            Samples by group.
+        tests : tuple of sequences of Specimen
+            With nothing held out, and with what the study holds out.
+        heights : mapping of float
+            Of samples [m].
+        verdicts : tuple of sequences of mapping
+            `verdict.json` of each group on all of its records, and on what is not held out.
+        settings : LoopSettings
+            Of the diagnosis.
+        solid : Material
+            What the models are made of.
+        """
+        if len(groups) < FEWEST_OTHERS:
+            return None
+        found = []
+        for names, alone in zip(groups.values(), verdicts[1], strict=True):
+            own = [[test for test in every if test.name in names] for every in tests]
+            effects = candidates(own[0], heights[own[0][0].name], solid)
+            whole, part = (Posed.of(of, settings) for of in own)
+            found.append(Group.of(whole, part, effects, alone))
+        return cls(found, set().union(*map(_asked, verdicts[0])))
+
+
+def _asked(verdict: Mapping[str, Any]) -> set[str]:
+    """Effects that passed the threshold in a round of a diagnosis."""
+    return {
+        candidate["name"]
+        for step in verdict["path"]
+        for candidate in step["candidates"]
+        if candidate["evidence"] >= step["threshold"]
+    }
+
+
+def _log_rms(errors: Sequence[float]) -> float:
+    """Logarithm of the root mean square; NaN of none."""
+    return float(0.5 * np.log(np.mean(np.square(errors)))) if len(errors) else np.nan
+
+
+@dataclass(frozen=True)
+class Pooled:
+    """Effects of a group that the others have chosen.
+
+    Parameters
+    ----------
+    problem, fit : Problem, Fit
+        Of what is not held out of the group, with what the others tell.
+    classes : dict of list of str
+        Names that are as good as each effect, itself first.
+    evidence : dict of float
+        What each effect made likelier in all records of the others, as in the selection.
+    groups : int
+        The others.
+    before, alone, after : float
+        Error on what is held out of the others [% of peak, geometric mean]: of the plain model, of
+        the diagnosis of each by itself, and with these effects.
+    """
+
+    problem: Problem
+    fit: Fit
+    classes: dict[str, list[str]]
+    evidence: dict[str, float]
+    groups: int
+    before: float
+    alone: float
+    after: float
+
+    def report(self) -> dict[str, float]:
+        """What `verdict.json` holds."""
+        return {
+            "groups": self.groups,
+            "others_before_percent": self.before,
+            "others_alone_percent": self.alone,
+            "others_after_percent": self.after,
+        }
+
+
+def pooled(own: Group, others: Others, rules: SelectionSettings) -> Pooled | None:
+    """Effects that predict the other groups better than their own diagnoses, if there are any.
+
+    An effect is added if all records of the others ask for it, and it lowers the error on what is
+    held out of them by more than one standard error of the mean over them.
+
+    Parameters
+    ----------
+    own : Group
+        What is to be predicted.
+    others : Others
+        The others.
+    rules : SelectionSettings
+        As of the selection in one group.
+    """
+    classes: dict[str, list[str]] = {}
+    evidence: dict[str, float] = {}
+    groups, left = others.groups, np.array([group.error(*group.part) for group in others.groups])
+    before, alone = left, np.array([group.alone for group in groups])
+    while len(classes) < rules.most_effects:
+        found = {
+            name: added
+            for name in _open(own, others, classes)
+            if (added := _with_effect(groups, [*classes, name], rules.class_gain)) is not None
+        }
+        asked = {name: _evidence(groups, added) for name, (added, _) in found.items()}
+        found = {name: found[name] for name, size in asked.items() if size >= rules.least_gain}
+        best = min(found, key=lambda name: float(np.nanmean(found[name][1])), default=None)
+        if best is None or not _lower(found[best][1], left):
+            break
+        alike = [n for n in found if n != best and not _lower(found[best][1], found[n][1])]
+        classes[best], evidence[best] = [best, *alike], asked[best]
+        groups, left = found[best]
+    if not classes or np.nanmean(left) >= np.nanmean(alone):
+        return None
+    problem, fit = own.predicted(list(classes), _common([group.told() for group in groups]))
+    means = (float(100.0 * np.exp(np.nanmean(errors))) for errors in (before, alone, left))
+    return Pooled(problem, fit, classes, evidence, len(groups), *means)
+
+
+def _open(own: Group, others: Others, chosen: Collection[str]) -> list[str]:
+    """Effects that may be added: those that all groups may have, one law among them."""
+    has_law = any(own.library[name].is_law for name in chosen)
+    return [
+        name
+        for name, effect in own.library.items()
+        if name in others.names
+        and name not in chosen
+        and all(name in group.library for group in others.groups)
+        and not (has_law and effect.is_law)
+    ]
+
+
+def _with_effect(
+    groups: Sequence[Group], names: Sequence[str], tie: float
+) -> tuple[list[Group], Array] | None:
+    """Groups with one effect more, the last, and the error of each predicted from the others.
+
+    None if it explains nothing in most of them.
+    """
+    found = [group.with_effect(names[-1], tie) for group in groups]
+    if sum(bool(unusable(fit)) for _, fit in (g.whole for g in found)) > MOST_UNUSABLE * len(found):
+        return None
+    told = [group.told() for group in found]
+    errors = [
+        group.error(*group.predicted(names, _common([*told[:k], *told[k + 1 :]])))
+        for k, group in enumerate(found)
+    ]
+    return found, np.array(errors)
+
+
+def _evidence(before: Sequence[Group], after: Sequence[Group]) -> float:
+    """Fall of twice the negative log likelihood of all records, less the penalty of one effect."""
+    fall = 0.0
+    for one, other in zip(before, after, strict=True):
+        (problem, fit), (posed, more) = one.whole, other.whole
+        fall += problem.misfit(fit) - posed.misfit(more)
+        fall -= penalty(more.model.effects[-1], len(more.white))
+    return fall
+
+
+def _lower(one: Array, other: Array) -> bool:
+    """Whether errors are lower on the whole, by more than one standard error."""
+    apart = (one - other)[np.isfinite(one - other)]
+    if len(apart) < FEWEST_OTHERS:
+        return False
+    return bool(apart.mean() + np.std(apart, ddof=1) / np.sqrt(len(apart)) < 0.0)
+
+
+def _common(told: Sequence[Told]) -> Told:
+    """What groups tell of another one: their mean, and how far that one may be from it."""
+    return {
+        effect: {
+            name: _spread([one[effect][name] for one in told]) for name in parameters
+        }
+        for effect, parameters in told[0].items()
+    }  # fmt: skip
+
+
+def _spread(told: Sequence[tuple[float, float]]) -> tuple[float, float]:
+    """Mean of values with standard deviations, and the standard deviation of a further one."""
+    values, deviations = np.array(told).T
+    between = np.var(values, ddof=1) * (1.0 + 1.0 / len(values))
+    return float(values.mean()), float(np.sqrt(between + np.mean(deviations**2)))
+
+
+def _known(effect: Effect, told: Mapping[str, tuple[float, float]]) -> Effect:
+    """An effect with priors of its parameters, their means within the ranges."""
+
+    def known(p: Parameter) -> Parameter:
+        mean, deviation = told[p.name]
+        return replace(p, known=(float(np.clip(mean, p.low, p.high)), deviation))
+
+    return replace(effect, parameters=tuple(known(p) for p in effect.parameters))

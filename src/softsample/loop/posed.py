@@ -1,0 +1,157 @@
+"""Records of a group as a problem: noise, discrepancy, and specimens that differ in stiffness."""
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field
+from typing import Any, Self
+
+import numpy as np
+from numpy.typing import NDArray
+
+from softsample.loop.fit import Fit, Problem
+from softsample.loop.noise import (
+    Noise,
+    NoiseSettings,
+    Whitener,
+    block_size,
+    covariances,
+    measure_noise,
+    most_blocks,
+    shared,
+)
+from softsample.loop.scale import relative_stiffness, scatter
+from softsample.loop.select import SelectionSettings, plain_model
+from softsample.loop.specimen import Specimen, blocks
+
+Array = NDArray[np.float64]
+
+PER_BLOCK = 4
+"""Points of a block at which predictions are computed."""
+
+
+@dataclass(frozen=True)
+class LoopSettings:
+    """Mirrors config `loop:`."""
+
+    noise: NoiseSettings = field(default_factory=NoiseSettings)
+    selection: SelectionSettings = field(default_factory=SelectionSettings)
+
+    @classmethod
+    def of_config(
+        cls, loop: Mapping[str, Mapping[str, Any]], noise: Mapping[str, Any] | None = None
+    ) -> Self:
+        """From the config's section `loop`; `noise` has what differs there."""
+        return cls(
+            NoiseSettings(**{**loop["noise"], **(noise or {})}),
+            SelectionSettings(**loop["selection"]),
+        )
+
+
+@dataclass(frozen=True)
+class Posed:
+    """The tests of a group, ready for models to be fitted.
+
+    Parameters
+    ----------
+    specimens : list of Specimen
+        All tests, with the stiffness of their specimens where these scatter.
+    problem : Problem
+        What is not held out of them.
+    noises : list of Noise
+        One for each test of the problem.
+    first : tuple of Problem, Fit
+        Records and plain model of one stiffness.
+    stiffness : mapping of float
+        Modulus of specimens over that of the group where they scatter; empty if not.
+    """
+
+    specimens: list[Specimen]
+    problem: Problem
+    noises: list[Noise]
+    first: tuple[Problem, Fit]
+    stiffness: Mapping[str, float]
+
+    @classmethod
+    def of(cls, specimens: Sequence[Specimen], settings: LoopSettings) -> Self:
+        """Of tests that share their material and machine."""
+        problem, noises = pose(specimens, settings.noise)
+        first = plain_model(problem)
+        stiffness = _scattered(*first, settings)
+        alike = [specimen.of_stiffness(stiffness) for specimen in specimens]
+        if stiffness:
+            problem, noises = pose(alike, settings.noise)
+        return cls(alike, problem, noises, first, stiffness)
+
+    @property
+    def plain(self) -> tuple[Problem, Fit]:
+        """Records and plain model with the stiffness of each specimen."""
+        return plain_model(self.problem) if self.stiffness else self.first
+
+
+def pose(every: Sequence[Specimen], settings: NoiseSettings) -> tuple[Problem, list[Noise]]:
+    """The records with their noise; the discrepancy needs a first fit of the material.
+
+    The problem works with `PER_BLOCK` means of samples in a block, which say as much. What is held
+    out of the records is no part of it.
+    """
+    specimens = _fitted(every, settings)
+    most = most_blocks(len(specimens))
+    cells = [specimen.mode == "torsion" for specimen in specimens]
+    noises = shared([measure_noise(specimen, settings, most) for specimen in specimens], cells)
+    specimens = [
+        specimen.reduced(max(1, noise.size // PER_BLOCK))
+        for specimen, noise in zip(specimens, noises, strict=True)
+    ]
+    nothing = [np.zeros_like(s.force) for s in specimens]
+    whiteners = _whiteners(specimens, noises, nothing, settings)
+    rough = Problem(specimens, whiteners, settings).fit_material()
+    material = rough.state.material
+    travels = [rough.model.travel(s, rough.state) for s in specimens]
+    predicted = [rough.model.predict(s, rough.state) for s in specimens]
+    whiteners = _whiteners(specimens, noises, predicted, settings)
+    lower = [
+        material.mu
+        * s.stiffness
+        * s.elastic.ratio_change_per_mu(
+            material.mu1_fraction, travel, s.elastic.poisson_ratio - settings.poisson_ratio
+        )
+        for s, travel in zip(specimens, travels, strict=True)
+    ]
+    unseen = [specimen for specimen in every if specimen.held_out.any()]
+    posed = Problem(specimens, whiteners, settings, material, lower, unseen)
+    return posed, noises
+
+
+def _is_fitted(specimen: Specimen, settings: NoiseSettings, most: int) -> bool:
+    """Whether a block of the test, of which there are `most`, is left that is not held out."""
+    size = block_size(specimen.time, settings, most)
+    return bool(np.any(blocks(specimen.held_out.astype(float), size) == 0.0))
+
+
+def _whiteners(
+    specimens: Sequence[Specimen],
+    noises: Sequence[Noise],
+    models: Sequence[Array],
+    settings: NoiseSettings,
+) -> list[Whitener]:
+    """Whitener of every test, its scale by what a model predicts per sample [N]."""
+    most = most_blocks(len(specimens))
+    sizes = [block_size(s.time, settings, most) for s in specimens]
+    found = []
+    for s, noise, model, size in zip(specimens, noises, models, sizes, strict=True):
+        known, discrepancy = covariances(s, noise, blocks(model, size), settings, size)
+        kept = blocks(s.held_out.astype(float), size) == 0.0
+        found.append(Whitener(known, size, kept, discrepancy))
+    return found
+
+
+def _fitted(specimens: Sequence[Specimen], settings: NoiseSettings) -> list[Specimen]:
+    """Tests of which not all is held out."""
+    most = most_blocks(len(specimens))
+    return [s for s in specimens if _is_fitted(s, settings, most)]
+
+
+def _scattered(problem: Problem, fit: Fit, settings: LoopSettings) -> dict[str, float]:
+    """Stiffness of specimens over that of the group; none if it is no more than scales may be."""
+    found = relative_stiffness(problem, fit)
+    usual = 0.01 * settings.noise.scale_percent * settings.selection.unknown_ratio
+    return found if scatter(found) > usual else {}

@@ -1,0 +1,126 @@
+"""Groups that share their physics: what the others were measured to do is predicted of one.
+
+Plugs of a foam between plates that slide, as in `test_foam`: nothing of the package predicts a
+force. Of each group the loading up to a strain is known, and all of the others.
+"""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+import laboratory
+from softsample.loop.diagnose import diagnose, judgement
+from softsample.loop.effects import library
+from softsample.loop.effects.base import SOLID
+from softsample.loop.errors import held_out_errors
+from softsample.loop.pool import Others
+from softsample.loop.posed import LoopSettings
+from softsample.loop.specimen import Specimen
+from softsample.shapes import IdealShape
+
+PLUG = IdealShape("cylinder", 15e-3, 15e-3, 10e-3)
+STRAIN, KNOWN, RATE, WAIT = 0.45, 0.25, 0.01, 2.0  # 1, 1, 1/s, s
+GROUPS = {  # modulus [Pa], exponent, part of the force that is missing on unloading
+    "a": (2000.0, 5.0, 0.20),
+    "b": (1200.0, 5.4, 0.22),
+    "c": (2600.0, 4.7, 0.19),
+    "d": (1700.0, 5.2, 0.21),
+}
+SETTINGS = LoopSettings()
+NAMES = ("compressible_foam", "elastic_law", "unloading_loss", "force_drift", "permanent_set")
+
+
+def cycle(name, seed):
+    """One cycle of a group's plug; loading beyond a strain and unloading are held out."""
+    mu, alpha, loss = GROUPS[name]
+    rng, way = np.random.default_rng(seed), STRAIN / RATE
+    knots = np.cumsum([0.0, WAIT, way, way])
+    time = np.arange(0.0, knots[-1], 0.4)
+    strain = np.interp(time, knots, [0.0, 0.0, STRAIN, 0.0])
+    stretch = 1.0 - strain
+    force = PLUG.area * 2.0 * mu / alpha * (1.0 / stretch - stretch ** (alpha - 1.0))
+    back = np.clip((STRAIN - strain) / (0.1 * STRAIN), 0.0, 1.0) * (time > knots[2])
+    force = force * (1.0 - loss * back * (2.0 - back)) + 2e-4 * rng.normal(size=len(time))
+    phase = np.select([time < knots[1], time < knots[2]], ["baseline", "ramp"], "unloading")
+    elastic = laboratory.exact("compression", PLUG, 1.05 * STRAIN)
+    held_out = (strain > KNOWN) | (phase == "unloading")
+    return Specimen(
+        name, "compression", time, strain * PLUG.height, force, phase, elastic, held_out=held_out
+    )
+
+
+def effects(test):
+    known = library(SOLID, [test])
+    return [known[name] for name in NAMES]
+
+
+def own(test):
+    """Verdict of a group by itself."""
+    return judgement(diagnose([test], SETTINGS, effects(test)), SETTINGS)
+
+
+def in_full(test):
+    return replace(test, held_out=np.zeros(len(test.force), bool))
+
+
+PART = [cycle(name, seed) for seed, name in enumerate(GROUPS)]
+WHOLE = [in_full(test) for test in PART]
+
+
+@pytest.fixture(scope="module")
+def verdicts():
+    """Of the last three groups, on all of their records and by themselves."""
+    return [own(test) for test in WHOLE[1:]], [own(test) for test in PART[1:]]
+
+
+def others(verdicts, count=3):
+    groups = {name: [name] for name in list(GROUPS)[1 : 1 + count]}
+    heights = dict.fromkeys(GROUPS, PLUG.height)
+    shown = tuple(found[:count] for found in verdicts)
+    return Others.of(groups, (WHOLE, PART), heights, shown, SETTINGS, SOLID)
+
+
+@pytest.fixture(scope="module")
+def found(verdicts):
+    return diagnose(PART[:1], SETTINGS, effects(PART[0]), others(verdicts))
+
+
+def percent(errors):
+    return 100.0 * max(error.rms / error.peak for error in errors.values())
+
+
+def test_unloading_that_no_record_of_the_group_shows_is_told_by_the_others(found):
+    assert found.verdict == "explained", found.objection
+    assert set(found.selection.classes) == {"compressible_foam", "unloading_loss"}
+    assert percent(found.before.held_out) > 10.0
+    assert percent(found.selected.held_out) < 2.0
+    alone = diagnose(PART[:1], SETTINGS, effects(PART[0]))
+    assert "unloading_loss" not in alone.selection.classes
+    assert percent(found.selected.held_out) < 0.5 * percent(alone.after.held_out)
+
+
+def test_sizes_that_others_tell_have_intervals_as_wide_as_the_groups_scatter(found):
+    verdict = judgement(found, SETTINGS)
+    loss = next(e for e in verdict["effects"] if e["name"] == "unloading_loss")["parameters"][
+        "loss"
+    ]
+    assert loss["low"] < GROUPS["a"][2] < loss["high"]
+    told = [GROUPS[name][2] for name in list(GROUPS)[1:]]
+    assert loss["high"] - loss["low"] > np.std(told)
+    assert verdict["pooled"]["groups"] == 3
+    assert verdict["pooled"]["others_after_percent"] < verdict["pooled"]["others_alone_percent"]
+
+
+def test_forces_that_are_held_out_of_the_group_change_nothing(found, verdicts):
+    test = PART[0]
+    changed = replace(test, force=np.where(test.held_out, 3.0 * test.force, test.force))
+    again = diagnose([changed], SETTINGS, effects(changed), others(verdicts))
+    assert again.final.state == found.final.state
+    assert held_out_errors(again.final, [test], 0.0, {}) == held_out_errors(
+        found.final, [test], 0.0, {}
+    )
+
+
+def test_two_other_groups_are_too_few(verdicts):
+    assert others(verdicts, 2) is None

@@ -7,8 +7,16 @@ import numpy as np
 import pytest
 
 from softsample.errors import InputError
-from softsample.holdout import Selection, check_hold_out, folds, held_out, wholly_held_out
+from softsample.holdout import (
+    Selection,
+    check_hold_out,
+    folds,
+    held_out,
+    in_turn,
+    wholly_held_out,
+)
 from softsample.io import read_yaml
+from softsample.loop.held_out import hold_out_text
 from softsample.records import Record
 
 ROOT = Path(__file__).resolve().parents[2]
@@ -142,3 +150,23 @@ def test_a_selection_of_nothing_or_of_everything_is_refused():
 def test_keys_are_those_of_the_schema():
     keys = SCHEMA["properties"]["hold_out"]["items"]["properties"]
     assert set(keys) == {field.name for field in fields(Selection)}
+
+
+@pytest.mark.parametrize(
+    ("selections", "leave_out", "groups", "expected"),
+    [
+        ([{"phase": "unloading"}], "group", "abcd", True),
+        ([{"phase": "unloading"}], "group", "abc", False),
+        ([{"phase": "unloading"}], "specimen", "abcd", False),
+        ([], "group", "abcd", False),
+    ],
+)
+def test_parts_are_held_out_of_one_group_at_a_time_if_the_others_are_enough(
+    selections, leave_out, groups, expected
+):
+    assert in_turn(selections, leave_out, groups) is expected
+
+
+def test_the_rule_says_in_words_that_groups_take_turns():
+    text = hold_out_text([{"strain_above": 0.3}, {"phase": "unloading"}], "group", pooled=True)
+    assert text == "held out of one group at a time: strain above 0.3; phase unloading"

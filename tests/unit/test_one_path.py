@@ -174,7 +174,7 @@ def test_one_function_predicts_a_record():
     assert callers("travel", own) == {
         ("loop/model.py", "Model._reported"),
         ("loop/correction.py", "_Test.of"),
-        ("loop/diagnose.py", "pose"),
+        ("loop/posed.py", "pose"),
         ("loop/screen.py", "signatures"),
     }
     predicted = tree_of(PACKAGE / "loop/fit.py")

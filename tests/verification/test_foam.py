@@ -86,7 +86,9 @@ def test_an_uneven_face_is_columns_of_the_law_that_the_tissue_has(cycle, depth):
     whole = cumulative_trapezoid(law, travel, initial=0.0)
     ahead, behind = (np.interp(cycle.travel - low, travel, whole) for low in (0.0, 1e-3 * depth))
     exact = (ahead - behind) / (1e-3 * depth)
-    np.testing.assert_allclose(found, exact, atol=2e-3 * exact.max())
+    # the part of one of the eight columns, in which the corner of first contact may lie
+    corner = 0.125 * 0.18**2 * 1e-3 * depth * 2.0 * MU * PLUG.area / PLUG.height
+    np.testing.assert_allclose(found, exact, atol=corner)
     plain = force(cycle)
     part = np.divide(force(cycle, other), plain, out=np.ones_like(plain), where=plain > 0.0)
     np.testing.assert_allclose(force(cycle, foam, face, other), part * found, rtol=1e-12)

@@ -18,6 +18,7 @@ OF_DIAGNOSES = {
     "leave_out": LEAVE_OUT,
     "loop": config["loop"],
 }
+BY_ITSELF = {**OF_DIAGNOSES, "others": {}, "leave_out": None}
 
 
 rule perturbations:
@@ -84,8 +85,7 @@ use rule diagnose as diagnose_alone with:
     benchmark:
         "<benchmarks>/diagnose/{group}_alone.tsv"
     params:
-        **OF_DIAGNOSES,
-        others={},
+        **BY_ITSELF,
         hold_out=HOLD_OUT,
     message:
         "Diagnose the residual, by itself: group {wildcards.group}"
@@ -104,8 +104,7 @@ use rule diagnose as diagnose_whole with:
     benchmark:
         "<benchmarks>/diagnose/{group}_whole.tsv"
     params:
-        **OF_DIAGNOSES,
-        others={},
+        **BY_ITSELF,
         hold_out=[],
     message:
         "Diagnose the residual, all of its records: group {wildcards.group}"

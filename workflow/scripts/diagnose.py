@@ -34,7 +34,7 @@ with logged_to(snakemake):
     others = Others.of(given.others, (whole, tests), heights, verdicts, settings, solid)
     found = diagnose(own, settings, effects, others)
     left_out = left_out_errors(tests, given.folds, settings, effects, progress_bar())
-    rule = hold_out_text(given.hold_out, given.leave_out)
+    rule = hold_out_text(given.hold_out, given.leave_out, bool(given.others))
     verdict = document(found, left_out, settings, solid, given.rows, rule)
     write_json(snakemake.output.verdict, {**verdict, "provenance": provenance(snakemake)})
     write_text(snakemake.output.page, page(snakemake.wildcards.group, verdict))

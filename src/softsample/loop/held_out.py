@@ -68,11 +68,15 @@ def tests_of(
     return [test for sample in every for test in specimens_of(*sample, hold_out)]
 
 
-def hold_out_text(hold_out: Sequence[Mapping[str, Any]], leave_out: str | None) -> str:
-    """What a study holds out, in words; empty if nothing."""
+def hold_out_text(
+    hold_out: Sequence[Mapping[str, Any]], leave_out: str | None, pooled: bool = False
+) -> str:
+    """What a study holds out, in words; empty if nothing. `pooled`: of one group at a time."""
     parts = [
         " and ".join(f"{name.replace('_', ' ')} {value}" for name, value in selection.items())
         for selection in hold_out
     ]
+    if pooled:
+        return f"held out of one group at a time: {'; '.join(parts)}"
     held = [f"held out: {'; '.join(parts)}"] if parts else []
     return "; ".join([*held, *([f"each {leave_out} left out in turn"] if leave_out else [])])

@@ -63,8 +63,8 @@ def _pooled(found: Mapping[str, Any]) -> str:
     errors = [found[f"others_{when}_percent"] for when in ("before", "alone", "after")]
     before, alone, after = (f"{error:.2g}" for error in errors)
     return (
-        f"The {found['groups']} other groups choose the effects, and how large they may be: what is "
-        f"held out of each of them is predicted to {after} % of the peak with these effects ({alone} % "
+        f"The {found['groups']} other groups choose the effects, and how large they may be: with "
+        f"these, what is held out of each of them is predicted to {after} % of the peak ({alone} % "
         f"by its own diagnosis, {before} % without effects; geometric means)."
     )
 

@@ -102,15 +102,22 @@ class Group:
             for effect in fit.model.effects
         }
 
-    def predicted(self, names: Sequence[str], told: Told) -> tuple[Problem, Fit]:
-        """What is not held out, fitted with effects of which others tell the parameters."""
+    def predicted(
+        self, names: Sequence[str], told: Told, guesses: Sequence[Self] = ()
+    ) -> tuple[Problem, Fit]:
+        """What is not held out, fitted with effects of which others tell the parameters.
+
+        From the means of these, and from the values of each group that is a guess.
+        """
         problem, plain = self.part
         effects = [_known(self.library[name], told[name]) for name in names]
         values: dict[str, Values] = {
             e.name: {p.name: p.known[0] for p in e.parameters if p.known} for e in effects
         }
         model = Model(tuple(effects))
-        return settled(problem, problem.fit(model, State(plain.state.material, values)))
+        start = State(plain.state.material, values)
+        others = [replace(start, values=group.whole[1].state.values) for group in guesses]
+        return settled(problem, problem.fit(model, start, others))
 
     def error(self, posed: Problem, fit: Fit) -> float:
         """Logarithm of the error of a fit on what is held out [parts of peaks, RMS over tests]."""
@@ -259,7 +266,8 @@ def pooled(own: Group, others: Others, rules: SelectionSettings) -> Pooled | Non
         groups, left = found[best]
     if not classes or np.nanmean(left) >= np.nanmean(alone):
         return None
-    problem, fit = own.predicted(list(classes), _common([group.told() for group in groups]))
+    told = _common([group.told() for group in groups])
+    problem, fit = own.predicted(list(classes), told, groups)
     means = (float(100.0 * np.exp(np.nanmean(errors))) for errors in (before, alone, left))
     return Pooled(problem, fit, classes, evidence, len(groups), *means)
 

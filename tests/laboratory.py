@@ -224,3 +224,27 @@ PLANTED = {
     "displacement_zero": Lab(zero={"tension": 0.15, "compression": -0.2, "shear": 0.2}),
 }
 """Records with one effect of the library, made by other formulas."""
+
+
+def foam_cycle(name, shape, mu, alpha, loss, strain, *, step=0.05, seed=5):
+    """A plug of Storakers' foam, Poisson's ratio 0, pressed once between plates that slide.
+
+    A part of its force is missing on unloading. 2 s of rest, then 1 % a second to a strain and
+    back.
+    """
+    rng, way = np.random.default_rng(seed), strain / 0.01
+    knots = np.cumsum([0.0, 2.0, way, way])
+    time = np.arange(0.0, knots[-1], step)
+    reached = np.interp(time, knots, [0.0, 0.0, strain, 0.0])
+    back = np.clip((strain - reached) / (0.1 * strain), 0.0, 1.0) * (time > knots[2])
+    force = foam_force(shape, mu, alpha, reached) * (1.0 - loss * back * (2.0 - back))
+    force = force + 2e-4 * rng.normal(size=len(time))
+    phase = np.select([time < knots[1], time < knots[2]], ["baseline", "ramp"], "unloading")
+    elastic = exact("compression", shape, 1.05 * strain)
+    return Specimen(name, "compression", time, reached * shape.height, force, phase, elastic)
+
+
+def foam_force(shape, mu, alpha, strain):
+    """Force [N] of that plug: its width stays, so that the nominal stress is of one stretch."""
+    stretch = 1.0 - strain
+    return shape.area * 2.0 * mu / alpha * (1.0 / stretch - stretch ** (alpha - 1.0))

@@ -14,28 +14,17 @@ from softsample.loop.effects import library
 from softsample.loop.effects.base import SOLID
 from softsample.loop.model import Material, Model, State
 from softsample.loop.posed import LoopSettings
-from softsample.loop.specimen import Specimen
 from softsample.shapes import IdealShape
 
 PLUG = IdealShape("cylinder", 15e-3, 15e-3, 10e-3)
 MU, ALPHA, LOSS = 2000.0, 5.0, 0.2  # Pa, 1, 1
-STRAIN, RATE, WAIT = 0.45, 0.01, 2.0  # 1, 1/s, s
+STRAIN = 0.45
 
 
 @pytest.fixture(scope="module")
 def cycle():
-    """One cycle: up at a rate and back, on which a part of the force is missing."""
-    rng, way = np.random.default_rng(5), STRAIN / RATE
-    knots = np.cumsum([0.0, WAIT, way, way])
-    time = np.arange(0.0, knots[-1], 0.05)
-    strain = np.interp(time, knots, [0.0, 0.0, STRAIN, 0.0])
-    stretch = 1.0 - strain
-    force = PLUG.area * 2.0 * MU / ALPHA * (1.0 / stretch - stretch ** (ALPHA - 1.0))
-    back = np.clip((STRAIN - strain) / (0.1 * STRAIN), 0.0, 1.0) * (time > knots[2])
-    force = force * (1.0 - LOSS * back * (2.0 - back)) + 2e-4 * rng.normal(size=len(time))
-    phase = np.select([time < knots[1], time < knots[2]], ["baseline", "ramp"], "unloading")
-    elastic = laboratory.exact("compression", PLUG, 1.05 * STRAIN)
-    return Specimen("A", "compression", time, strain * PLUG.height, force, phase, elastic)
+    """One cycle, on the way back of which a part of the force is missing."""
+    return laboratory.foam_cycle("A", PLUG, MU, ALPHA, LOSS, STRAIN)
 
 
 @pytest.fixture(scope="module")
@@ -81,8 +70,7 @@ def test_an_uneven_face_is_columns_of_the_law_that_the_tissue_has(cycle, depth):
 
     found = force(cycle, foam, face)
     travel = np.linspace(0.0, cycle.reach, 20001)
-    stretch = 1.0 - travel / PLUG.height
-    law = PLUG.area * 2.0 * MU / ALPHA * (1.0 / stretch - stretch ** (ALPHA - 1.0))
+    law = laboratory.foam_force(PLUG, MU, ALPHA, travel / PLUG.height)
     whole = cumulative_trapezoid(law, travel, initial=0.0)
     ahead, behind = (np.interp(cycle.travel - low, travel, whole) for low in (0.0, 1e-3 * depth))
     exact = (ahead - behind) / (1e-3 * depth)

@@ -16,11 +16,10 @@ from softsample.loop.effects.base import SOLID
 from softsample.loop.errors import held_out_errors
 from softsample.loop.pool import Others
 from softsample.loop.posed import LoopSettings
-from softsample.loop.specimen import Specimen
 from softsample.shapes import IdealShape
 
 PLUG = IdealShape("cylinder", 15e-3, 15e-3, 10e-3)
-STRAIN, KNOWN, RATE, WAIT = 0.45, 0.25, 0.01, 2.0  # 1, 1, 1/s, s
+STRAIN, KNOWN = 0.45, 0.25
 GROUPS = {  # modulus [Pa], exponent, part of the force that is missing on unloading
     "a": (2000.0, 5.0, 0.20),
     "b": (1200.0, 5.4, 0.22),
@@ -33,21 +32,9 @@ NAMES = ("compressible_foam", "elastic_law", "unloading_loss", "force_drift", "p
 
 def cycle(name, seed):
     """One cycle of a group's plug; loading beyond a strain and unloading are held out."""
-    mu, alpha, loss = GROUPS[name]
-    rng, way = np.random.default_rng(seed), STRAIN / RATE
-    knots = np.cumsum([0.0, WAIT, way, way])
-    time = np.arange(0.0, knots[-1], 0.4)
-    strain = np.interp(time, knots, [0.0, 0.0, STRAIN, 0.0])
-    stretch = 1.0 - strain
-    force = PLUG.area * 2.0 * mu / alpha * (1.0 / stretch - stretch ** (alpha - 1.0))
-    back = np.clip((STRAIN - strain) / (0.1 * STRAIN), 0.0, 1.0) * (time > knots[2])
-    force = force * (1.0 - loss * back * (2.0 - back)) + 2e-4 * rng.normal(size=len(time))
-    phase = np.select([time < knots[1], time < knots[2]], ["baseline", "ramp"], "unloading")
-    elastic = laboratory.exact("compression", PLUG, 1.05 * STRAIN)
-    held_out = (strain > KNOWN) | (phase == "unloading")
-    return Specimen(
-        name, "compression", time, strain * PLUG.height, force, phase, elastic, held_out=held_out
-    )
+    test = laboratory.foam_cycle(name, PLUG, *GROUPS[name], STRAIN, step=0.4, seed=seed)
+    beyond = test.travel > KNOWN * PLUG.height
+    return replace(test, held_out=beyond | (test.phase == "unloading"))
 
 
 def effects(test):

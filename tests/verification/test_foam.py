@@ -9,7 +9,7 @@ import pytest
 from scipy.integrate import cumulative_trapezoid
 
 import laboratory
-from softsample.loop.diagnose import diagnose
+from softsample.loop.diagnose import diagnose, report
 from softsample.loop.effects import library
 from softsample.loop.effects.base import SOLID
 from softsample.loop.model import Material, Model, State
@@ -51,6 +51,14 @@ def test_modulus_and_loss_are_those_of_the_plug(found):
     state = found.final.state
     assert state.material.mu == pytest.approx(MU, rel=0.05)
     assert state.values["unloading_loss"]["loss"] == pytest.approx(LOSS, abs=0.02)
+
+
+def test_what_unseen_effects_do_to_the_modulus_is_told_of_the_law_that_was_found(found):
+    verdict = report(found, LoopSettings())
+    laws = {"ogden_exponents", "elastic_law"}
+    assert not laws & {*verdict["detection_limits"], *verdict["not_identifiable"]}
+    mu = verdict["recommended"]["mu"]
+    assert 0.5 * MU < mu["low"] < MU < mu["high"] < 2.0 * MU
 
 
 @pytest.mark.parametrize("depth", [0.5, 2.0])

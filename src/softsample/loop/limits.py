@@ -36,11 +36,12 @@ class Limit:
     modulus: float
 
 
-def detection_limits(selection: Selection) -> dict[str, Limit]:
+def detection_limits(selection: Selection, final: Fit) -> dict[str, Limit]:
     """Sizes at which an effect alone would just pass the first threshold.
 
-    What the material and the effect predict is taken for a record and fitted by the plain model:
+    What the material and the effect predict is taken for a record and fitted by the material alone:
     what that leaves, not what derivatives say it would leave, has to earn penalty and threshold.
+    The material is that of the plain model, or has the law that was found.
     The fit follows contact that comes late, for one, further than its derivative knows. Errors of
     geometry, mesh and form are as large as those that a candidate has to exceed.
 
@@ -48,29 +49,37 @@ def detection_limits(selection: Selection) -> dict[str, Limit]:
     ----------
     selection : Selection
         What was found in the records.
+    final : Fit
+        What is reported of it.
 
     Returns
     -------
     dict of Limit
-        By effect, without weak ones and those that no size within the range would show.
+        By effect, without weak ones and those that no size within the range would show; without
+        other laws where one was found.
     """
-    plain = State(selection.final.state.material)
+    law, found = Model(tuple(e for e in final.model.effects if e.is_law)), final.state
+    plain = State(found.material, {name: found.values[name] for name in law.names})
     threshold, n = selection.steps[0].threshold, len(selection.base.white)
     limits = {
-        name: _limit(selection.problem, plain, signature, threshold + penalty(signature.effect, n))
+        name: _limit(
+            selection.problem, law, plain, signature, threshold + penalty(signature.effect, n)
+        )
         for name, signature in selection.strongest.items()
-        if name not in selection.weak
+        if name not in selection.weak and not (law.effects and signature.effect.is_law)
     }
     return {name: limit for name, limit in limits.items() if limit is not None}
 
 
-def _limit(problem: Problem, plain: State, signature: Signature, need: float) -> Limit | None:
+def _limit(
+    problem: Problem, law: Model, plain: State, signature: Signature, need: float
+) -> Limit | None:
     """Where as much is left as is needed, None beyond the range."""
     sizes = problem.settings.doubted(problem.variances, signature.effect.like_floor)
     problem, highest = problem.with_variances(sizes), _highest(signature.effect)
     size = min(float(np.sqrt(need)) / signature.strength, highest)
     for _ in range(ROUNDS):
-        fit = _plain_fit(problem, plain, signature.effect, _sized(signature, size))
+        fit = _plain_fit(problem, law, plain, signature.effect, _sized(signature, size))
         limit = Limit(size, fit.state.material.mu / plain.material.mu)
         further = size * float(np.sqrt(need / max(fit.cost, 1e-12)))
         if abs(further / size - 1.0) < CLOSE:
@@ -96,10 +105,11 @@ def _highest(effect: Effect) -> float:
     )
 
 
-def _plain_fit(problem: Problem, plain: State, effect: Effect, values: Values) -> Fit:
-    """Fit of the plain model to a record with the effect."""
-    model, state = Model((effect,)), replace(plain, values={effect.name: values})
+def _plain_fit(problem: Problem, law: Model, plain: State, effect: Effect, values: Values) -> Fit:
+    """Fit of the material to a record with the effect."""
+    model = law.with_effect(effect)
+    state = replace(plain, values={**plain.values, effect.name: values})
     made = problem.with_forces(problem.predicted(model, state))
     zeros = ZEROS if effect.shifts_travel else ()
     starts = [replace(plain, contact_zero=z * problem.settings.contact_zero_mm) for z in zeros]
-    return made.fit(Model(), plain, starts)
+    return made.fit(law, plain, starts)

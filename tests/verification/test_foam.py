@@ -23,7 +23,7 @@ STRAIN = 0.45
 
 @pytest.fixture(scope="module")
 def cycle():
-    """One cycle, on the way back of which a part of the force is missing."""
+    """One cycle, with a part of the force missing on unloading."""
     return laboratory.foam_cycle("A", PLUG, MU, ALPHA, LOSS, STRAIN)
 
 

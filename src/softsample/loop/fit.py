@@ -5,7 +5,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.optimize import least_squares
+from scipy.optimize import OptimizeResult, least_squares
 
 from softsample.loop.model import (
     CONTACT_ZERO,
@@ -38,6 +38,10 @@ RANGES = (np.log(STIFFEST / SOFTEST), 1.0, 2.0)
 
 DIFFERENCE = 1e-5
 """Step of the packed parameters for derivatives."""
+
+SETTLED = 0.01
+"""Fall of half the sum of squares over each of two steps that ends a fit: evidence counts from
+tens of this on."""
 
 
 @dataclass(frozen=True)
@@ -88,6 +92,30 @@ def labels(specimens: Sequence[Specimen]) -> list[str]:
     kinds = [s.mode if s.channel == FORCE else f"{s.mode}_normal" for s in specimens]
     counts = [kinds[: k + 1].count(kind) for k, kind in enumerate(kinds)]
     return [kind if n == 1 else f"{kind}_{n}" for kind, n in zip(kinds, counts, strict=True)]
+
+
+class _Ended:
+    """Ends a least-squares fit that hardly falls any more, or cannot get below others.
+
+    Parameters
+    ----------
+    wanted : float
+        Sum of squares above which a fit is of no use.
+    evaluations : int
+        Of the residual, at most.
+    """
+
+    def __init__(self, wanted: float, evaluations: int) -> None:
+        self._wanted, self._evaluations = 0.5 * wanted, evaluations
+        self._costs = [np.inf, np.inf]
+
+    def __call__(self, intermediate_result: OptimizeResult) -> None:
+        """After a step."""
+        cost, left = intermediate_result.cost, self._evaluations - intermediate_result.nfev
+        fall = self._costs[0] - cost  # of two steps: one may be short
+        if fall < 2.0 * SETTLED or cost - left * fall > self._wanted:
+            raise StopIteration
+        self._costs = [self._costs[1], cost]
 
 
 class Problem:
@@ -269,14 +297,36 @@ class Problem:
 
     def fit(self, model: Model, start: State, starts: Sequence[State] = ()) -> Fit:
         """Best fit of material and effects, from one or several starts."""
-        fits = [self._fit_from(model, state) for state in (start, *starts)]
-        return min(fits, key=lambda fit: fit.cost)
+        return min(self.fits(model, (start, *starts)), key=lambda fit: fit.cost)
+
+    def fits(
+        self,
+        model: Model,
+        starts: Sequence[State],
+        tie: float = 0.0,
+        enough: float = -np.inf,
+        found: Sequence[Fit] = (),
+    ) -> list[Fit]:
+        """Fits from several starts, and those that were found before.
+
+        One that cannot come within `tie` of the least sum of squares so far is given up; the
+        first below `enough` is the last.
+        """
+        fits = list(found)
+        for state in starts:
+            least = min((fit.cost for fit in fits), default=np.inf)
+            fits.append(self._fit_from(model, state, wanted=least + tie))
+            if fits[-1].cost < enough:
+                break
+        return fits
 
     def at(self, model: Model, state: State) -> Fit:
         """A state as it is, as a fit."""
-        return self._fit_from(model, state, 1)
+        return self._fit_from(model, state, evaluations=1)
 
-    def _fit_from(self, model: Model, start: State, evaluations: int = 20) -> Fit:
+    def _fit_from(
+        self, model: Model, start: State, evaluations: int = 20, wanted: float = np.inf
+    ) -> Fit:
         packing = Packing(model, self.fractions)
         margin = 1e-6 * (packing.high - packing.low)
         first = np.clip(packing.pack(start), packing.low + margin, packing.high - margin)
@@ -305,8 +355,9 @@ class Problem:
             return slopes
 
         found = least_squares(
-            white, first, slope, bounds=(packing.low, packing.high), x_scale=0.1,
-            method="trf", ftol=1e-5, xtol=1e-5, gtol=1e-6, max_nfev=evaluations,
+            white, first, slope, bounds=(packing.low, packing.high), x_scale=0.1, method="trf",
+            ftol=1e-5, xtol=1e-5, gtol=1e-6, max_nfev=evaluations,
+            callback=_Ended(wanted, evaluations),
         )  # fmt: skip
         state = packing.unpack(found.x)
         ends = packing.at_end(state)[FIXED:]

@@ -55,13 +55,8 @@ def joint_fit(problem: Problem, current: Fit, signature: Signature, tie: float) 
     if effect.idealised:  # a change so large that the material found without it says little
         states = [replace(states[0], material=m) for m in (current.state.material, *STARTS)]
         promised = -np.inf
-    fits: list[Fit] = []
-    for state in states:
-        fits.append(problem.fit(model, state))
-        if fits[-1].cost < promised:
-            break
-    fits += [problem.fit(model, state) for state in own]
-    return _likeliest(problem, current, fits, tie)
+    fits = problem.fits(model, states, tie, promised)
+    return _likeliest(problem, current, problem.fits(model, own, tie, found=fits), tie)
 
 
 def law_fit(problem: Problem, base: Fit, law: Effect, tie: float) -> Fit:
@@ -82,7 +77,7 @@ def law_fit(problem: Problem, base: Fit, law: Effect, tie: float) -> Fit:
     ]
     model = base.model.with_effect(law)
     states = _own_starts(problem, model, base.state, starts)
-    return _likeliest(problem, base, [problem.fit(model, state) for state in states], tie)
+    return _likeliest(problem, base, problem.fits(model, states, tie), tie)
 
 
 def nearest(problem: Problem, current: Fit, alike: Sequence[Fit]) -> Fit:

@@ -43,6 +43,7 @@ def problem(free=None):
         hexes=PAIR,
         free=np.ones((12, 3), dtype=bool) if free is None else free,
         surface=np.array([8, 9, 10, 11]),
+        faces=np.array([[8, 9, 10, 11], [4, 5, 9, 8]]),
         distance=bowl,
         pins=np.array([9]),
         targets=np.array([[1.2, 0.1, 2.2]]),

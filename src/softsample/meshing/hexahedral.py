@@ -110,6 +110,7 @@ def _fit(mesh: HexMesh, inner: Ids, surface: LevelSet, size: float) -> HexMesh:
         hexes=mesh.hexes,
         free=np.column_stack([np.ones((len(start), 2), dtype=bool), ~base]),
         surface=outer,
+        faces=mesh.boundary_quads[np.isin(mesh.boundary_quads, outer).all(axis=1)],
         distance=scaled_distance,
         pins=pin,
         targets=surface.highest_point[None] / size,

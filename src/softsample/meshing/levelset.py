@@ -132,7 +132,10 @@ class LevelSet:
 
     @cached_property
     def highest_point(self) -> Array:
-        """(3,) highest point [m] of the surface: the highest grid column, then refined."""
+        """(3,) highest point [m] of the surface: the highest grid column, then refined.
+
+        None higher than that column is: the spline overshoots at sharp edges.
+        """
         _ = self.inside_box  # refuses a surface that leaves the grid
         height = self._column_heights()
         best = np.unravel_index(int(np.argmax(height)), height.shape)
@@ -145,7 +148,7 @@ class LevelSet:
             top = int(np.argmax(heights))
             point = np.array([x.flat[top], y.flat[top], heights[top]])
             reach *= 0.2
-        return point
+        return np.array([*point[:2], min(point[2], height.max())])
 
     def _column_heights(self) -> Array:
         """(nx, ny) height [m] of the uppermost crossing of each grid column; lowest if none."""

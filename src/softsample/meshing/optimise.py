@@ -99,8 +99,10 @@ class Problem:
         Coordinates that may change.
     surface : (k,) int64
         Nodes that are pulled to the surface.
+    faces : (f, 4) int64
+        Faces whose centres are pulled to it too: nodes alone would cut a sharp edge off.
     distance : callable
-        Signed distance and gradient at points (k, 3): ``(k,), (k, 3)``.
+        Signed distance and gradient at points (n, 3): ``(n,), (n, 3)``.
     pins : (p,) int64, targets : (p, 3) float64
         Nodes that are pulled to a place of their own.
     volume_weight : float
@@ -110,6 +112,7 @@ class Problem:
     hexes: Ids
     free: NDArray[np.bool_]
     surface: Ids
+    faces: Ids
     distance: Callable[[Array], tuple[Array, Array]]
     pins: Ids
     targets: Array
@@ -123,9 +126,12 @@ class Problem:
         )
         weight = stage.surface_weight
         if weight > 0.0:
-            value, slope = self.distance(points[self.surface])
+            centres = points[self.faces].mean(axis=1)
+            value, slope = self.distance(np.concatenate([points[self.surface], centres]))
             total += weight * float(value @ value)
-            gradient[self.surface] += 2.0 * weight * value[:, None] * slope
+            pull = 2.0 * weight * value[:, None] * slope
+            gradient[self.surface] += pull[: len(self.surface)]
+            np.add.at(gradient, self.faces, 0.25 * pull[len(self.surface) :, None])
             offset = points[self.pins] - self.targets
             total += weight * float(np.sum(offset * offset))
             gradient[self.pins] += 2.0 * weight * offset

@@ -133,8 +133,7 @@ def distance_grid(
     surface : TriangleSurface
         Closed; the loading axis is +z.
     spacing : float
-        Of the grid [m]; sharp edges are rounded by about as much, and stand up to a tenth of it
-        too high.
+        Of the grid [m]; the spline through it rounds sharp edges by about a tenth of it.
     padding : float
         Width of the rim of the grid around the surface [m].
 

@@ -51,6 +51,17 @@ def axial(group, geometry, mu1, mu2, model="ogden2"):
     return fit(group, geometry, mu1, mu2, ("T1", "C1"), ("tension", "compression"), model)
 
 
+def test_a_round_sample_idealised_as_a_cuboid_is_noted(paper):
+    fits = [fit("S1", "real", 700.0, 300.0), fit("S1", "ideal", 500.0, 250.0)]
+    seen = {"shape": "cuboid", "proposed_shape": "cylinder", "circularity": 0.98}
+    table, notes = moduli_table(fits, "ogden2", paper, {"S1": seen})
+    said = "S1 looks round (circularity 0.98): if it is, write cylinder into column shape"
+    assert table.loc[0, "note"] == said
+    assert notes == [f"S1, {said}"]
+    for other in ({**seen, "shape": "cylinder"}, {**seen, "proposed_shape": "cuboid"}):
+        assert moduli_table(fits, "ogden2", paper, {"S1": other})[1] == []
+
+
 def test_row_of_table_1_by_hand(paper):
     fits = [fit("S1", "real", 700.0, 300.0), fit("S1", "ideal", 500.0, 250.0)]
     table, notes = moduli_table(fits, "ogden2", paper)

@@ -5,6 +5,7 @@ rule table_moduli:
     input:
         **fits("ogden2", "json"),
         paper=PAPER[0] if PAPERS else [],
+        cuboids=[f"<results>/cuboid/{piece_of(name)}.json" for name in SAMPLES],
         code=library("workflow/scripts/table_moduli.py"),
     output:
         table=report(
@@ -17,6 +18,7 @@ rule table_moduli:
         "<logs>/table1.log",
     params:
         model="ogden2",
+        samples=list(SAMPLES),
     message:
         "Table 1: moduli of the two-term model"
     script:
@@ -27,6 +29,7 @@ use rule table_moduli as table_moduli_one_term with:
     input:
         **fits("ogden1", "json"),
         paper=PAPER[0] if PAPERS else [],
+        cuboids=[f"<results>/cuboid/{piece_of(name)}.json" for name in SAMPLES],
         code=library("workflow/scripts/table_moduli.py"),
     output:
         table=report(
@@ -39,6 +42,7 @@ use rule table_moduli as table_moduli_one_term with:
         "<logs>/table2.log",
     params:
         model="ogden1",
+        samples=list(SAMPLES),
     message:
         "Table 2: moduli of the one-term model, compression alone"
 

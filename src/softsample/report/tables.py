@@ -34,7 +34,10 @@ LEVEL = 0.90
 
 
 def moduli_table(
-    fits: Iterable[Mapping[str, Any]], model: str, paper: pd.DataFrame | None = None
+    fits: Iterable[Mapping[str, Any]],
+    model: str,
+    paper: pd.DataFrame | None = None,
+    shapes: Mapping[str, Mapping[str, Any]] | None = None,
 ) -> tuple[pd.DataFrame, list[str]]:
     """Moduli on both geometries, one row a group (Table 1 or 2 of the paper).
 
@@ -49,6 +52,8 @@ def moduli_table(
         is fitted to the compression sample of a group (TC1) alone; by the group if there are many.
     paper
         Values of the paper (`resources/paper/moduli.csv`); None leaves its columns empty.
+    shapes
+        Of samples, what they are idealised as and look like (`cuboid/{sample}.json`).
 
     Returns
     -------
@@ -57,10 +62,11 @@ def moduli_table(
         gives the lower modulus. The paper's values have the same names after `paper_`;
         `mu_real_against_paper_percent` and `mu_ideal_against_paper_percent` are ours over them,
         `difference_against_paper_points` is ours minus theirs. `note`: findings, fits not to be
-        trusted, and geometries that are not known; moduli on these are empty.
+        trusted, geometries that are not known, whose moduli are empty, and round samples that
+        are idealised as cuboids.
     notes : list of str
         What a reader has to know of single rows: groups left out, findings, fits that are not
-        trusted.
+        trusted, round samples.
 
     Raises
     ------
@@ -78,12 +84,24 @@ def moduli_table(
             for name in GEOMETRIES
             if name in pair and (doubt := doubt_of(pair[name]))
         ]
+        doubts += _round_samples(pair["ideal"]["samples"], shapes or {})
         notes += [f"{group}, {doubt}" for doubt in doubts]
         unknown = [] if "real" in pair else [NO_REAL]
         rows.append({**_moduli_row(pair, model), "note": "; ".join(unknown + doubts)})
     moduli = [f"{term}_{name}_pa" for name in GEOMETRIES for term in TERMS[model]]
     columns = ["group", "mode", *moduli, "difference_percent", "note"]
     return _beside_paper(pd.DataFrame(rows, columns=columns), model, paper), notes
+
+
+def _round_samples(samples: Iterable[str], shapes: Mapping[str, Mapping[str, Any]]) -> list[str]:
+    """What to say of samples that look round and are idealised as cuboids."""
+    return [
+        f"{name} looks round (circularity {seen['circularity']:.2f}): if it is, write cylinder "
+        "into column shape"
+        for name in samples
+        if (seen := shapes.get(name, {})).get("proposed_shape") == "cylinder"
+        and seen["shape"] == "cuboid"
+    ]
 
 
 def doubt_of(fit: Mapping[str, Any]) -> str:

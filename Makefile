@@ -21,7 +21,7 @@ export PYTHONPATH := src
 export NUMBA_CACHE_DIR ?= $(CURDIR)/.numba/$(shell cat src/softsample/fem/*.py src/softsample/constitutive/*.py src/softsample/constitutive/laws/*.py | sha256sum | cut -c1-16)
 unexport VIRTUAL_ENV
 
-.PHONY: help env run quick new-study add-sample check-study study extended docs site test test-study test-long check bench bench-solver bench-imaging bench-scale verify undeclared blind blind-full \
+.PHONY: help env run quick new-study add-sample check-study study extended docs site test test-study test-long check bench bench-solver bench-imaging bench-laws bench-scale verify undeclared blind blind-full \
 	measured measured-docs format clean clean-env
 
 help:
@@ -43,6 +43,7 @@ help:
 	echo "make bench-scale  what 1,000 samples take on 2, 64 and 1,024 cores, by the study in results/: docs/cluster.md"
 	echo "make verify     the solver against exact solutions and other solvers: docs/verification.md"
 	echo "make bench-imaging  accuracy of segmentation and mesh on made-up images: docs/accuracy.md"
+	echo "make bench-laws  elastic laws recovered from records that CalculiX made: docs/law_recovery.md"
 	echo "make undeclared records with undeclared effects, from image to scored verdict: results/undeclared/"
 	echo "make blind      the loop on records with undeclared effects, scored: results/blind/"
 	echo "make blind-full the same at four sizes and three designs, fewer of each: results/blind-full/"
@@ -169,6 +170,9 @@ measured-docs: measured
 bench-imaging: $(stamp)
 	$(bin)/python benchmarks/imaging.py results/bench/imaging.json
 	$(bin)/python benchmarks/imaging_page.py results/bench/imaging.json
+
+bench-laws: $(stamp)
+	CORES=$(CORES) $(bin)/python benchmarks/laws.py
 
 bench-scale: $(stamp)
 	$(bin)/python benchmarks/scale.py results results/bench/scale.json

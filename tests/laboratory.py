@@ -102,7 +102,7 @@ def elastic(mode):
         if mode in of
     }
     laws = LawResponse(curves, SHAPE, mode, ALPHA, 0.49)
-    return Elastic(curves, changes, contact=mode == "compression", laws=laws)
+    return Elastic(curves, changes, contact=mode == "compression", laws=laws, height=SHAPE.height)
 
 
 def exact(mode, shape=SHAPE, reach=None, nu=0.49):

@@ -45,7 +45,9 @@ def elastics(table: pd.DataFrame, body: Body) -> dict[str, Elastic]:
         simulated, runs = split_laws(curves)
         laws = LawResponse(response, body.shape, str(mode), ALPHA, POISSON, runs=runs)
         changes = for_all_fractions(simulated, response, calibrated(body))
-        found[str(mode)] = Elastic(response, changes, mode == "compression", POISSON, laws)
+        found[str(mode)] = Elastic(
+            response, changes, mode == "compression", POISSON, laws, height=body.shape.height
+        )
     return found
 
 

@@ -1,33 +1,33 @@
-"""What no named effect explains, as a smooth function of the travel: a correction, not a cause.
+"""What no named effect explains, as a smooth function of the strain: a correction, not a cause.
 
-Tests of one mode share it in proportion to their force, as they would another elastic law, and the
-scale of each test is its own. A mode is corrected only if that is confirmed: if it takes a fifth of
-the error of parts of the records that were left out when it was learned.
+It is a part of the model's force, as the difference of two elastic laws is, which tests of one mode
+share; the scale of each test is its own. A mode is corrected only if that is confirmed: if it takes
+a fifth of the error of parts of the records that were left out when it was learned.
 
 References
 ----------
 C. E. Rasmussen, C. K. I. Williams, Gaussian Processes for Machine Learning, MIT Press 2006.
 """
 
-from collections.abc import Collection, Mapping, Sequence
+from collections.abc import Callable, Collection, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from typing import Any, Self
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.linalg import block_diag, cho_factor, cho_solve
+from scipy.linalg import block_diag, eigh
 from scipy.optimize import minimize_scalar
 
 from softsample.loop.discrepancy import averaging
 from softsample.loop.effects.base import Effect, Values
 from softsample.loop.errors import Fold, fold_errors
 from softsample.loop.fit import Fit, Problem
-from softsample.loop.model import Material, Model, State
 from softsample.loop.scale import Scales, by_specimen, most_likely, scale_of
 from softsample.loop.specimen import Specimen
 
 Array = NDArray[np.float64]
 Kind = tuple[str, str]
+Ways = dict[bool, float]
 
 NAME = "correction"
 """Of the effect that stands for it in a model."""
@@ -38,11 +38,17 @@ LAST = "last_quarter"
 CONFIRMED = 0.8
 """Part of the error of what was left out that may be left, if a correction is given."""
 
-ONSET = 0.02
-"""Part of the stroke over which it sets in."""
+TINY = 1e-6
+"""Part of the peak below which an error is none."""
+
+LENGTH = 1.0
+"""Strain over which it changes: the ratio of two laws changes where strains are of order one."""
 
 SIZES = (1e-3, 10.0)
 """Its standard deviation, as a part of the force, lies between these."""
+
+OWN = (1.0, 0.1, 0.01, 1e-3, 0.0)
+"""Parts of the variance of the smooth discrepancy that are tried as a local one of each test."""
 
 EXPERIMENTS = {
     "elastic_form": "another mode on the same sample, and a larger stroke",
@@ -61,45 +67,35 @@ class Correction:
 
     Parameters
     ----------
-    travel, weight : dict of (n,) float64
-        Of each mode and channel, where it was learned [parts of the stroke], and its weights.
-    unit, common : dict of float
-        Of each mode and channel, the longest stroke of a test, and the shortest one [m].
+    strain, weight : dict of (n,) float64
+        Of each mode and channel, where it was learned, and its weights.
     scale : dict of float
         Error of the scale of what was fitted, by specimen, mode and channel, as a part.
     size : dict of float
         RMS of the smooth part and of the scale in what was fitted, as parts of the peak.
-    material : Material
-        Of the model that it corrects.
     """
 
-    travel: Mapping[Kind, Array]
+    strain: Mapping[Kind, Array]
     weight: Mapping[Kind, Array]
-    unit: Mapping[Kind, float]
-    common: Mapping[Kind, float]
     scale: Scales
     size: Mapping[str, float]
-    material: Material
 
     def apply(self, specimen: Specimen, force: Array, travel: Array, values: Values) -> Array:
         """Corrected force (n,) [N] of any test."""
         kind = _kind(specimen)
-        if kind not in self.unit:
+        if kind not in self.strain:
             return force
-        x = travel / self.unit[kind]
-        strength = _strength(specimen, self.material, self.common[kind])
-        smooth = _onset(x) * (_likeness(x, self.travel[kind]) @ self.weight[kind])
-        return np.asarray(force * (1.0 + scale_of(specimen, self.scale)) + strength * smooth)
+        smooth = _likeness(_strain(specimen, travel), self.strain[kind]) @ self.weight[kind]
+        return np.asarray(force * (1.0 + scale_of(specimen, self.scale) + smooth))
 
     def only(self, kinds: Collection[Kind]) -> Self:
         """Of some modes and channels alone."""
-        return replace(self, unit={k: unit for k, unit in self.unit.items() if k in kinds})
+        return replace(self, strain={k: x for k, x in self.strain.items() if k in kinds})
 
     @property
     def effect(self) -> Effect:
         """It as the last effect of a model."""
-        return Effect(NAME, "Correction", (), "P", __name__, "smooth in the travel",
-                      tissue=self.apply)  # fmt: skip
+        return _effect(self.apply)
 
     def of(self, fit: Fit) -> Fit:
         """A fit with it."""
@@ -140,7 +136,7 @@ class Confirmed:
     @property
     def scales(self) -> Scales:
         """Errors of the scale of what the whole predicts; what is corrected has its own."""
-        corrected = self.learned.unit if self.learned else {}
+        corrected = self.learned.strain if self.learned else {}
         found = most_likely(self.problem, self.fit)
         return {key: error for key, error in found.items() if key[1:] not in corrected}
 
@@ -163,7 +159,7 @@ class Confirmed:
             "domain_mm": {
                 label: float(1e3 * np.abs(s.travel[~s.held_out]).max(initial=0.0))
                 for label, s in zip(self.problem.labels, self.problem.specimens, strict=True)
-                if self.learned is None or _kind(s) in self.learned.unit
+                if self.learned is None or _kind(s) in self.learned.strain
             },
             "left_out_before_percent": self.error_before,
             "left_out_after_percent": self.error_after,
@@ -201,17 +197,17 @@ def confirmed(
     for place, (problem, fit, folds) in enumerate(models):
         told = [name for name, fold in folds.items() if _can_tell(problem, name, fold)]
         known = {name: learned(fold.problem, fold.fit) for name, fold in folds.items()}
-        bare = _squares(problem, folds, told, noises)
-        after = _squares(problem, _corrected(folds, known), told, noises)
-        held = [kind for kind in bare if after[kind] <= CONFIRMED**2 * bare[kind]]
+        bare = _left_out(problem, folds, told, noises)
+        after = _left_out(problem, _corrected(folds, known), told, noises)
+        held = [kind for kind in bare if _better(after[kind], bare[kind])]
         corrected = _corrected(folds, {name: one.only(held) for name, one in known.items()})
         if place == 0:
-            reference = _rms(bare)
+            reference = _mean(bare)
             if reference <= problem.settings.floor_percent:
                 return None
         else:
-            found.append(Confirmed(problem, fit, None, folds, reference, _rms(bare)))
-        left = _rms(_squares(problem, corrected, told, noises))
+            found.append(Confirmed(problem, fit, None, folds, reference, _mean(bare)))
+        left = _mean(_left_out(problem, corrected, told, noises))
         own = learned(problem, fit).only(held)
         found.append(Confirmed(problem, fit, own, corrected, reference, left))
     best = None
@@ -234,26 +230,47 @@ def _can_tell(problem: Problem, name: str, fold: Fold) -> bool:
     return bool(left) and (name == LAST or told)
 
 
-def _squares(
+def _left_out(
     problem: Problem, folds: Mapping[str, Fold], told: Sequence[str], noises: Sequence[float]
-) -> dict[Kind, float]:
-    """Sum of squares of the error of what folds leave out, by mode and channel [parts of peaks]."""
+) -> dict[Kind, Ways]:
+    """RMS error of what folds leave out, by mode and channel, and by whether it is `LAST`."""
     kinds = {name: _kind(s) for name, s in zip(problem.labels, problem.specimens, strict=True)}
-    found: dict[Kind, float] = {}
-    for tests in fold_errors(problem, {name: folds[name] for name in told}, noises).values():
+    found: dict[Kind, dict[bool, list[float]]] = {}
+    chosen = {name: folds[name] for name in told}
+    for name, tests in fold_errors(problem, chosen, noises).items():
         for label, error in tests.items():
-            kind = kinds[label]
-            found[kind] = found.get(kind, 0.0) + (error.structured / error.peak) ** 2
-    return found
+            ways = found.setdefault(kinds[label], {})
+            ways.setdefault(name == LAST, []).append((error.structured / error.peak) ** 2)
+    return {
+        kind: {way: float(np.sqrt(np.mean(squares))) for way, squares in ways.items()}
+        for kind, ways in found.items()
+    }
 
 
-def _rms(squares: Mapping[Kind, float]) -> float:
-    """Root of the mean over modes and channels [%]."""
-    return float(100.0 * np.sqrt(np.mean(list(squares.values())))) if squares else np.inf
+def _better(after: Ways, before: Ways) -> bool:
+    """Whether an error has fallen far enough on the mean, and in no way has risen as far."""
+    ratios = [max(after[way], TINY) / max(before[way], TINY) for way in before]
+    on_the_mean = np.exp(np.mean(np.log(ratios)))
+    return bool(on_the_mean <= CONFIRMED and max(ratios) <= 1.0 / CONFIRMED)
+
+
+def _mean(errors: Mapping[Kind, Ways]) -> float:
+    """Root mean square over modes and channels [%], its geometric mean over the ways."""
+    ways: dict[bool, list[float]] = {}
+    for of in errors.values():
+        for way, error in of.items():
+            ways.setdefault(way, []).append(error**2)
+    logs = [0.5 * np.log(max(float(np.mean(squares)), TINY**2)) for squares in ways.values()]
+    return float(100.0 * np.exp(np.mean(logs))) if logs else np.inf
 
 
 def _kind(specimen: Specimen) -> Kind:
     return specimen.mode, specimen.channel
+
+
+def _effect(tissue: Callable[[Specimen, Array, Array, Values], Array]) -> Effect:
+    """Change of the force of the sample, as the last effect of a model."""
+    return Effect(NAME, "Correction", (), "P", __name__, "smooth in the strain", tissue=tissue)
 
 
 def learned(problem: Problem, fit: Fit) -> Correction:
@@ -262,90 +279,120 @@ def learned(problem: Problem, fit: Fit) -> Correction:
     for k, (s, w) in enumerate(zip(problem.specimens, problem.whiteners, strict=True)):
         if w.keep.any():
             kinds.setdefault(_kind(s), []).append(k)
-    material = fit.state.material
-    travel, weight, unit, common = {}, {}, {}, {}
+    strain, weight = {}, {}
     scale: list[tuple[Specimen, float]] = []
     squares = {"smooth": 0.0, "scale": 0.0}
     for kind, members in kinds.items():
-        strokes = [problem.specimens[k].reach for k in members]
-        unit[kind], common[kind] = max(strokes), (1.0 + 1e-6) * min(strokes)
-        tests = [_Test.of(problem, fit, k, unit[kind], common[kind]) for k in members]
-        travel[kind], weights = _conditional(tests)
-        weight[kind] = weights * np.concatenate([t.strength * _onset(t.travel) for t in tests])
-        parts = np.split(weights, np.cumsum([len(t.travel) for t in tests])[:-1])
+        tests = [_Test.of(problem, fit, k) for k in members]
+        strain[kind], weights = _conditional(tests)
+        weight[kind] = weights * np.concatenate([t.force for t in tests])
+        parts = np.split(weights, np.cumsum([len(t.strain) for t in tests])[:-1])
         for k, test, part in zip(members, tests, parts, strict=True):
             specimen = problem.specimens[k]
             own = test.scale_variance * float(test.force @ part)
             scale.append((specimen, own))
-            smooth = test.strength * _onset(test.travel)
-            smooth = smooth * (_likeness(test.travel, travel[kind]) @ weight[kind])
+            smooth = test.force * (_likeness(test.strain, strain[kind]) @ weight[kind])
             squares["smooth"] += float(np.mean(smooth**2)) / specimen.peak**2
             squares["scale"] += float(np.mean((own * test.force) ** 2)) / specimen.peak**2
     n = sum(map(len, kinds.values()))
     size = {k: float(np.sqrt(v / n)) for k, v in squares.items()}
-    return Correction(travel, weight, unit, common, by_specimen(scale), size, material)
+    return Correction(strain, weight, by_specimen(scale), size)
 
 
 @dataclass(frozen=True)
 class _Test:
-    """Means of one test: travel (n,) [strokes], residual and force (n,) [N], noise (n, n) [N2]."""
+    """Means of one test: strain (n,), residual and force (n,) [N], noise and local (n, n) [N2].
 
-    travel: Array
+    The force is what a change of the sample's force by its whole would add. The local part is as
+    large as the smooth discrepancy, but goes a little way only.
+    """
+
+    strain: Array
     residual: Array
     force: Array
     noise: Array
-    strength: float
+    local: Array
     scale_variance: float
 
     @classmethod
-    def of(cls, problem: Problem, fit: Fit, k: int, unit: float, common: float) -> "_Test":
+    def of(cls, problem: Problem, fit: Fit, k: int) -> "_Test":
         """Of one test of a problem."""
         specimen, w = problem.specimens[k], problem.whiteners[k]
         force = fit.model.predict(specimen, fit.state)
+        double = fit.model.with_effect(_effect(lambda s, force, travel, values: 2.0 * force))
+        state = replace(fit.state, values={**fit.state.values, NAME: {}})
         to = averaging(w.blocks(specimen.travel) / specimen.reach)
-        apart = w.kept(w.known) + w.variances["rough"] * w.kept(w.discrepancy["rough"])
+        part = {name: v * w.kept(w.discrepancy[name]) for name, v in w.variances.items()}
+        apart = w.kept(w.known) + part["rough"] + part["history"]
+        size = problem.settings.floor_percent / problem.settings.fine_percent
+        local = size**2 * w.variances["smooth"] * w.kept(w.discrepancy["rough"])
         return cls(
-            to @ w.blocks(fit.model.travel(specimen, fit.state)) / unit,
+            to @ w.blocks(_strain(specimen, fit.model.travel(specimen, fit.state))),
             to @ w.blocks(specimen.force - force),
-            to @ w.blocks(force),
+            to @ w.blocks(double.predict(specimen, state) - force),
             to @ apart @ to.T,
-            _strength(specimen, fit.state.material, common),
+            to @ local @ to.T,
             w.variances["scale"] * (0.01 * problem.settings.scale_percent) ** 2,
         )
 
 
 def _conditional(tests: list[_Test]) -> tuple[Array, Array]:
-    """Travels (n,) of all tests of one kind, and weights (n,) of the smooth part there."""
-    x = np.concatenate([t.travel for t in tests])
+    """Strains (n,) of all tests of one kind, and weights (n,) of the smooth part there."""
+    x = np.concatenate([t.strain for t in tests])
     residual = np.concatenate([t.residual for t in tests])
-    own = block_diag(*(t.noise + t.scale_variance * np.outer(t.force, t.force) for t in tests))
-    along = np.concatenate([t.strength * _onset(t.travel) for t in tests])
-    smooth = np.outer(along, along) * _likeness(x, x)
-    own += 1e-9 * np.trace(own + smooth) / len(x) * np.eye(len(x))
+    force = np.concatenate([t.force for t in tests])
+    shared = np.outer(force, force) * _likeness(x, x)
+    scale = block_diag(*(t.scale_variance * np.outer(t.force, t.force) for t in tests))
+    apart = block_diag(*(t.noise for t in tests)) + scale
+    local = block_diag(*(t.local for t in tests))
 
-    def unlikely(log_variance: float) -> float:
-        factor = cho_factor(np.exp(log_variance) * smooth + own, lower=True)
-        fitted = float(residual @ cho_solve(factor, residual))
-        return 2.0 * float(np.log(np.diag(factor[0])).sum()) + fitted
-
-    ends = 2.0 * np.log(SIZES)
-    variance = np.exp(minimize_scalar(unlikely, bounds=tuple(ends), method="bounded").x)
-    factor = cho_factor(variance * smooth + own, lower=True)
-    return x, variance * cho_solve(factor, residual)
-
-
-def _strength(specimen: Specimen, material: Material, common: float) -> float:
-    """Largest force of the plain model up to the travel that all tests of a kind reach [N]."""
-    force = Model().predict(specimen, State(material))
-    return float(np.abs(force[np.abs(specimen.travel) <= common]).max(initial=0.0))
+    ends, best = tuple(2.0 * np.log(SIZES)), (np.inf, residual)
+    for part in OWN:
+        likelihood = _Likelihood.of(shared, apart + part * local, residual)
+        found = minimize_scalar(likelihood.unlikely, bounds=ends, method="bounded")
+        if found.fun < best[0]:
+            best = float(found.fun), likelihood.weights(found.x)
+    return x, best[1]
 
 
-def _onset(travel: Array) -> Array:
-    """Nothing where the platen has not moved [parts of the stroke]."""
-    return np.asarray(np.clip(np.abs(travel) / ONSET, 0.0, 1.0))
+@dataclass(frozen=True)
+class _Likelihood:
+    """Of a residual whose covariance has a shared part of unknown variance.
+
+    With both parts diagonal at once it costs nothing to try a variance.
+    """
+
+    values: Array
+    vectors: Array
+    projected: Array
+    constant: float
+
+    @classmethod
+    def of(cls, shared: Array, apart: Array, residual: Array) -> Self:
+        """From the covariances (n, n) of both parts."""
+        apart = apart + 1e-9 * np.trace(apart + shared) / len(apart) * np.eye(len(apart))
+        values, vectors = eigh(shared, apart)
+        return cls(values.clip(0.0), vectors, vectors.T @ residual, np.linalg.slogdet(apart)[1])
+
+    def unlikely(self, log_variance: float) -> float:
+        """Minus twice the log likelihood, but for a constant."""
+        grown = 1.0 + np.exp(log_variance) * self.values
+        return float(self.constant + np.log(grown).sum() + (self.projected**2 / grown).sum())
+
+    def weights(self, log_variance: float) -> Array:
+        """Weights (n,) of the covariance with the shared part in its most likely values."""
+        variance = np.exp(log_variance)
+        return np.asarray(
+            variance * self.vectors @ (self.projected / (1.0 + variance * self.values))
+        )
+
+
+def _strain(specimen: Specimen, travel: Array) -> Array:
+    """Nominal strain (n,) either way; a stroke counts as one where the height is not known."""
+    return np.asarray(np.abs(travel) / (specimen.elastic.height or specimen.reach))
 
 
 def _likeness(here: Array, there: Array) -> Array:
-    """Matern's correlation 5/2 over the stroke: it goes on where the records end."""
-    apart = np.sqrt(5.0) * np.abs(np.subtract.outer(here, there))
+    """Matern's correlation 5/2 of strains: it goes on where the records end."""
+    apart = np.sqrt(5.0) / LENGTH * np.abs(np.subtract.outer(here, there))
     return np.asarray((1.0 + apart + apart**2 / 3.0) * np.exp(-apart))

@@ -43,6 +43,8 @@ class Elastic:
         What other laws would change.
     most_push : float
         Push per modulus [m2] at which a sample that was pulled buckles on unloading.
+    height : float, optional
+        Of the idealised shape [m].
     """
 
     curves: ResponseCurves
@@ -51,6 +53,7 @@ class Elastic:
     poisson_ratio: float = 0.49
     laws: LawResponse | None = None
     most_push: float = np.inf
+    height: float | None = None
 
     @classmethod
     def of_tables(
@@ -100,7 +103,8 @@ class Elastic:
         push = np.inf
         if shape and mode == "tension" and not across:  # ASSUME: Euler's load of clamped ends.
             push = 12.0 * shape.area * (np.pi * shape.gyration / shape.height) ** 2
-        return cls(found, perturbations, pressed, nu, laws, push)
+        height = shape.height if shape else None
+        return cls(found, perturbations, pressed, nu, laws, push, height)
 
     @cached_property
     def grain(self) -> float:

@@ -165,6 +165,20 @@ def test_it_is_the_same_in_both_directions_of_shear():
     assert corrected < 0.25 * plain
 
 
+@pytest.mark.parametrize("mode", ["compression", "shear"])
+def test_the_modulus_to_quote_holds_what_a_correction_makes_of_it(mode):
+    """The pair of exponents finds 176 Pa in compression and 748 Pa in shear."""
+    test = replace(fung(mode), held_out=np.zeros(200, bool))
+    found = diagnose([test], SETTINGS, [library()["force_offset"]])
+    assert found.verdict == "explained_class"
+    verdict = report(found, SETTINGS)
+    factor = verdict["correction"]["modulus_factors"][mode]
+    assert factor * verdict["theta_after"]["mu"]["value"] == pytest.approx(1000.0, rel=0.25)
+    mu = verdict["recommended"]["mu"]
+    assert mu["low"] <= 1000.0 <= mu["high"]
+    assert f"It multiplies the modulus at small strain ({mode} {factor:.3g})" in page("G", verdict)
+
+
 def test_what_is_left_far_above_the_floor_is_not_corrected():
     """Jumps in time are no function of the travel."""
     rng = np.random.default_rng(3)

@@ -23,7 +23,7 @@ from softsample.loop.effects.base import Effect, Values
 from softsample.loop.errors import Fold, fold_errors
 from softsample.loop.fit import Fit, Problem
 from softsample.loop.scale import Scales, by_specimen, most_likely, scale_of
-from softsample.loop.specimen import Specimen
+from softsample.loop.specimen import FORCE, Specimen
 
 Array = NDArray[np.float64]
 Kind = tuple[str, str]
@@ -87,6 +87,16 @@ class Correction:
             return force
         smooth = _likeness(_strain(specimen, travel), self.strain[kind]) @ self.weight[kind]
         return np.asarray(force * (1.0 + scale_of(specimen, self.scale) + smooth))
+
+    @property
+    def of_modulus(self) -> dict[str, float]:
+        """By mode, the corrected modulus at small strain over that of the model, not below zero."""
+        start = np.zeros(1)
+        return {
+            mode: max(0.0, 1.0 + float((_likeness(start, x) @ self.weight[mode, channel])[0]))
+            for (mode, channel), x in self.strain.items()
+            if channel == FORCE
+        }
 
     def only(self, kinds: Collection[Kind]) -> Self:
         """Of some modes and channels alone."""
@@ -161,6 +171,7 @@ class Confirmed:
                 for label, s in zip(self.problem.labels, self.problem.specimens, strict=True)
                 if self.learned is None or _kind(s) in self.learned.strain
             },
+            "modulus_factors": self.learned.of_modulus if self.learned else {},
             "left_out_before_percent": self.error_before,
             "left_out_after_percent": self.error_after,
             "separating_experiment": EXPERIMENTS[self.kind],
@@ -321,17 +332,18 @@ class _Test:
         force = fit.model.predict(specimen, fit.state)
         double = fit.model.with_effect(_effect(lambda s, force, travel, values: 2.0 * force))
         state = replace(fit.state, values={**fit.state.values, NAME: {}})
-        to = averaging(w.blocks(specimen.travel) / specimen.reach)
+        x = w.blocks(specimen.travel) / specimen.reach
+        to = averaging(x)
         part = {name: v * w.kept(w.discrepancy[name]) for name, v in w.variances.items()}
         apart = w.kept(w.known) + part["rough"] + part["history"]
-        size = problem.settings.floor_percent / problem.settings.fine_percent
-        local = size**2 * w.variances["smooth"] * w.kept(w.discrepancy["rough"])
+        spread = np.sqrt(np.diag(part["smooth"]))
+        near = np.exp(-np.abs(np.subtract.outer(x, x)) / problem.settings.fine_length)
         return cls(
             to @ w.blocks(_strain(specimen, fit.model.travel(specimen, fit.state))),
             to @ w.blocks(specimen.force - force),
             to @ w.blocks(double.predict(specimen, state) - force),
             to @ apart @ to.T,
-            to @ local @ to.T,
+            to @ (np.outer(spread, spread) * near) @ to.T,
             w.variances["scale"] * (0.01 * problem.settings.scale_percent) ** 2,
         )
 

@@ -271,18 +271,20 @@ def report(diagnosis: Diagnosis, settings: LoopSettings) -> dict[str, Any]:
 
 
 def _recommended(found: Mapping[str, Any], limits: Mapping[str, Limit]) -> dict[str, Any]:
-    """The modulus to quote, with what effects that would not have been seen leave open."""
+    """The modulus to quote, with what unseen effects, or a correction without cause, leave open."""
     mu, named = found["theta_after"]["mu"], {effect["name"] for effect in found["effects"]}
     factors = {name: limit.modulus for name, limit in limits.items() if name not in named}
     low = min(factors, key=lambda name: -factors[name], default=None)
     high = min(factors, key=lambda name: factors[name], default=None)
     worst = {name for name in (low, high) if name and abs(factors[name] - 1.0) > 0.005}
     estimate = "with the effects that were found" if named else "of the plain model"
+    # an effect that is named holds the law; without one the correction is part of it
+    corrected = {} if named else (found["correction"] or {}).get("modulus_factors", {})
     return {
         "mu": {
             **mu,
-            "low": mu["low"] / max([1.0, *factors.values()]),
-            "high": mu["high"] / min([1.0, *factors.values()]),
+            "low": mu["low"] * min([1.0 / max([1.0, *factors.values()]), *corrected.values()]),
+            "high": mu["high"] * max([1.0 / min([1.0, *factors.values()]), *corrected.values()]),
         },
         "estimate": estimate,
         "why": f"verdict {found['verdict']}",

@@ -105,11 +105,13 @@ def _correction(found: Mapping[str, Any]) -> str:
     parts = [f"`{name}`" for name in found["with"]] + ["a smooth part"] * found["smooth_part"]
     domain = ", ".join(f"{test} {travel:.3g} mm" for test, travel in found["domain_mm"].items())
     before, after = (found[f"left_out_{when}_percent"] for when in ("before", "after"))
+    factors = ", ".join(f"{mode} {factor:.3g}" for mode, factor in found["modulus_factors"].items())
+    modulus = f"It multiplies the modulus at small strain ({factors}). " if factors else ""
     return (
         f"Correction, not cause (class: {kind}): {' and '.join(parts)}. "
         f"It takes the error of parts that were left out from {before:.2g} to {after:.2g} % of the "
         f"peak. It was learned up to {domain}; beyond, it goes on smoothly. "
-        f"What would tell: {found['separating_experiment']}."
+        f"{modulus}What would tell: {found['separating_experiment']}."
     )
 
 

@@ -179,11 +179,6 @@ class Effect:
         return self.elastic is not _none
 
     @property
-    def acts_on_channel(self) -> bool:
-        """Whether it acts on the reading of the force."""
-        return self.instrument is not _force
-
-    @property
     def sizes(self) -> tuple[Parameter, ...]:
         """Parameters that the effect grows with."""
         return tuple(p for p in self.parameters if p.is_size)

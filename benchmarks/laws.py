@@ -26,6 +26,7 @@ from peers import versions_of_peers
 from softsample.constitutive.material import Material, Term
 from softsample.export.abaqus import read_calculix_forces, write_abaqus
 from softsample.fem.boundary import ContactSettings, mode_boundary
+from softsample.fem.explicit import ExplicitModel, SolverSettings
 from softsample.io import read_mesh, write_json, write_text
 
 Array = NDArray[np.float64]
@@ -119,7 +120,10 @@ def noisy_record(way: Array, force: Array, mode: str, seed: int) -> pd.DataFrame
 def make_study(cores: int) -> Path:
     """The study folder, its records simulated."""
     study = BENCH / "study"
-    settings = {"mesh": {"element_size_mm": ELEMENT_MM}, "laws": {"pool": False}}
+    settings = {
+        "mesh": {"element_size_mm": ELEMENT_MM},
+        "laws": {"pool": False, "element_size_mm": ELEMENT_MM},
+    }
     (study / "records").mkdir(parents=True, exist_ok=True)
     write_text(study / "study.yaml", yaml.safe_dump(settings))
     shapes = [str(BENCH / "shapes" / "mesh" / shape / "real.vtu") for shape in SHAPES]
@@ -153,12 +157,22 @@ def curve_of(group: str, shape: str, law: str, mode: str) -> tuple[Array, Array]
     return force_of(BENCH / "calculix" / f"{group}_{mode}", law, mode, mesh)
 
 
+def stiffer(group: str, shape: str, law: str, mode: str) -> float:
+    """Work of CalculiX over that of the solver with the true material on the same mesh, less 1."""
+    mesh = read_mesh(BENCH / "shapes" / "mesh" / shape / "real.vtu")
+    way, force = curve_of(group, shape, law, mode)
+    boundary = mode_boundary(mesh, mode, mesh.glued(1e-3 * BOND_MM), ContactSettings())
+    run = ExplicitModel(mesh, SolverSettings()).run(true_material(law), boundary, way[-1])
+    own = np.interp(way, run.displacement, np.abs(run.force))
+    return float(np.trapezoid(force, way) / np.trapezoid(own, way) - 1.0)
+
+
 # --- scoring ------------------------------------------------------------------------------------
 
 
 def scores(answers: Path) -> list[dict[str, Any]]:
     """One row a group: what was chosen, and how far the true law's parameters are off."""
-    choice = json.loads((answers / "laws" / "choice.json").read_text())
+    choice = json.loads((answers / "laws" / "choice.json").read_text())["groups"]
     rows = []
     for group, shape, law in groups():
         fitted = json.loads((answers / "laws" / f"{group}.json").read_text())["laws"][law]
@@ -181,6 +195,7 @@ def scores(answers: Path) -> list[dict[str, Any]]:
                 }
                 for name, value in sought.items()
             },
+            "stiffer_percent": {m: 100.0 * stiffer(group, shape, law, m) for m in MODES},
             "error_fitted_percent": fitted["error_fitted_percent"],
         })  # fmt: skip
     return rows
@@ -219,6 +234,7 @@ def write_page(found: dict[str, Any]) -> None:
         peers=found["peers"],
         groups=groups,
         shapes=SHAPES,
+        modes=MODES,
         travel_mm=TRAVEL_MM,
         element_mm=ELEMENT_MM,
         recommended=sum(g["law"] == g["recommended"] for g in groups),

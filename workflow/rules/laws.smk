@@ -6,7 +6,7 @@ rule laws:
         "<results>/tables/laws.csv",
         expand("<results>/figures/laws.{kind}", kind=FORMATS),
         [
-            f"<results>/laws/{group}_confirmed.csv"
+            f"<results>/laws/confirmed/{group}.csv"
             for group in groups_with_laws()
             if simulated_laws(group)
         ],
@@ -53,6 +53,9 @@ rule laws_of_group:
         "<logs>/laws/{group}.log",
     benchmark:
         "<benchmarks>/laws/{group}.tsv"
+    # laws/choice.json is no group's
+    wildcard_constraints:
+        group=r"(?!choice\.)[A-Za-z0-9_-]+",
     resources:
         **OF_MESHES,
     params:
@@ -106,7 +109,7 @@ rule confirm_law:
         reports=of_law_pieces("<results>/curves/{sample}/{geometry}/ogden2.json"),
         code=library("workflow/scripts/confirm_law.py"),
     output:
-        table="<results>/laws/{group}_confirmed.csv",
+        table="<results>/laws/confirmed/{group}.csv",
     log:
         "<logs>/confirm_law/{group}.log",
     benchmark:

@@ -226,6 +226,7 @@ def write_page(found: dict[str, Any]) -> None:
     template = jinja2.Template(
         (ROOT / "benchmarks" / "law_recovery.md.j2").read_text(),
         trim_blocks=True,
+        keep_trailing_newline=True,
         undefined=jinja2.StrictUndefined,
     )
     groups = [{**g, "words": words(g["parameters"])} for g in found["groups"]]

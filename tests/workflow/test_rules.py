@@ -93,6 +93,14 @@ def test_a_test_is_exported_on_demand_without_a_run_at_the_optimum(tmp_path):
     assert "confirm" not in planned
 
 
+def test_no_table_of_laws_is_taken_for_a_groups(tmp_path):
+    """Else Snakemake prints tracebacks while it finds the rule of laws/choice.json."""
+    status, text = dry_run("laws", "--config", f"results={tmp_path / 'results'}")
+    assert status == 0, text
+    assert {"laws_of_group", "choose_law", "confirm_law"} <= set(jobs(text))
+    assert "Traceback" not in text
+
+
 def test_one_calibration_can_be_asked_for_by_file():
     status, text = dry_run("results/calibration/TC1/real/ogden2.json", "--forceall")
     assert status == 0, text

@@ -28,6 +28,7 @@ from softsample.loop.specimen import FORCE, Specimen
 Array = NDArray[np.float64]
 Kind = tuple[str, str]
 Ways = dict[bool, float]
+"""Errors of what folds leave out [parts of the peak], by whether that is the end of the stroke."""
 
 NAME = "correction"
 """Of the effect that stands for it in a model."""
@@ -47,8 +48,8 @@ LENGTH = 1.0
 SIZES = (1e-3, 10.0)
 """Its standard deviation, as a part of the force, lies between these."""
 
-OWN = (1.0, 0.1, 0.01, 1e-3, 0.0)
-"""Parts of the variance of the smooth discrepancy that are tried as a local one of each test."""
+LOCAL = (1.0, 0.1, 0.01, 1e-3, 0.0)
+"""Variances of each test's local discrepancy that are tried, as parts of that of the smooth one."""
 
 EXPERIMENTS = {
     "elastic_form": "another mode on the same sample, and a larger stroke",
@@ -359,7 +360,7 @@ def _conditional(tests: list[_Test]) -> tuple[Array, Array]:
     local = block_diag(*(t.local for t in tests))
 
     ends, best = tuple(2.0 * np.log(SIZES)), (np.inf, residual)
-    for part in OWN:
+    for part in LOCAL:
         likelihood = _Likelihood.of(shared, apart + part * local, residual)
         found = minimize_scalar(likelihood.unlikely, bounds=ends, method="bounded")
         if found.fun < best[0]:

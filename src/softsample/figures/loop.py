@@ -11,8 +11,11 @@ from softsample.loop.specimen import Specimen, blocks
 
 Array = NDArray[np.float64]
 
-MOST = 6
+MOST = 5
 """Tests that a figure shows at most: the worst, in the order of the study."""
+
+LARGE = 1.0
+"""Residual [N] from which on it is drawn in N, else in mN."""
 
 
 @styled
@@ -32,42 +35,45 @@ def loop_figure(found: Diagnosis) -> Figure:
         "before": first.predicted(plain.model, plain.state),
         "after": found.problem.predicted(after.model, after.state),
     }
+    largest = max(
+        float(np.abs(specimens[k].force - model[k]).max())
+        for k in shown
+        for model in models.values()
+    )
+    unit, scale = ("N", 1.0) if largest > LARGE else ("mN", 1e3)
     for column, k in zip(axes.T, shown, strict=True):
         specimen, size = specimens[k], found.problem.whiteners[k].size
         forces = {name: model[k] for name, model in models.items()}
         _forces(column[0], specimen, forces, size)
-        band = 1e3 * found.noises[k].block
+        left = {name: scale * (specimen.force - model) for name, model in forces.items()}
+        band = scale * found.noises[k].block
         clock = "time [s]" if specimen.timed else "sample [–]"
         for row, label in ((1, clock), (2, "travel [mm]")):
             across = specimen.time if row == 1 else 1e3 * specimen.travel
-            _residuals(column[row], specimen, forces, size, across, band)
+            _residuals(column[row], left, size, across, band)
             column[row].set_xlabel(label)
     if len(shown) < len(specimens):
         figure.suptitle(f"The {len(shown)} of {len(specimens)} tests with the largest error before")
     axes[0, 0].set_ylabel("force [N]")
-    axes[0, 0].legend()
     for row in (1, 2):
-        axes[row, 0].set_ylabel("residual [mN]")
+        axes[row, 0].set_ylabel(f"residual [{unit}]")
+    entries = {line.get_label(): line for ax in axes[0] for line in ax.get_lines()}
+    figure.legend(entries.values(), entries.keys(), loc="outside lower center", ncols=len(entries))
     return figure
 
 
 def _forces(ax: Axes, specimen: Specimen, forces: dict[str, Array], size: int) -> None:
-    travel = 1e3 * blocks(specimen.travel, size)
-    ax.plot(travel, blocks(specimen.force, size), color="0.6", lw=2.5, label="measured")
+    travel, force = 1e3 * blocks(specimen.travel, size), blocks(specimen.force, size)
+    out = blocks(specimen.held_out.astype(float), size) > 0.0
+    ax.plot(travel, np.where(out, np.nan, force), color="0.55", lw=2.5, label="measured")
+    if out.any():
+        ax.plot(travel, np.where(out, force, np.nan), color="0.8", lw=2.5, label="held out")
     for colour, (name, model) in zip(colours(2), forces.items(), strict=True):
         ax.plot(travel, blocks(model, size), color=colour, label=name)
-    ax.set(title=f"{specimen.name}, {spoken(specimen.mode)}", xlabel="travel [mm]")
+    ax.set(title=f"{specimen.name}\n{spoken(specimen.mode)}", xlabel="travel [mm]")
 
 
-def _residuals(
-    ax: Axes,
-    specimen: Specimen,
-    forces: dict[str, Array],
-    size: int,
-    across: Array,
-    band: float,
-) -> None:
+def _residuals(ax: Axes, left: dict[str, Array], size: int, across: Array, band: float) -> None:
     ax.axhspan(-2.0 * band, 2.0 * band, color="0.88", lw=0)
-    for colour, model in zip(colours(2), forces.values(), strict=True):
-        left = 1e3 * blocks(specimen.force - model, size)
-        ax.plot(blocks(across, size), left, color=colour, lw=0.8)
+    for colour, residual in zip(colours(2), left.values(), strict=True):
+        ax.plot(blocks(across, size), blocks(residual, size), color=colour, lw=0.8)

@@ -7,6 +7,7 @@ import numpy as np
 import pytest
 
 import laboratory
+from softsample.figures.loop import loop_figure
 from softsample.loop.correction import NAME, _can_tell, confirmed, learned
 from softsample.loop.diagnose import diagnose, judgement, report
 from softsample.loop.effects import library
@@ -194,6 +195,24 @@ def test_what_is_left_far_above_the_floor_is_not_corrected():
 def test_the_page_says_that_it_is_no_cause(found):
     text = page("G", report(found, SETTINGS))
     assert "Correction, not cause (class: elastic form): a smooth part." in text
+
+
+def test_the_figure_marks_what_is_held_out_and_has_one_unit_of_residuals(found):
+    figure = loop_figure(found)
+    entries = [text.get_text() for text in figure.legends[0].get_texts()]
+    assert entries == ["measured", "held out", "before", "after"]
+    largest = max(np.abs(line.get_ydata()).max() for ax in figure.axes[3:] for line in ax.lines)
+    assert figure.axes[3].get_ylabel() == "residual [mN]"
+    assert largest == pytest.approx(
+        1e3 * max(float(np.abs(s.force - m).max()) for s, m in residuals(found)), rel=0.1
+    )
+
+
+def residuals(found):
+    """Tests and what the first model predicts of them."""
+    first, plain = found.first
+    forces = first.predicted(plain.model, plain.state)
+    return zip(found.problem.specimens, forces, strict=True)
 
 
 @pytest.mark.parametrize(("count", "told"), [(1, False), (2, True), (7, True)])

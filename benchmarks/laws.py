@@ -25,9 +25,10 @@ from scipy.signal import lfilter
 from peers import versions_of_peers
 from softsample.constitutive.material import Material, Term
 from softsample.export.abaqus import read_calculix_forces, write_abaqus
-from softsample.fem.boundary import ContactSettings, mode_boundary
+from softsample.fem.boundary import Boundary, ContactSettings, mode_boundary
 from softsample.fem.explicit import ExplicitModel, SolverSettings
 from softsample.io import read_mesh, write_json, write_text
+from softsample.meshing.mesh import HexMesh
 
 Array = NDArray[np.float64]
 ROOT = Path(__file__).parents[1]
@@ -55,14 +56,9 @@ TRUE = {
 """By name in tables: modulus [Pa], terms (law, share, shape parameters), parameters sought."""
 
 
-def group_name(shape: str, number: int) -> str:
-    """Of a group, which does not tell its law."""
-    return f"{shape}_{number}"
-
-
 def groups() -> list[tuple[str, str, str]]:
-    """(group, shape, law) of all."""
-    return [(group_name(s, k), s, law) for s in SHAPES for k, law in enumerate(TRUE, 1)]
+    """(group, shape, law) of all; the name of a group does not tell its law."""
+    return [(f"{s}_{k}", s, law) for s in SHAPES for k, law in enumerate(TRUE, 1)]
 
 
 def true_material(law: str) -> Material:
@@ -77,13 +73,24 @@ def run_workflow(*arguments: str) -> None:
     subprocess.run(command, cwd=ROOT, check=True, stdin=subprocess.DEVNULL)
 
 
-def force_of(folder: Path, law: str, mode: str, mesh_file: Path) -> tuple[Array, Array]:
-    """Displacement [m] and force [N] of C3D8R in CalculiX, as far as it got."""
+def test_of(shape: str, mode: str) -> tuple[HexMesh, Boundary]:
+    """Mesh of a shape, and what holds it; the same for both programs."""
+    mesh = read_mesh(BENCH / "shapes" / "mesh" / shape / "real.vtu")
+    return mesh, mode_boundary(mesh, mode, mesh.glued(1e-3 * BOND_MM), ContactSettings())
+
+
+def curve_of(group: str, shape: str, law: str, mode: str) -> tuple[Array, Array]:
+    """Displacement [m] and force [N] of C3D8R in CalculiX.
+
+    Raises
+    ------
+    RuntimeError
+        If CalculiX stops before the end of the step; the next call runs it anew.
+    """
+    folder = BENCH / "calculix" / f"{group}_{mode}"
     if not (folder / "done").exists():
         folder.mkdir(parents=True, exist_ok=True)
-        mesh = read_mesh(mesh_file)
-        glued = mesh.glued(1e-3 * BOND_MM)
-        boundary = mode_boundary(mesh, mode, glued, ContactSettings())
+        mesh, boundary = test_of(shape, mode)
         write_abaqus(
             folder / "test.inp", mesh, true_material(law), boundary, 1e-3 * TRAVEL_MM,
             program="calculix", increments=12,
@@ -93,8 +100,10 @@ def force_of(folder: Path, law: str, mode: str, mesh_file: Path) -> tuple[Array,
             env={**os.environ, "OMP_NUM_THREADS": "1"},
         )  # fmt: skip
         (folder / "test.frd").unlink(missing_ok=True)
-        (folder / "done").touch()
     time, force = read_calculix_forces(folder / "test.dat")
+    if time[-1] < 1.0:
+        raise RuntimeError(f"{folder}: CalculiX stopped at {time[-1]:.0%}; take more increments")
+    (folder / "done").touch()
     axis = 0 if mode == "shear" else 2
     return 1e-3 * TRAVEL_MM * time, np.abs(force[:, axis])
 
@@ -151,17 +160,10 @@ def make_study(cores: int) -> Path:
     return study
 
 
-def curve_of(group: str, shape: str, law: str, mode: str) -> tuple[Array, Array]:
-    """Displacement [m] and force [N] of a case."""
-    mesh = BENCH / "shapes" / "mesh" / shape / "real.vtu"
-    return force_of(BENCH / "calculix" / f"{group}_{mode}", law, mode, mesh)
-
-
 def stiffer(group: str, shape: str, law: str, mode: str) -> float:
     """Work of CalculiX over that of the solver with the true material on the same mesh, less 1."""
-    mesh = read_mesh(BENCH / "shapes" / "mesh" / shape / "real.vtu")
     way, force = curve_of(group, shape, law, mode)
-    boundary = mode_boundary(mesh, mode, mesh.glued(1e-3 * BOND_MM), ContactSettings())
+    mesh, boundary = test_of(shape, mode)
     run = ExplicitModel(mesh, SolverSettings()).run(true_material(law), boundary, way[-1])
     own = np.interp(way, run.displacement, np.abs(run.force))
     return float(np.trapezoid(force, way) / np.trapezoid(own, way) - 1.0)

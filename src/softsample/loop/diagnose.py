@@ -278,7 +278,7 @@ def _recommended(found: Mapping[str, Any], limits: Mapping[str, Limit]) -> dict[
     high = min(factors, key=lambda name: factors[name], default=None)
     worst = {name for name in (low, high) if name and abs(factors[name] - 1.0) > 0.005}
     estimate = "with the effects that were found" if named else "of the plain model"
-    # an effect that is named holds the law; without one the correction is part of it
+    # where effects are named, the correction is what they leave, and not part of the estimate
     corrected = {} if named else (found["correction"] or {}).get("modulus_factors", {})
     return {
         "mu": {

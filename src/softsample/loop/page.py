@@ -96,7 +96,12 @@ def _effect(effect: Mapping[str, Any]) -> list[str]:
         ],
     )
     experiment = effect["separating_experiment"]
-    return [*lines, "", f"Evidence {effect['evidence']:.0f}. What would tell: {experiment}.", ""]
+    return [
+        *lines,
+        "",
+        f"Evidence {effect['evidence']:.0f}. Discriminating experiment: {experiment}.",
+        "",
+    ]
 
 
 def _correction(found: Mapping[str, Any]) -> str:
@@ -111,7 +116,7 @@ def _correction(found: Mapping[str, Any]) -> str:
         f"Correction, not cause (class: {kind}): {' and '.join(parts)}. "
         f"It takes the error of parts that were left out from {before:.2g} to {after:.2g} % of the "
         f"peak. It was learned up to {domain}; beyond, it goes on smoothly. "
-        f"{modulus}What would tell: {found['separating_experiment']}."
+        f"{modulus}Discriminating experiment: {found['separating_experiment']}."
     )
 
 

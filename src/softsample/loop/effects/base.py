@@ -108,7 +108,7 @@ class Effect:
     confused_with : tuple of str
         Names it is hard to tell from.
     experiment : str
-        What would tell.
+        The discriminating experiment.
     modes : tuple of str
         Tests that it changes.
     identifiable : bool

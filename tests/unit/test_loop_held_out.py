@@ -14,7 +14,7 @@ from softsample.loop.diagnose import diagnose
 from softsample.loop.effects import library
 from softsample.loop.effects.base import SOLID
 from softsample.loop.errors import held_out_errors
-from softsample.loop.held_out import specimens_of
+from softsample.loop.held_out import Tables, specimens_of
 from softsample.loop.leave_out import left_out_errors
 from softsample.loop.model import Material, Model, State
 from softsample.loop.posed import LoopSettings, pose
@@ -338,6 +338,8 @@ def test_tests_of_a_sample_have_the_samples_that_the_study_holds_out():
     np.testing.assert_array_equal(force.held_out, np.abs(one.displacement) > LIMIT * HEIGHT)
     np.testing.assert_array_equal(plain.held_out, force.held_out)
     assert not other.held_out.any()
+    assert plain.elastic is force.elastic
+    assert force.elastic is not other.elastic
     assert force.peak == np.abs(force.force[~force.held_out]).max()
     np.testing.assert_array_equal(other.force, normal.force_normal)
     for k, out in enumerate(force.reduced(7).held_out):
@@ -348,4 +350,4 @@ def response_tables():
     """Response of a cuboid in shear in closed form, without changes."""
     law = (np.array([0.0, 0.5, 1.0]), SOLID.alpha, SOLID.poisson_ratio)
     curves, _ = homogeneous_response(SHAPE, "shear", 0.5 * HEIGHT, *law, 30)
-    return pd.DataFrame(response_table(curves, "shear")), [], SOLID, None
+    return Tables(pd.DataFrame(response_table(curves, "shear")), [], SOLID)

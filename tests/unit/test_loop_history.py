@@ -11,7 +11,7 @@ from scipy.optimize import least_squares
 from softsample.loop.candidates import candidates
 from softsample.loop.effects import library
 from softsample.loop.effects.base import SOLID
-from softsample.loop.held_out import specimens_of
+from softsample.loop.held_out import Tables, specimens_of
 from softsample.loop.model import Material, Model, State
 from softsample.loop.specimen import FORCE, NORMAL, Specimen
 from softsample.records import Record
@@ -286,7 +286,7 @@ def test_the_force_of_the_same_record_is_the_partner_of_its_normal_force():
     curves = pd.DataFrame(table | forces)
     row = {"sample": "A", "mode": "shear", "specimen": "A"}
     shape = IdealShape("cuboid", LENGTH, LENGTH, LENGTH)
-    along, normal = specimens_of(row, record, (curves, [], SOLID, None), shape, [])
+    along, normal = specimens_of(row, record, Tables(curves, [], SOLID), shape, [])
     assert (along.channel, normal.channel) == (FORCE, NORMAL)
     assert (along.partner, normal.partner) == (None, along)
 

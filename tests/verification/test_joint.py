@@ -13,7 +13,7 @@ from softsample.fem.explicit import ExplicitModel, SolverSettings
 from softsample.loop.candidates import candidates
 from softsample.loop.diagnose import diagnose, judgement
 from softsample.loop.effects import library
-from softsample.loop.held_out import specimens_of
+from softsample.loop.held_out import Tables, specimens_of
 from softsample.loop.model import Material, Model, State
 from softsample.loop.noise import NoiseSettings
 from softsample.loop.posed import LoopSettings, pose
@@ -75,7 +75,7 @@ def tables(mode):
     grid, changes = perturbations_of("ideal", BLOCK, mesh_shifted, test)
     assert ENDS in changes
     response = pd.DataFrame(response_table(curves, mode))
-    return response, [table_of_changes(mode, FRACTION, grid, changes)], solid, None
+    return Tables(response, [table_of_changes(mode, FRACTION, grid, changes)], solid)
 
 
 def record_of(mode, displacement, force, normal=None):
@@ -180,7 +180,7 @@ def two_channels(selections=(), offset=0.0, terms=TERMS):
     law = (modulus_fractions(ResponseSettings()), ALPHA, NEARLY)
     solid = unit_modulus(FRACTION, ALPHA, NEARLY, 1.0)
     curves, _ = homogeneous_response(DISC, "shear", 0.5 * DISC.height, *law, 60)
-    response = pd.DataFrame(response_table(curves, "shear")), [], solid, None
+    response = Tables(pd.DataFrame(response_table(curves, "shear")), [], solid)
     return specimens_of(row("shear"), record, response, DISC, selections)
 
 

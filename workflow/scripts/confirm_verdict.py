@@ -4,7 +4,7 @@ from softsample.constitutive.ogden import of_fit
 from softsample.io import read_json, read_record, read_table, write_table
 from softsample.loop.candidates import candidates
 from softsample.loop.confirm import confirmations, sizes_to_confirm
-from softsample.loop.held_out import tests_of
+from softsample.loop.held_out import Tables, tests_of
 from softsample.loop.posed import LoopSettings
 from softsample.shapes import IdealShape
 from softsample.workflow import logged_to
@@ -14,7 +14,7 @@ with logged_to(snakemake):
     verdict = read_json(files.verdict)
     solid = of_fit(read_json(files.fit))
     responses = [
-        (read_table(curves), [*map(read_table, changes)], solid, None)
+        Tables(read_table(curves), [*map(read_table, changes)], solid)
         for curves, *changes in zip(files.curves, files.perturbations, files.runs, strict=True)
     ]
     records = [read_record(path) for path in files.records]

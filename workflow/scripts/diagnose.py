@@ -6,7 +6,7 @@ from softsample.figures.style import save
 from softsample.io import read_json, read_record, read_table, write_json, write_text, written_aside
 from softsample.loop.candidates import candidates
 from softsample.loop.diagnose import diagnose
-from softsample.loop.held_out import hold_out_text, tests_of
+from softsample.loop.held_out import Tables, hold_out_text, tests_of
 from softsample.loop.leave_out import left_out_errors
 from softsample.loop.page import page
 from softsample.loop.pool import Others
@@ -19,10 +19,11 @@ with logged_to(snakemake):
     given, files = snakemake.params, snakemake.input
     settings, solid = LoopSettings.of_config(given.loop), of_fit(read_json(files.fit))
     real = [read_table(path) for path in files.get("real", [])] or [None] * len(given.rows)
-    responses = [
-        (read_table(curves), [read_table(changes)], solid, of_real)
+    known = {
+        curves: Tables(read_table(curves), [read_table(changes)], solid, of_real)
         for curves, changes, of_real in zip(files.curves, files.perturbations, real, strict=True)
-    ]
+    }
+    responses = [known[curves] for curves in files.curves]
     records = [read_record(path) for path in files.records]
     shapes = [IdealShape.of_report(read_json(path)) for path in files.cuboids]
     every = given.rows, records, responses, shapes

@@ -14,7 +14,7 @@ from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.linalg import cho_factor, cho_solve, solve_triangular
+from scipy.linalg import cholesky, solve_triangular
 from scipy.optimize import minimize
 
 from softsample.loop.fit import Fit, Problem
@@ -42,12 +42,12 @@ NOTHING = 1e-12
 
 @dataclass(frozen=True)
 class _Test:
-    """Means of one test: residual (n,) [N], slopes (n, p), covariances (n, n) [N2]."""
+    """Means of one test: residual (n,) [N], slopes (n, p), covariances (n, n), (k, n, n) [N2]."""
 
     residual: Array
     slopes: Array
     known: Array
-    parts: list[Array]
+    parts: Array
 
 
 def estimated(problem: Problem, fit: Fit) -> Problem:
@@ -115,7 +115,7 @@ def _tests(problem: Problem, fit: Fit, names: Sequence[str]) -> list[_Test]:
         if not len(r):
             continue
         to = averaging(w.blocks(specimen.travel) / specimen.reach)
-        parts = [to @ w.kept(w.discrepancy[name]) @ to.T for name in names]
+        parts = np.stack([to @ w.kept(w.discrepancy[name]) @ to.T for name in names])
         columns = np.column_stack([j, w.blocks(common)])
         found.append(_Test(to @ r, to @ columns, to @ w.kept(w.known) @ to.T, parts))
     return found
@@ -137,31 +137,29 @@ def _restricted(
     value, information, score = 0.0, np.diag(prior), np.zeros(len(prior))
     inverses, weighted = [], []
     for test in tests:
-        total = test.known + sum(v * part for v, part in zip(variances, test.parts, strict=True))
+        total = test.known + np.tensordot(variances, test.parts, 1)
         total += 1e-10 * np.trace(total) / len(total) * np.eye(len(total))
-        factor = cho_factor(total, lower=True, check_finite=False)
-        value += float(np.log(np.diag(factor[0])).sum())
-        inverses.append(cho_solve(factor, np.eye(len(total)), check_finite=False))
-        columns = np.column_stack([test.slopes, test.residual])
-        white = solve_triangular(factor[0], columns, lower=True, check_finite=False)
-        slopes, residual = white[:, :-1], white[:, -1]
-        weighted.append(inverses[-1] @ test.slopes)
+        factor = cholesky(total, lower=True, check_finite=False)
+        value += float(np.log(np.diag(factor)).sum())
+        half = solve_triangular(factor, np.eye(len(total)), lower=True, check_finite=False)
+        inverses.append(half.T @ half)
+        slopes, residual = half @ test.slopes, half @ test.residual
+        weighted.append(half.T @ slopes)
         information += slopes.T @ slopes  # positive whatever the rounding, where slopes are alike
         score += slopes.T @ residual
         value += 0.5 * float(residual @ residual)
     scale = 1.0 / np.sqrt(np.diag(information))
-    inner = cho_factor(
+    inner = cholesky(
         information * np.outer(scale, scale) + NOTHING * np.eye(len(scale)), lower=True
     )
-    value += float(np.log(np.diag(inner[0]) / scale).sum())
-    moved = scale * cho_solve(inner, scale * score)
+    value += float(np.log(np.diag(inner) / scale).sum())
+    root = solve_triangular(inner, np.diag(scale), lower=True)
+    moved = root.T @ (root @ score)
     value -= 0.5 * float(score @ moved)
     slope = np.zeros(len(x))
     for test, inverse, own in zip(tests, inverses, weighted, strict=True):
-        left = inverse @ test.residual - own @ moved
-        taken = own @ (scale[:, None] * cho_solve(inner, scale[:, None] * own.T))
-        for k, part in enumerate(test.parts):
-            felt = np.sum((inverse - taken) * part) - left @ part @ left
-            slope[k] += variances[k] * float(felt)
+        left, taken = inverse @ test.residual - own @ moved, own @ root.T
+        felt = inverse - taken @ taken.T - np.outer(left, left)
+        slope += variances * (test.parts.reshape(len(x), -1) @ felt.ravel())
     prior_part = x / width
     return value + 0.5 * float(prior_part @ prior_part), slope + prior_part / width

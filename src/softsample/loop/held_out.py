@@ -1,7 +1,8 @@
 """The channels of a record as tests of the diagnosis, with what the study holds out of them."""
 
 from collections.abc import Mapping, Sequence
-from dataclasses import replace
+from dataclasses import dataclass, replace
+from functools import lru_cache
 from typing import Any
 
 import numpy as np
@@ -14,7 +15,36 @@ from softsample.records import Record
 from softsample.response.elastic import Elastic
 from softsample.shapes import IdealShape
 
-Tables = tuple[pd.DataFrame, list[pd.DataFrame], Material, pd.DataFrame | None]
+KEPT = 256
+"""Responses that are kept: tests of one piece share theirs, and so what was computed of it."""
+
+
+@dataclass(frozen=True, eq=False)
+class Tables:
+    """Simulated response of one piece.
+
+    Parameters
+    ----------
+    curves : DataFrame
+        Its unit-modulus response.
+    changes : sequence of DataFrame
+        Its changes by perturbations of the model.
+    solid : Material
+        Of which the model is made.
+    real : DataFrame, optional
+        Response of the real geometry, if the model is the ideal one.
+    """
+
+    curves: pd.DataFrame
+    changes: Sequence[pd.DataFrame]
+    solid: Material
+    real: pd.DataFrame | None = None
+
+
+@lru_cache(KEPT)
+def _elastic(tables: Tables, mode: str, channel: str, shape: IdealShape) -> Elastic:
+    parts = tables.curves, tables.changes, tables.solid, tables.real
+    return Elastic.of_tables(mode, *parts, channel=channel, shape=shape)
 
 
 def specimens_of(
@@ -32,9 +62,8 @@ def specimens_of(
         Of the study table, defaults filled in.
     record : Record
         Of the sample.
-    tables : tuple
-        Response, changes of it, what the model is made of, and the response of the real geometry
-        if the model is the ideal one.
+    tables : Tables
+        Response of what was tested; tests with the same one share it.
     shape : IdealShape
         The idealised shape.
     hold_out : sequence of mapping
@@ -47,7 +76,7 @@ def specimens_of(
             row["sample"],
             row["mode"],
             record,
-            Elastic.of_tables(row["mode"], *tables, channel=channel, shape=shape),
+            _elastic(tables, row["mode"], channel, shape),
             channel,
             np.asarray(held_out(record, row, shape.height, channel, hold_out)),
         )

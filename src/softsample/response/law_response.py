@@ -161,8 +161,8 @@ class LawResponse:
         return lru_cache(KEPT)(self._foam_on_grid)
 
     def _ogden_on_grid(self, fraction: float, alpha: tuple[float, ...]) -> Array:
-        terms, excess = two_terms(fraction, alpha), self._mixed_excess
-        more = 0.0 if self._exact else excess(fraction, alpha) - excess(fraction, self.alpha)
+        terms, _, own = two_terms(fraction, alpha), *self._model(fraction)
+        more = 0.0 if self._exact else self._mixed_excess(fraction, alpha) - own
         return self._from_model(fraction, self._closed.ogden(terms), self._sheared(terms), more)
 
     def _foam_on_grid(self, fraction: float, alpha: float, nu: float) -> Array:
@@ -178,17 +178,35 @@ class LawResponse:
         Its closed form is `closed`, that along a shear `sheared`, its excess the model's and
         `more`.
         """
-        terms = two_terms(fraction, self.alpha)
-        base = self._closed.ogden(terms)
+        base, _ = self._model(fraction)
         if not self.normal:
             return self._ratio(closed, base) + more
         model = self._excess_of_model(fraction)
-        own = sheared * (model + more) - self._sheared(terms) * model
+        own = sheared * (model + more) - self._sheared(two_terms(fraction, self.alpha)) * model
         return np.asarray(closed - base + (0.0 if self._exact else own))
 
     def _sheared(self, terms: Terms) -> Array:
         """Closed form of the force along the shear, to which normal ones are referred."""
         return self._along.ogden(terms) if self.normal else self._closed.ogden(terms)
+
+    @cached_property
+    def _single(self) -> Callable[[float], tuple[Array, Array]]:
+        """Closed form along the shear and excess of a single term by its exponent."""
+
+        def of_term(alpha: float) -> tuple[Array, Array]:
+            return self._sheared(((1.0, alpha),)), self._excess(alpha)
+
+        return lru_cache(KEPT)(of_term)
+
+    @cached_property
+    def _model(self) -> Callable[[float], tuple[Array, Array | float]]:
+        """Closed form and excess of the model's own terms by their modulus fraction."""
+
+        def of_fraction(fraction: float) -> tuple[Array, Array | float]:
+            base = self._closed.ogden(two_terms(fraction, self.alpha))
+            return base, 0.0 if self._exact else self._mixed_excess(fraction, self.alpha)
+
+        return lru_cache(KEPT)(of_fraction)
 
     @cached_property
     def _along(self) -> ClosedForm:
@@ -253,11 +271,10 @@ class LawResponse:
 
     def _mixed_excess(self, fraction: float, alpha: Sequence[float]) -> Array:
         """Excess of two terms, each with the weight of its part of the force."""
-        parts = [part * self._sheared(((1.0, a),))
-                 for part, a in zip((fraction, 1.0 - fraction), alpha, strict=True)]  # fmt: skip
+        (force, one), (other_force, other) = (self._single(float(a)) for a in alpha)
+        part, rest = fraction * force, (1.0 - fraction) * other_force
         weight = np.full_like(self._grid, fraction)
-        weight[1:] = parts[0][1:] / (parts[0] + parts[1])[1:]
-        one, other = (self._excess(a) for a in alpha)
+        weight[1:] = part[1:] / (part + rest)[1:]
         return np.asarray(weight * one + (1.0 - weight) * other)
 
     def _foam_excess(self, alpha: float, nu: float) -> Array:

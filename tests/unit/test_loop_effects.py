@@ -252,6 +252,24 @@ def test_effects_on_constants_depart_from_those_of_the_model(nu, specimens):
             assert np.all(change == 0.0)
 
 
+def test_a_model_has_each_effect_once_one_law_and_what_a_law_has_of_its_own_not_again():
+    foam, ratio = EFFECTS["compressible_foam"], EFFECTS["poisson_ratio"]
+    for model, admitted in (
+        (Model(), set(EFFECTS)),
+        (Model((EFFECTS["gain"],)), set(EFFECTS) - {"gain"}),
+        (Model((ratio,)), set(EFFECTS) - {"poisson_ratio", "compressible_foam"}),
+        (
+            Model((EFFECTS["gain"], foam)),
+            {name for name, effect in EFFECTS.items() if not effect.is_law}
+            - {"gain", "poisson_ratio"},
+        ),
+    ):
+        assert {name for name, effect in EFFECTS.items() if model.admits(effect)} == admitted
+    assert Model((EFFECTS["gain"], foam)).law == Model((foam,))
+    for effect in EFFECTS.values():
+        assert set(effect.has) <= set(EFFECTS)
+
+
 def test_the_library_without_a_solid_is_that_of_the_study():
     for name, effect in library(SOLID).items():
         assert effect.parameters == EFFECTS[name].parameters

@@ -252,9 +252,8 @@ def report(diagnosis: Diagnosis, settings: LoopSettings) -> dict[str, Any]:
     """What `verdict.json` holds."""
     found = judgement(diagnosis, settings)
     limits = detection_limits(diagnosis.selection, diagnosis.final)
-    has_law = any(effect.is_law for effect in diagnosis.final.model.effects)
-    open_effects = [e for e in diagnosis.selection.library if not (has_law and e.is_law)]
-    unseen = {e.name for e in open_effects} - set(limits)
+    law = diagnosis.final.model.law
+    unseen = {e.name for e in diagnosis.selection.library if law.admits(e)} - set(limits)
     return {
         **found,
         "recommended": _recommended(found, limits),

@@ -58,7 +58,7 @@ def detection_limits(selection: Selection, final: Fit) -> dict[str, Limit]:
         By effect, without weak ones and those that no size within the range would show; without
         other laws where one was found.
     """
-    law, found = Model(tuple(e for e in final.model.effects if e.is_law)), final.state
+    law, found = final.model.law, final.state
     plain = State(found.material, {name: found.values[name] for name in law.names})
     threshold, n = selection.steps[0].threshold, len(selection.base.white)
     limits = {
@@ -66,7 +66,7 @@ def detection_limits(selection: Selection, final: Fit) -> dict[str, Limit]:
             selection.problem, law, plain, signature, threshold + penalty(signature.effect, n)
         )
         for name, signature in selection.strongest.items()
-        if name not in selection.weak and not (law.effects and signature.effect.is_law)
+        if name not in selection.weak and law.admits(signature.effect)
     }
     return {name: limit for name, limit in limits.items() if limit is not None}
 

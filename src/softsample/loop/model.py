@@ -64,6 +64,15 @@ class Model:
         """Parameters of which a mean and a standard deviation are known."""
         return [(effect, p, p.known) for effect, p in self.parameters if p.known]
 
+    @property
+    def law(self) -> "Model":
+        """The model with another law, if it has one, and no other effect."""
+        return Model(tuple(effect for effect in self.effects if effect.is_law))
+
+    def admits(self, effect: Effect) -> bool:
+        """Whether an effect may be added."""
+        return not any(one.excludes(effect) for one in self.effects)
+
     def travel(self, specimen: Specimen, state: "State") -> Array:
         """Travel that reaches the sample (n,) [m]."""
         return self._loading(specimen, state)[0]

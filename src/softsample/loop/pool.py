@@ -274,14 +274,13 @@ def pooled(own: Group, others: Others, rules: SelectionSettings) -> Pooled | Non
 
 def _open(own: Group, others: Others, chosen: Collection[str]) -> list[str]:
     """Effects that may be added: those that all groups may have, one law among them."""
-    has_law = any(own.library[name].is_law for name in chosen)
+    model = Model(tuple(own.library[name] for name in chosen))
     return [
         name
         for name, effect in own.library.items()
         if name in others.names
-        and name not in chosen
+        and model.admits(effect)
         and all(name in group.library for group in others.groups)
-        and not (has_law and effect.is_law)
     ]
 
 

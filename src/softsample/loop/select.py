@@ -337,8 +337,7 @@ class _Search:
 
     def _round(self, problem: Problem, current: Fit) -> Step:
         """One effect more; another law in place of one that is there is left to an exchange."""
-        named, has_law = current.model.names, any(e.is_law for e in current.model.effects)
-        left = [e for e in self.library if e.name not in named and not (has_law and e.is_law)]
+        left = [effect for effect in self.library if current.model.admits(effect)]
         return _round(_Round.of(problem, current), left, self.threshold, self.settings)
 
     def _take(self, problem: Problem, current: Fit, chosen: Candidate, members: list[str]) -> None:

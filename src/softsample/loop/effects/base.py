@@ -122,6 +122,8 @@ class Effect:
         Whether the model is known to leave it out: it comes before physics if records ask for it.
     is_law : bool
         Whether it is another elastic law, the first thing that a model may lack.
+    has : tuple of str
+        Effects whose part a law's own parameters play.
     like_floor : bool
         Whether errors of geometry, mesh and element type may lie along it, where no record can
         show them: only what exceeds their stated sizes is evidence for it.
@@ -145,6 +147,7 @@ class Effect:
     of_time: bool = False
     idealised: bool = False
     is_law: bool = False
+    has: tuple[str, ...] = ()
     like_floor: bool = False
     starts: tuple[Values, ...] = ()
     travel: Callable[[Specimen, Array, Values], Array] = field(default=_travel)
@@ -155,6 +158,11 @@ class Effect:
     contact: Callable[[Specimen, Array, Array, Values], Array] = field(default=_force)
     instrument: Callable[[Specimen, Array, Array, Values], Array] = field(default=_force)
     crosstalk: Callable[[Specimen, Array, Values], Array] = field(default=_uncrossed)
+
+    def excludes(self, other: "Effect") -> bool:
+        """Whether no model has both: one effect twice, two laws, or what a law has of its own."""
+        two_laws = self.is_law and other.is_law
+        return two_laws or other.name in (self.name, *self.has) or self.name in other.has
 
     @property
     def shifts_travel(self) -> bool:

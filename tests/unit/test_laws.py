@@ -101,7 +101,7 @@ def test_the_true_law_is_among_those_chosen_in_noise(law):
     candidates = [Candidate.of(name) for name in ("neo_hooke", *KNOWN)]
     fits = Fits(tests)
     errors = {c.name: list(fits.fold_errors(c, everything(tests)).values()) for c in candidates}
-    chosen = choose(candidates, errors)
+    chosen = choose(candidates, errors, {})
     assert law in chosen.equal
     assert "neo_hooke" not in chosen.equal
     assert chosen.folds == 4  # three modes and the last part
@@ -154,12 +154,24 @@ def test_a_law_as_good_but_simpler_is_recommended():
     candidates = [Candidate.of("ogden+ogden"), Candidate.of("ogden"), Candidate.of("neo_hooke")]
     errors = {"ogden+ogden": [0.05, 0.04, 0.05], "ogden": [0.05, 0.05, 0.045],
               "neo_hooke": [0.2, 0.3, 0.2]}  # fmt: skip
-    found = choose(candidates, errors)
+    found = choose(candidates, errors, {})
     assert found.equal == ("ogden", "ogden+ogden")
     assert found.recommended == "ogden"
+    fits_as_well = {"ogden+ogden": ["ogden", "neo_hooke"], "ogden": []}
+    assert choose(candidates, errors, fits_as_well).equal == ("ogden", "ogden+ogden", "neo_hooke")
+    assert choose(candidates, errors, fits_as_well).recommended == "ogden"
     # three times the error is a log likelihood of ln 3 less
-    worse = choose(candidates[1:], {"ogden": [0.1, 0.1], "neo_hooke": [0.3, 0.3]})
+    worse = choose(candidates[1:], {"ogden": [0.1, 0.1], "neo_hooke": [0.3, 0.3]}, {})
     assert worse.behind["neo_hooke"] == pytest.approx(np.log(3.0), rel=2e-3)
+
+
+@pytest.mark.parametrize(("alpha", "expected"), [(2.0, ["neo_hooke"]), (-8.0, [])])
+def test_a_simpler_law_is_rejected_by_records_that_it_does_not_fit(alpha, expected):
+    tests = three(of_exponent(alpha), noise=0.005, rng=np.random.default_rng(4))
+    names = ["neo_hooke", "ogden", "exponential_i2"]
+    report, _ = group_report(tests, [Candidate.of(name) for name in names], {}, 0.003, 0.9)
+    assert report["laws"]["ogden"]["simpler"] == expected
+    assert report["laws"]["neo_hooke"]["simpler"] == []
 
 
 def test_what_is_held_out_changes_no_fit_and_no_fold():

@@ -3,7 +3,8 @@
 The log likelihood of what a fold leaves out is taken at the error's own size, -ln(error) per
 independent point: how large the model's error is, is estimated, so that no assumed size makes it
 over-sharp. A law is as good as the best if it is worse by one standard error of the difference over
-the folds at most; of these the simplest is recommended.
+the folds at most; of these the simplest is recommended. So is a law of fewer parameters that the
+fitted records do not reject beside the best one; it is not recommended for that.
 
 References
 ----------
@@ -11,7 +12,7 @@ L. Breiman, J. H. Friedman, R. A. Olshen, C. J. Stone, Classification and Regres
 Wadsworth 1984, section 3.4.3 (the one-standard-error rule).
 """
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Collection, Mapping, Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -40,7 +41,8 @@ class Choice:
     behind, standard_error : dict of float
         Mean difference to the best law, and its standard error over the folds.
     equal : tuple of str
-        Laws that are as good as the best, the simplest first.
+        Laws that are as good as the best: those that predict as well, the simplest first, then
+        simpler ones that fit as well.
     folds : int
         Number of folds.
     refused : str
@@ -65,7 +67,11 @@ def log_likelihood(error: float) -> float:
     return -0.5 * float(np.log(error**2 + LEAST_ERROR**2))
 
 
-def choose(candidates: Sequence[Candidate], errors: Mapping[str, Sequence[float]]) -> Choice:
+def choose(
+    candidates: Sequence[Candidate],
+    errors: Mapping[str, Sequence[float]],
+    simpler: Mapping[str, Collection[str]],
+) -> Choice:
     """Compare laws on folds.
 
     Parameters
@@ -73,6 +79,8 @@ def choose(candidates: Sequence[Candidate], errors: Mapping[str, Sequence[float]
     candidates : sequence of Candidate
     errors : mapping
         Errors on the folds, as parts of the peak, by name of the law; the same folds for all.
+    simpler : mapping
+        Laws that the fitted records do not reject beside each.
     """
     names = [candidate.name for candidate in candidates]
     table = np.array([[log_likelihood(e) for e in errors[name]] for name in names])
@@ -83,7 +91,8 @@ def choose(candidates: Sequence[Candidate], errors: Mapping[str, Sequence[float]
         there = "there is nothing to leave out but its last part" if folds else "no fold is left"
         nothing = dict.fromkeys(names, float("nan"))
         return Choice(score, nothing, nothing, (), folds, REFUSED.format(folds=there))
-    gap = table[int(np.argmax(means))] - table
+    best = int(np.argmax(means))
+    gap = table[best] - table
     behind, scatter = gap.mean(axis=1), gap.std(axis=1, ddof=1) / np.sqrt(folds)
     sizes = {candidate.name: candidate.size for candidate in candidates}
     equal = [name for name, b, s in zip(names, behind, scatter, strict=True) if b <= s]
@@ -92,6 +101,6 @@ def choose(candidates: Sequence[Candidate], errors: Mapping[str, Sequence[float]
         score,
         dict(zip(names, behind.tolist(), strict=True)),
         dict(zip(names, scatter.tolist(), strict=True)),
-        tuple(equal),
+        (*equal, *(n for n in names if n in simpler.get(names[best], ()) and n not in equal)),
         folds,
     )

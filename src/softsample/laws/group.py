@@ -12,7 +12,7 @@ from softsample.laws.candidates import Candidate
 from softsample.laws.discrepancy import Discrepancy
 from softsample.laws.fit import LawFit, Problem
 from softsample.laws.folds import Fits, error_on
-from softsample.laws.intervals import intervals, left_open
+from softsample.laws.intervals import intervals, left_open, simpler_laws
 from softsample.laws.simulate import simulate_law
 from softsample.laws.test import LawTest, Mask
 from softsample.protocol import travel_sign
@@ -68,7 +68,7 @@ def parts_of(tests: Sequence[LawTest], folds: Mapping[str, Sequence[str]]) -> di
 
 def law_report(
     candidate: Candidate, fits: Fits, parts: Mapping[str, Sequence[Mask]], confidence: float
-) -> tuple[dict[str, Any], LawFit]:
+) -> tuple[dict[str, Any], Problem, LawFit]:
     """One law on a group: parameters with intervals, what they say, and errors of all parts.
 
     Parameters are those of the likelihood that the intervals are of; folds are least squares.
@@ -105,7 +105,7 @@ def law_report(
         "folds": {name: fits.fold_errors(candidate, part) for name, part in parts.items()},
         "held_out": {name: _held_out_error(candidate, fits, part) for name, part in parts.items()},
     }  # fmt: skip
-    return report, best
+    return report, found.weighted, best
 
 
 def _held_out_error(candidate: Candidate, fits: Fits, part: Sequence[Mask]) -> float | None:
@@ -142,7 +142,8 @@ def group_report(
     Returns
     -------
     report : dict
-        `law_report` by law, and `skipped`: why a law was left out, by law.
+        `law_report` by law, each with `simpler`, laws of fewer parameters that the records do not
+        reject beside it; and `skipped`: why a law was left out, by law.
     curves : DataFrame
         `law`, `sample`, `displacement_mm`, `measured_N`, `model_N`.
 
@@ -154,7 +155,7 @@ def group_report(
     parts, fits = parts_of(tests, folds), Fits(tests)
     laws: dict[str, Any] = {}
     skipped: dict[str, str] = {}
-    curves = []
+    likeliest: list[tuple[Problem, LawFit]] = []
     for done, candidate in enumerate(candidates):
         if progress is not None:
             progress(candidate.title, done / len(candidates))
@@ -163,13 +164,16 @@ def group_report(
         if error is None:
             skipped[candidate.name] = "elements are crushed where it fits best"
             continue
-        found, best = law_report(candidate, fits, parts, confidence)
+        found, problem, best = law_report(candidate, fits, parts, confidence)
         cost = {"cpu_s": round(time.process_time() - started, 2)}
         laws[candidate.name] = {**found, "curve_error_percent": 100.0 * error, **cost}
-        curves.append(_curves(best, tests))
+        likeliest.append((problem, best))
     if not laws:
         raise CalibrationError(f"no elastic law could be simulated: {skipped}; add neo_hooke")
-    return {"laws": laws, "skipped": skipped}, pd.concat(curves)
+    every = [best for _, best in likeliest]
+    for problem, best in likeliest:
+        laws[best.candidate.name]["simpler"] = simpler_laws(problem, best, every, confidence)
+    return {"laws": laws, "skipped": skipped}, pd.concat(_curves(best, tests) for best in every)
 
 
 def _curves(fit: LawFit, tests: Sequence[LawTest]) -> pd.DataFrame:

@@ -1,10 +1,11 @@
 """Intervals of a law's parameters by profile likelihood; parameters that the data leave open."""
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
+from scipy.stats import chi2
 
 from softsample.calibration.profile import normal_quantile
 from softsample.laws.fit import LawFit, Problem
@@ -71,6 +72,32 @@ def intervals(problem: Problem, fit: LawFit, confidence: float) -> dict[str, Int
             _end(of_shape(k), fit.cost, float(fit.shape[k]), -step, s.low, level),
             _end(of_shape(k), fit.cost, float(fit.shape[k]), step, s.high, level),
         )
+    return found
+
+
+def simpler_laws(
+    problem: Problem, fit: LawFit, others: Sequence[LawFit], confidence: float
+) -> list[str]:
+    """Laws of fewer parameters that a likelihood-ratio test does not reject beside a law.
+
+    Parameters
+    ----------
+    problem : Problem
+        With the weights of the law's residual model.
+    fit : LawFit
+        Its optimum.
+    others : sequence of LawFit
+        All laws, each at its own optimum.
+    confidence : float
+        Of the test.
+    """
+    found = []
+    for other in others:
+        fewer = fit.candidate.size - other.candidate.size
+        if fewer > 0:
+            alike = problem.fit(other.candidate, [other.shape], 1)
+            if alike.cost - fit.cost <= chi2.ppf(confidence, fewer):
+                found.append(other.candidate.name)
     return found
 
 

@@ -35,7 +35,11 @@ def choice_of(candidates: Sequence[Candidate], reports: Reports, part: str = ALL
         for c in laws:
             folds = report["laws"][c.name]["folds"]
             errors[c.name] += folds.get(part, folds[ALL]).values()
-    return choose(laws, errors)
+    simpler = {
+        c.name: set.intersection(*(set(r["laws"][c.name]["simpler"]) for r in reports.values()))
+        for c in laws
+    }
+    return choose(laws, errors, simpler)
 
 
 def choices(

@@ -102,7 +102,7 @@ def smooth_punch() -> tuple[Run, Array]:
 
     I. N. Sneddon, Int. J. Eng. Sci. 3 (1965) 47, doi:10.1016/0020-7225(65)90019-4.
     """
-    shape, punch = IdealShape("cylinder", 100e-3, 100e-3, 80e-3), Indenter("punch", BALL, "sliding")
+    shape, punch = IdealShape("cylinder", 100e-3, 100e-3, 80e-3), Indenter("flat", BALL, "sliding")
     run = indented(indented_hexes(shape, 2e-3, punch), punch, BALL / 50, 0.3, 0.3)
     young = 2.0 * MU * (1.0 + 0.3)
     return run, 2.0 * young / (1.0 - 0.3**2) * BALL * run.displacement

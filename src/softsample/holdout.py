@@ -136,7 +136,7 @@ def wholly_held_out(row: Row, selections: Sequence[Mapping[str, Any]]) -> bool:
 
 
 def check_hold_out(rows: Sequence[Row], selections: Sequence[Mapping[str, Any]]) -> None:
-    """Refuse a selection that fits no row of the table, and a table that is all held out.
+    """Refuse a selection that fits no row of the table, and a group that is all held out.
 
     Raises
     ------
@@ -146,8 +146,13 @@ def check_hold_out(rows: Sequence[Row], selections: Sequence[Mapping[str, Any]])
     for number, selection in enumerate(map(Selection.of, selections)):
         if not any(selection.fits(row) for row in rows):
             raise InputError(f"hold_out.{number}: no sample fits it; {_there(selection, rows)}")
-    if rows and all(wholly_held_out(row, selections) for row in rows):
-        raise InputError("hold_out: every sample is held out; leave some to fit a model to")
+    left = {row["group"] for row in rows if not wholly_held_out(row, selections)}
+    for row in rows:
+        if row["group"] not in left:
+            raise InputError(
+                f"hold_out: all samples of group {row['group']!r} are held out, so that it has no "
+                "model that could predict them; leave some in"
+            )
 
 
 def _there(selection: Selection, rows: Sequence[Row]) -> str:

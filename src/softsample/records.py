@@ -585,6 +585,12 @@ def _wrong_signs(
     }
     sign = travel_sign(mode)
     wrong = [quantity for quantity, value in values.items() if sign * value <= 0.0]
+    for quantity in [name for name in wrong if not getattr(record, name).any()]:
+        wrong.remove(quantity)
+        yield (
+            f"{source}, column {COLUMNS[quantity]!r}: 0 all along; is it the right column, and was "
+            "the channel recorded?"
+        )
     for quantity in wrong:
         yield (
             f"{source}, line {table.index[loading.last]}, column {COLUMNS[quantity]!r}: "

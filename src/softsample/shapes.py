@@ -188,7 +188,7 @@ def element_size(shape: IdealShape, wanted: float, across: Sequence[float]) -> f
     return min(max(wanted, shape.smallest / most), shape.smallest / fewest)
 
 
-INDENTERS = ("sphere", "punch")
+INDENTERS = ("sphere", "flat")
 
 
 @dataclass(frozen=True)
@@ -197,7 +197,7 @@ class Indenter:
 
     Parameters
     ----------
-    kind : {"sphere", "punch"}
+    kind : {"sphere", "flat"}
         A ball, or an upright cylinder with a flat end.
     radius : float
         Of the ball or of the flat end [m], > 0.

@@ -426,7 +426,7 @@ def _wrong_indenter(row: Mapping[str, str]) -> Iterator[tuple[str, str]]:
             yield column, "belongs to mode indentation; leave the cell empty, or change the mode"
         return
     for column in (name for name in INDENTER_COLUMNS if name not in row):
-        yield column, "is missing; give the kind (sphere or punch) and the radius in mm"
+        yield column, "is missing; give the kind (sphere or flat) and the radius in mm"
     sizes = [float(row[name]) for name in ANY_DIMENSION if _is_number(row.get(name, ""))]
     if _is_number(radius) and sizes and not 0.0 < float(radius) <= max(sizes):
         yield "indenter_radius_mm", f"{radius} mm is no radius on this sample; give it in mm"

@@ -143,8 +143,9 @@ def test_a_selection_of_nothing_or_of_everything_is_refused():
     check_hold_out(ROWS, [{"mode": "shear"}, {"group": "H", "phase": "hold"}])
     with pytest.raises(InputError, match=r"hold_out.1: no sample fits it; there are group: G, H$"):
         check_hold_out(ROWS, [{"mode": "shear"}, {"group": "K", "phase": "hold"}])
-    with pytest.raises(InputError, match="hold_out: every sample is held out"):
-        check_hold_out(ROWS, [{"group": "G"}, {"mode": "tension"}])
+    check_hold_out(ROWS, [{"sample": "C*"}])
+    with pytest.raises(InputError, match="all samples of group 'H' are held out"):
+        check_hold_out(ROWS, [{"sample": "C*"}, {"mode": "tension"}])
 
 
 def test_keys_are_those_of_the_schema():

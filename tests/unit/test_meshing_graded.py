@@ -40,7 +40,7 @@ def test_what_meets_a_punch_stands_for_its_area(shape):
     apart = 1e-6 if shape.kind == "cylinder" else 0.04
     radius = 3e-3
     fine = radius / 16
-    mesh = indented_hexes(shape, 1e-3, Indenter("punch", radius))
+    mesh = indented_hexes(shape, 1e-3, Indenter("flat", radius))
     top = mesh.points[mesh.points[:, 2] > shape.height - 1e-9]
     away = np.hypot(*top[:, :2].T)
     edge = away[away <= radius * (1.0 + 1e-6)].max()

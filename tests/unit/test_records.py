@@ -136,6 +136,11 @@ def test_signs_depend_on_the_mode():
         check(record(sign=-1.0), "tension")
 
 
+def test_a_channel_of_zeros_is_refused_as_such():
+    with pytest.raises(InputError, match="column 'force_N': 0 all along; is it the right column"):
+        check(record().assign(force_N=0.0))
+
+
 @pytest.mark.parametrize("row", [10, 700, 1352])
 @pytest.mark.parametrize("value", [2e4, -2e4])
 def test_a_single_cell_beyond_its_bounds_is_found(row, value):

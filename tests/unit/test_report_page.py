@@ -218,7 +218,10 @@ def test_numbers_of_a_study_without_a_true_shape_follow_the_schema():
     rows = [{"modulus": name, "value_pa": 900.0, "low_pa": np.nan, "high_pa": np.nan}
             for name in ("mu", "mu1", "mu2")]  # fmt: skip
     intervals = pd.DataFrame(rows).assign(group="D", geometry="ideal", model="ogden2")
-    verdict = {"verdict": "none", "effects": [], "error_before": {}, "error_after": {}}
+    verdict = {
+        "verdict": "none", "effects": [], "error_before": {}, "error_after": {},
+        "recommended": {"mu": {"value": 902.0, "low": 810.0, "high": 1200.0, "unit": "Pa"}},
+    }  # fmt: skip
     cylinder = {"shape": "cylinder", "diameter_mm": 20.0, "length_mm": 20.0, "width_mm": 20.0}
     document = study_results(
         {"D1": {"group": "D", "mode": "pure_shear"}}, [{"record": RECORD}],
@@ -233,7 +236,7 @@ def test_numbers_of_a_study_without_a_true_shape_follow_the_schema():
     assert document["samples"]["D1"]["geometry"]["diameter_mm"] == 20.0
     assert document["samples"]["D1"]["record"]["ramp_speed_mm_s"] is None
     assert in_brief(document).splitlines()[1].split() == [
-        "D", "900", "900", "not", "known", "none"
+        "D", "902", "(810", "to", "1200)", "900", "900", "not", "known", "none"
     ]  # fmt: skip
     del document["groups"]["D"]["calibration"]["ideal"]
     assert [place for place, _ in refusals(document, schema)] == ["groups.D.calibration.ideal"]
@@ -248,18 +251,25 @@ def test_the_end_of_a_run_has_a_line_for_each_group_and_each_finding():
         "S1": {
             "calibration": {"real": fit(1128.2, 1098.0, 1157.4), "ideal": fit(1060.7, None, None)},
             "bias_percent": {"ogden2": -5.98},
-            "verdict": {"verdict": "none", "effects": []},
+            "verdict": {
+                "verdict": "none", "effects": [],
+                "modulus_to_quote": {"value_pa": 1130.0, "low_pa": 1001.0, "high_pa": 1300.0},
+            },
         },
         "TC1": {
             "calibration": {"real": fit(900.0, None, None), "ideal": fit(450.0, None, None, "no")},
             "bias_percent": {"ogden2": -50.0},
-            "verdict": {"verdict": "explained", "effects": [{"class": ["gain", "backlash"]}]},
+            "verdict": {
+                "verdict": "explained", "effects": [{"class": ["gain", "backlash"]}],
+                "modulus_to_quote": {"value_pa": 870.0, "low_pa": 860.0, "high_pa": 880.0},
+            },
         },
-    }
+    }  # fmt: skip
     assert in_brief({"groups": groups}).splitlines() == [
-        "group  shear modulus [Pa]   ideal shape [Pa]  bias     verdict",
-        "S1     1128 (1098 to 1157)  1061              -6.0 %   none",
-        "TC1    900                  450               -50.0 %  explained: gain|backlash",
+        "group  modulus to quote [Pa]  calibrated [Pa]      ideal shape [Pa]  bias     verdict",
+        "S1     1130 (1001 to 1300)    1128 (1098 to 1157)  1061              -6.0 %   none",
+        "TC1    870 (860 to 880)       900                  450               -50.0 %  "
+        "explained: gain|backlash",
         "TC1, ideal geometry, ogden2: no",
     ]
 

@@ -7,6 +7,7 @@ import pytest
 from softsample.constitutive.homogeneous import FREE, homogeneous_force, homogeneous_normal
 from softsample.constitutive.ogden import unit_modulus
 from softsample.protocol import MODES, travel_sign
+from softsample.response import force
 from softsample.response.changes import for_all_fractions, table_of_changes
 from softsample.response.curves import BEFORE, ResponseCurves, before_zero
 from softsample.response.elastic import Elastic
@@ -16,7 +17,7 @@ from softsample.response.unit import (
     modulus_fractions,
     response_table,
 )
-from softsample.shapes import IdealShape
+from softsample.shapes import ALONG_RADIUS, IdealShape, Indenter
 
 ALPHA, RATIO = (-8.0, 16.0), 0.47
 SOLID = unit_modulus(0.5, ALPHA, RATIO, 1.0)
@@ -25,6 +26,27 @@ REACH = 3e-3
 TRAVEL = np.linspace(0.0, REACH, 41)
 FORCE = 2.0 * TRAVEL + 500.0 * TRAVEL**2
 MIRRORED = {"none": 0.0, "odd": -1.0, "even": 1.0}
+
+
+class MeshedError(Exception):
+    """Ends a run before it begins."""
+
+
+@pytest.mark.parametrize("kind", ["sphere", "flat"])
+def test_a_sample_is_as_fine_below_an_indenter_by_one_call_as_in_a_study(monkeypatch, kind):
+    def stop(mesh, settings):
+        raise MeshedError(mesh)
+
+    monkeypatch.setattr(force, "ExplicitModel", stop)
+    shape, ends = IdealShape("cuboid", 30e-3, 30e-3, 10e-3), Indenter(kind, 3e-3)
+    with pytest.raises(MeshedError) as found:
+        force.force_curve(shape, "indentation", SOLID, 1e-3, ends=ends)
+    (mesh,) = found.value.args
+    top = mesh.points[np.isclose(mesh.points[:, 2], shape.height)]
+    places = np.unique(top[np.isclose(top[:, 1], 0.0), 0].round(9))
+    below = places[np.abs(places) < 0.5 * ends.radius]
+    assert len(below) > 2
+    assert np.diff(below).max() <= 1.001 * ends.radius / ALONG_RADIUS
 
 
 def response(mode):

@@ -537,7 +537,7 @@ def test_an_indented_sample_has_its_indenter_for_ends(ends):
     ("cells", "message"),
     [
         ({"indenter": ""}, "column 'indenter': is missing; give the kind"),
-        ({"indenter": "cone"}, "column 'indenter': 'cone' is not one of sphere, punch"),
+        ({"indenter": "cone"}, "column 'indenter': 'cone' is not one of sphere, flat"),
         ({"indenter_radius_mm": ""}, "column 'indenter_radius_mm': is missing"),
         ({"indenter_radius_mm": "2000"}, "2000 mm is no radius on this sample"),
         ({"mode": "compression"}, "belongs to mode indentation"),

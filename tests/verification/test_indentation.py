@@ -53,11 +53,11 @@ def test_a_ball_without_slip_is_stiffer_and_the_more_so_in_a_thin_layer():
 
 
 def test_an_indenter_belongs_to_indentation_alone():
-    mesh = indented_hexes(IdealShape("cuboid", 12e-3, 12e-3, 9e-3), 2e-3, Indenter("punch", 2e-3))
-    for mode, ends in (("compression", Indenter("punch", 2e-3)), ("indentation", "bonded")):
+    mesh = indented_hexes(IdealShape("cuboid", 12e-3, 12e-3, 9e-3), 2e-3, Indenter("flat", 2e-3))
+    for mode, ends in (("compression", Indenter("flat", 2e-3)), ("indentation", "bonded")):
         with pytest.raises(InputError, match="an indenter belongs to indentation alone"):
             mode_boundary(mesh, mode, mesh.glued(0.0), ContactSettings(), ends)
-    with pytest.raises(InputError, match="indenter 'cone' is unknown; give sphere or punch"):
+    with pytest.raises(InputError, match="indenter 'cone' is unknown; give sphere or flat"):
         Indenter("cone", 1e-3)
     with pytest.raises(InputError, match="radius of the indenter is 0 mm"):
         Indenter("sphere", 0.0)

@@ -102,7 +102,7 @@ def test_torsion_indentation_and_compression_give_one_modulus(tmp_path):
         "diameter_mm": 2e3 * pooled.RADIUS,
         "height_mm": 1e3 * pooled.HEIGHT,
     }
-    punch = {"indenter": "punch", "indenter_radius_mm": 1e3 * pooled.PUNCH}
+    punch = {"indenter": "flat", "indenter_radius_mm": 1e3 * pooled.PUNCH}
     rows = []
     for mode in ("torsion", "indentation", "compression"):
         own = {"mode": mode, "record": f"{mode}.csv", **size}

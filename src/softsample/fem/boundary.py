@@ -289,7 +289,7 @@ def indenter_boundary(
         The sample on its base, which is glued.
     contact : ContactSettings
         Rules of contact; the friction is that of the moving platen.
-    kind : {"sphere", "punch"}
+    kind : {"sphere", "flat"}
         The nodes of the upper side within the radius of a punch meet its flat end; those of all
         of the upper side may meet a ball.
     radius : float
@@ -307,7 +307,7 @@ def indenter_boundary(
     height = mesh.points[upper, 2]
     planes = np.array([[0.0, 0.0, -1.0, np.inf], [0.0, 0.0, 1.0, np.inf]])
     ball = (0.0, 0.0, 0.0, 0.0)
-    if kind == "punch":
+    if kind == "flat":
         below = away <= radius * (1.0 + 1e-6)
         if not below.any():
             raise InputError(

@@ -33,7 +33,7 @@ def document(
     rows : sequence of mapping
         Of the study table.
     rule : str
-        What the study holds out, in words.
+        What the study holds out, in words; the verdict has it if that is anything of this group.
 
     Returns
     -------
@@ -51,7 +51,7 @@ def document(
             verdict[key] = {**own, **error_report(errors)}
     return {
         **verdict,
-        "rule": rule,
+        "rule": rule if found.before.held_out or left_out[0] else "",
         "elastic_law": elastic_law(found.final.state.values, solid),
         "ends": sorted({row["ends"] for row in rows}),
     }

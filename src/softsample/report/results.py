@@ -104,6 +104,9 @@ def _calibration(fit: Report, intervals: pd.DataFrame) -> dict[str, Any]:
 def _verdict(verdict: Report) -> dict[str, Any]:
     return {
         "verdict": verdict["verdict"],
+        "modulus_to_quote": {
+            f"{key}_pa": verdict["recommended"]["mu"][key] for key in ("value", "low", "high")
+        },
         "effects": [
             {
                 "class": effect["class"],
@@ -126,17 +129,19 @@ def _errors(errors: Report) -> dict[str, float]:
 def in_brief(document: Mapping[str, Any]) -> str:
     """The moduli and the verdict of every group as a table of text, a line each; then findings.
 
-    The modulus is that of the best geometry of the group: of the ideal shape, if its true shape is
-    not known.
+    The modulus to quote is that of the verdict; the calibrated one that of the best geometry of the
+    group: of the ideal shape, if its true shape is not known.
     """
-    head = ("group", "shear modulus [Pa]", "ideal shape [Pa]", "bias", "verdict")
+    head = (
+        "group", "modulus to quote [Pa]", "calibrated [Pa]", "ideal shape [Pa]", "bias", "verdict"
+    )  # fmt: skip
     rows = [head, *(_line(name, group) for name, group in document["groups"].items())]
     widths = [max(map(len, column)) for column in zip(*rows, strict=True)]
     lines = ["  ".join(map(str.ljust, row, widths)).rstrip() for row in rows]
     return "\n".join([*lines, *_findings(document["groups"])])
 
 
-def _line(name: str, group: Mapping[str, Any]) -> tuple[str, str, str, str, str]:
+def _line(name: str, group: Mapping[str, Any]) -> tuple[str, ...]:
     """A group's row of the table of `in_brief`."""
     moduli = {
         geometry: models["ogden2"]["moduli"]["mu"]
@@ -144,18 +149,24 @@ def _line(name: str, group: Mapping[str, Any]) -> tuple[str, str, str, str, str]
     }
     ideal, bias = moduli["ideal"], group["bias_percent"]["ogden2"]
     best = moduli.get("real", ideal)
-    interval = ""
-    if best["low_pa"] is not None:
-        interval = f" ({best['low_pa']:.0f} to {best['high_pa']:.0f})"
     effects = ", ".join("|".join(e["class"]) for e in group["verdict"]["effects"])
     verdict = group["verdict"]["verdict"]
     return (
         name,
-        f"{best['value_pa']:.0f}{interval}",
+        _with_ends(group["verdict"]["modulus_to_quote"]),
+        _with_ends(best),
         f"{ideal['value_pa']:.0f}",
         "not known" if bias is None else f"{bias:+.1f} %",
         f"{verdict}: {effects}" if effects else verdict,
     )
+
+
+def _with_ends(modulus: Mapping[str, float | None]) -> str:
+    """A modulus, and its interval if that is known."""
+    text = f"{modulus['value_pa']:.0f}"
+    if modulus["low_pa"] is None:
+        return text
+    return f"{text} ({modulus['low_pa']:.0f} to {modulus['high_pa']:.0f})"
 
 
 def _findings(groups: Mapping[str, Any]) -> list[str]:

@@ -9,14 +9,14 @@ from softsample.constitutive.material import Material
 from softsample.fem.boundary import BONDED, Boundary, ContactSettings, Ends, mode_boundary
 from softsample.fem.explicit import ExplicitModel, Run, SolverSettings
 from softsample.meshing.mesh import HexMesh
-from softsample.meshing.sample import ideal_hexes
+from softsample.meshing.sample import ideal_hexes, indented_hexes
 from softsample.response.unit import (
     find_pace,
     homogeneous_area,
     is_homogeneous,
     shortest_loading_time,
 )
-from softsample.shapes import IdealShape
+from softsample.shapes import IdealShape, Indenter
 
 Array = NDArray[np.float64]
 
@@ -39,15 +39,17 @@ def force_curve(
         Cuboid, cylinder, or a mesh [m] whose base lies on z = 0; the platen is glued to the
         highest nodes of a mesh.
     mode : str
-        `tension`, `compression`, `shear`, and of shapes `pure_shear` or `confined_compression`.
+        `tension`, `compression`, `shear`, and of shapes `pure_shear`, `confined_compression`,
+        `torsion` or `indentation`.
     material : Material
         Its elastic law.
     travel : float
         Displacement of the platen [m], > 0.
-    ends : str or float
-        `bonded`, `sliding`, or a Coulomb coefficient.
+    ends : str, float or Indenter
+        `bonded`, `sliding`, a Coulomb coefficient, or what indents the sample.
     elements_across : int
-        Elements along the shortest extent of an ideal shape.
+        Elements along the shortest extent of an ideal shape; below an indenter they are as fine
+        as those of a study.
     settings : SolverSettings, optional
         Of the explicit solver; the loading time is found so that inertia changes the force by
         `curve_error_percent` of its peak at most.
@@ -71,7 +73,12 @@ def force_curve(
         return displacement, material.shear_modulus * area
     mesh = sample
     if isinstance(mesh, IdealShape):
-        mesh = ideal_hexes(mesh, min(mesh.length, mesh.width, mesh.height) / elements_across)
+        size = mesh.smallest / elements_across
+        mesh = (
+            indented_hexes(mesh, size, ends)
+            if isinstance(ends, Indenter)
+            else ideal_hexes(mesh, size)
+        )
     model = ExplicitModel(mesh, given)
     held = mode_boundary(mesh, mode, mesh.glued(0.0), ContactSettings(), ends)
     pace = find_pace(

@@ -39,25 +39,19 @@ class Plan:
     rows : mapping
         Rows of the table of samples by sample, empty cells left out.
     held_out : set of str
-        Samples that are held out as a whole: a model of theirs alone cannot be calibrated.
+        Samples that are held out as a whole, not all of a group
+        (`softsample.holdout.check_hold_out`): a model of theirs alone cannot be calibrated.
 
     Raises
     ------
     InputError
-        If a name is a sample of one group and the name of another one that has other geometries,
-        or a whole group is held out.
+        If a name is a sample of one group and the name of another one that has other geometries.
     """
 
     rows: Mapping[str, Row]
     held_out: frozenset[str] = field(default_factory=frozenset)
 
     def __post_init__(self) -> None:
-        for group in self.groups:
-            if TWO_TERM not in self.models(group):
-                raise InputError(
-                    f"hold_out: all samples of group {group!r} are held out, so that it has no "
-                    "model that could predict them; leave some in"
-                )
         for sample, row in self.rows.items():
             other = self._geometries.get(sample)
             if other and other != self._geometries[row["group"]]:

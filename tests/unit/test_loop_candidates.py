@@ -46,6 +46,22 @@ def test_records_like_those_of_the_study_have_the_library_as_it_is(tests):
         assert ranges(effect) == ranges(library(SOLID, tests)[name])
 
 
+def test_a_law_has_the_exponents_of_which_the_response_is_known(tests):
+    def known(runs):
+        laws = replace(tests[1].elastic.laws, runs={a: tests[1].elastic.laws.runs[a] for a in runs})
+        one = replace(tests[1], elastic=replace(tests[1].elastic, laws=laws))
+        found = named([tests[0], one, tests[2]])
+        exponents = {p.name: (p.low, p.high) for p in found["ogden_exponents"].parameters}
+        single = {p.name: p for p in found["elastic_law"].parameters}["alpha"]
+        assert all(single.low <= value <= single.high for value in single.grid)
+        return [*exponents.values(), (single.low, single.high)]
+
+    assert known([-45.0, 40.0]) == [(-45.0, -0.5), (0.5, 40.0), (-45.0, 40.0)]
+    assert known([40.0]) == [(-8.0, -0.5), (0.5, 40.0), (-8.0, 40.0)]
+    alike = [replace(s, elastic=laboratory.exact(s.mode)) for s in tests]
+    assert {p.low for p in named(alike)["elastic_law"].parameters} == {0.0, -45.0}
+
+
 def test_without_recorded_time_there_are_no_effects_of_time(tests):
     one = [tests[0], tests[1], replace(tests[2], timed=False)]
     assert set(named(one)) == set(library()) - ALWAYS_ABSENT - TIMED - {"mains_pickup"}

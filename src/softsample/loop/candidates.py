@@ -26,7 +26,8 @@ RIPPLE = "mains_pickup"
 def candidates(specimens: Sequence[Specimen], height: float, solid: Material) -> list[Effect]:
     """The library for the records of a group.
 
-    Effects of time are no candidates without recorded time. Ranges of lengths and forces go with
+    Effects of time are no candidates without recorded time. A law has the exponents whose response
+    is known (`softsample.response.law_response`). Ranges of lengths and forces go with
     the size of the sample and the peak force where these are far from those of the study.
 
     Parameters
@@ -51,9 +52,11 @@ def candidates(specimens: Sequence[Specimen], height: float, solid: Material) ->
         "ogden_exponents": all(s.elastic.laws is not None for s in specimens),
         "compressible_foam": all(s.elastic.knows_foams for s in specimens),
     }
+    laws = [s.elastic.laws.exponents for s in specimens if s.elastic.laws is not None]
+    known = max((low for low, _ in laws), default=0.0), min((high for _, high in laws), default=0.0)
     absent = {name for name, present in there.items() if not present}
     return [
-        _scaled(effect, scales)
+        _known(_scaled(effect, scales), known)
         for effect in library(solid, specimens).values()
         if (timed or not effect.of_time) and effect.name not in absent
     ]
@@ -78,6 +81,26 @@ def _scaled(effect: Effect, scales: dict[str, float]) -> Effect:
     return replace(
         effect,
         parameters=tuple(_stretched(p, scales.get(p.unit, 1.0)) for p in effect.parameters),
+    )
+
+
+def _known(effect: Effect, exponents: tuple[float, float]) -> Effect:
+    """A law with exponents between those whose response was simulated; others as they are."""
+    if not effect.is_law:
+        return effect
+    parameters = tuple(
+        _between(p, *exponents) if p.name.startswith("alpha") else p for p in effect.parameters
+    )
+    return replace(effect, parameters=parameters)
+
+
+def _between(parameter: Parameter, low: float, high: float) -> Parameter:
+    """A parameter of a smaller range."""
+    return replace(
+        parameter,
+        low=max(parameter.low, low),
+        high=min(parameter.high, high),
+        grid=tuple(value for value in parameter.grid if low <= value <= high),
     )
 
 

@@ -126,6 +126,14 @@ class LawResponse:
             return self._exact
         return bool(max(np.abs(self._excess_of_model(r)).max() for r in (0.0, 1.0)) < FOAM_EXCESS)
 
+    @cached_property
+    def exponents(self) -> tuple[float, float]:
+        """Ends of the exponents at which the response is known: any, or those of the runs."""
+        if self._exact:
+            return -np.inf, np.inf
+        simulated = [*self.alpha, *self.runs]
+        return min(simulated), max(simulated)
+
     def _change(self, fraction: float, displacement: Array, change: Array) -> Array:
         """Change [m2] at displacements [m] from that on the grid, see `_from_model`."""
         here = np.abs(displacement) if self.curves.before in ("odd", "even") else displacement

@@ -246,9 +246,12 @@ def test_the_run_told_of_each_job_and_of_the_results(study):
     assert "Response of the first term alone: B, real geometry" in [words for *_, words in lines]
     assert sum(bool(left) for _, left, _ in lines) > 0.9 * planned
     for group, fit in load(results, "results.json")["groups"].items():
-        mu = fit["calibration"]["real"]["ogden2"]["moduli"]["mu"]["value_pa"]
-        verdict = fit["verdict"]["verdict"]
-        assert re.search(rf"^{group} +{mu:.0f} \(\d+ to \d+\) .* % +{verdict}", printed, re.M)
+        verdict, fitted = fit["verdict"], fit["calibration"]["real"]["ogden2"]["moduli"]["mu"]
+        said = "".join(
+            rf" +{mu['value_pa']:.0f} \({mu['low_pa']:.0f} to {mu['high_pa']:.0f}\)"
+            for mu in (verdict["modulus_to_quote"], fitted)
+        )
+        assert re.search(rf"^{group}{said} .* % +{verdict['verdict']}", printed, re.M)
     assert f"All tables and figures: {results}/report.html" in printed
 
 

@@ -3,8 +3,8 @@
 The log likelihood of what a fold leaves out is taken at the error's own size, -ln(error) per
 independent point: how large the model's error is, is estimated, so that no assumed size makes it
 over-sharp. A law is as good as the best if it is worse by one standard error of the difference over
-the folds at most; of these the simplest is recommended. So is a law of fewer parameters that the
-fitted records do not reject beside the best one; it is not recommended for that.
+the folds at most; of these the simplest is recommended. A law of fewer parameters that the fitted
+records do not reject beside the best one is as good too, but is not recommended for that.
 
 References
 ----------

@@ -33,6 +33,7 @@ from softsample.figures.surface import (
 )
 from softsample.meshing.cuboid import mesh_cuboid
 from softsample.report.geometry_effects import NAMES
+from softsample.shapes import Indenter
 from softsample.study.plan import MODES
 
 MM = 1e-3
@@ -94,7 +95,7 @@ def test_moduli_figure_draws_every_sample_on_both_geometries():
         group("TC1", "tension+compression", "T1", "C1"),
     ]
     table = moduli(*((g.label, g.mode) for g in groups))
-    figure = moduli_figure(groups, table, "title")
+    figure = moduli_figure(groups, table)
     shear, shear_bars, axial, axial_bars = figure.axes
     for ax, samples in ((shear, 2), (axial, 2)):
         points = [line for line in ax.lines if line.get_marker() == "o"]
@@ -116,10 +117,25 @@ def test_moduli_figure_draws_every_sample_on_both_geometries():
     assert len(shear_bars.patches) == 8
 
 
+def test_axes_of_torsion_and_indentation_are_named_for_what_moves():
+    groups = [group("A", "torsion", "A"), group("B", "indentation", "B")]
+    figure = moduli_figure(groups, moduli(("A", "torsion"), ("B", "indentation")))
+    twisted, _, indented, _ = labels(figure)
+    assert twisted == ("Displacement of the rim [mm]", "Torque over radius [N]")
+    assert indented == ("Displacement of the indenter [mm]", "Force [N]")
+
+
+def test_the_difference_stands_below_the_title():
+    """A bar that ends where the axis does has it in the title above."""
+    table = moduli(("A", "torsion")).assign(mu1_real_pa=1000.0, paper_mu_real_pa=np.nan)
+    ax = moduli_figure([group("A", "torsion", "A")], table).axes[1]
+    assert ax.get_ylim()[1] >= 1.1
+
+
 def test_a_fit_that_is_not_trusted_is_marked():
     groups = [group("S1", "shear", "S1"), group("S2", "shear", "S2")]
     groups[1] = replace(groups[1], trusted=False)
-    figure = moduli_figure(groups, moduli(("S1", "shear"), ("S2", "shear")), "title")
+    figure = moduli_figure(groups, moduli(("S1", "shear"), ("S2", "shear")))
     assert [t.get_text() for t in figure.axes[1].texts] == ["−20.0 %", "−20.0 % *"]
     keys = [text.get_text() for text in figure.legends[0].get_texts()]
     assert "* on a bound, or not converged: see the caption" in keys
@@ -129,9 +145,9 @@ def test_moduli_of_ideal_shapes_alone_have_one_bar_and_no_bias():
     groups = [GroupCurves("D", "pure_shear", {"ideal": curves("D1", "D2")})]
     unknown = ("mu_real_pa", "mu1_real_pa", "difference_percent", "paper_mu_real_pa")
     table = moduli(("D", "pure_shear")).assign(**dict.fromkeys(unknown, np.nan))
-    figure = moduli_figure(groups, table, "title", "cylinder")
+    figure = moduli_figure(groups, table, "cylinder")
     force, bars = figure.axes
-    assert force.get_title(loc="left") == "(a) Pure shear: force"
+    assert force.get_title(loc="left") == r"$\mathbf{a}$  Pure shear: force"
     assert len([line for line in force.lines if line.get_marker() == "o"]) == 2
     assert [patch.get_height() for patch in bars.patches] == pytest.approx([0.5, 0.3])
     assert bars.patches[0].get_x() + 0.5 * bars.patches[0].get_width() == pytest.approx(0.0)
@@ -145,14 +161,14 @@ def test_the_bias_of_a_mixed_study_is_a_dash_where_it_is_not_known():
     groups = [group("S1", "shear", "S1"), GroupCurves("D", "shear", {"ideal": curves("D1")})]
     table = moduli(("S1", "shear"), ("D", "shear"))
     table.loc[1, ["mu_real_pa", "mu1_real_pa", "difference_percent", "paper_mu_real_pa"]] = np.nan
-    bars = moduli_figure(groups, table, "title").axes[1]
+    bars = moduli_figure(groups, table).axes[1]
     assert [text.get_text() for text in bars.texts] == ["−20.0 %", "–"]
 
 
 def test_a_record_is_drawn_once_whatever_geometries_there_are():
     for there in (("real", "ideal"), ("ideal",)):
         tables = {geometry: curves("D1") for geometry in there}
-        figure = response_figure(tables, "confined_compression", "title", "cylinder")
+        figure = response_figure(tables, "confined_compression", "cylinder")
         shown = [line.get_label() for line in figure.axes[0].lines if line.get_label()[0] != "_"]
         assert shown[0] == "measured"
         assert shown[-1] == "model, idealised cylinder"
@@ -161,17 +177,17 @@ def test_a_record_is_drawn_once_whatever_geometries_there_are():
 
 def test_one_term_figure_has_one_bar_a_geometry():
     groups = [group("C1", "compression", "C1")]
-    figure = moduli_figure(groups, moduli(("C1", "compression"), two_terms=False), "title")
+    figure = moduli_figure(groups, moduli(("C1", "compression"), two_terms=False))
     assert [p.get_height() for p in figure.axes[1].patches] == pytest.approx([1.0, 0.8])
 
 
 def test_the_picture_of_a_held_out_sample_says_so():
     nothing = curves("D1").iloc[:0]
-    force = response_figure({"ideal": nothing}, "tension", "title").axes[0]
+    force = response_figure({"ideal": nothing}, "tension").axes[0]
     assert [text.get_text() for text in force.texts] == [
         "held out: nothing of this record was calibrated"
     ]
-    assert not response_figure({"ideal": curves("D1")}, "tension", "title").axes[0].texts
+    assert not response_figure({"ideal": curves("D1")}, "tension").axes[0].texts
 
 
 def test_every_mode_has_a_colour_of_its_own():
@@ -188,13 +204,12 @@ def test_stress_figure_has_a_line_and_a_band_for_each_mode():
         )
         for mode in ("compression", "shear")
     )  # fmt: skip
-    figure = stress_strain_figure(table, "virtual cohort")
+    figure = stress_strain_figure(table)
     (ax,) = figure.axes
     assert [line.get_label() for line in ax.lines] == ["Shear (n = 5)", "Compression (n = 5)"]
     assert len(ax.collections) == 2
     np.testing.assert_allclose(ax.lines[0].get_ydata(), 2.0 * strain)
     assert labels(figure) == [("Nominal strain, absolute [–]", "Nominal stress, absolute [kPa]")]
-    assert "virtual cohort" in ax.get_title(loc="left")
 
 
 @pytest.fixture
@@ -222,14 +237,17 @@ def test_geometry_figure(segmented, cuboid, renderer):
     if renderer == "vtk" and not offscreen.rendering_works():
         pytest.skip(offscreen.ADVICE)
     mesh = mesh_surface(cuboid)
-    figure = geometry_figure(segmented, (mesh, 192), (mesh, 200), "title", renderer)
+    figure = geometry_figure(segmented, (mesh, 192), (mesh, 200), renderer)
     assert labels(figure) == [
         ("image x [mm]", "image y [mm]"),
         ("image x [mm]", "image z [mm]"),
         ("image y [mm]", "image z [mm]"),
     ]
     titles = [ax.get_title(loc="left") for ax in figure.axes]
-    assert titles[4:] == ["(e) Real mesh, 192 elements", "(f) Idealised mesh, 200 elements"]
+    assert titles[4:] == [
+        r"$\mathbf{e}$  Real mesh, 192 elements",
+        r"$\mathbf{f}$  Idealised mesh, 200 elements",
+    ]
     for ax in figure.axes[3:]:
         assert bool(ax.images) == (renderer == "vtk")
 
@@ -244,7 +262,7 @@ def test_strain_figure(ball, cuboid, renderer):
     shape = Deformed.of_run(cuboid, displacement, strain)
     both = {"real": shape, "ideal": shape}
     row = StrainRow("S1", "shear", 0.3, level_surface(*ball), both)
-    figure = strain_figure([row], "title", renderer)
+    figure = strain_figure([row], renderer)
     before, real, ideal = figure.axes
     (bar,) = ideal.child_axes
     assert bar.get_ylabel() == "Max. principal\nHencky strain [–]"
@@ -268,23 +286,41 @@ def strained(cuboid, mode="tension"):
 
 
 def test_strain_of_ideal_shapes_alone_is_one_panel_a_row(cuboid):
-    figure = strain_figure([strained(cuboid), strained(cuboid, "pure_shear")], "t", "matplotlib")
+    figure = strain_figure([strained(cuboid), strained(cuboid, "pure_shear")], "matplotlib")
     titles = [ax.get_title(loc="left") for ax in figure.axes]
     assert titles == [
-        "(a) Tension, D1: nominal strain 0.30", "(b) Pure shear, D1: nominal strain 0.30"
-    ]  # fmt: skip
+        r"$\mathbf{a}$  Tension, D1: nominal strain 0.30",
+        r"$\mathbf{b}$  Pure shear, D1: nominal strain 0.30",
+    ]
     assert [ax.get_ylabel() for ax in figure.axes] == ["z [mm]"] * 2
+
+
+@pytest.mark.parametrize("kind", ["sphere", "flat"])
+def test_strain_below_an_indenter_is_shown_in_a_section(cuboid, kind):
+    """2 x 2 x 2 mm: of the two halves the one in front, which would hide the indent, is gone."""
+    ahead = np.where(cuboid.points[cuboid.hexes].mean(axis=1)[:, 1] < 0.0, 9.0, 0.2)
+    cut = Deformed.of_run(cuboid, np.zeros_like(cuboid.points), ahead, cut=True)
+    after, seen = cut.after, np.unique(cut.after.faces)
+    assert np.max(after.values[seen]) == pytest.approx(0.2)  # noqa: PD011 - no pandas here
+    assert after.points[seen, 1].min() == pytest.approx(0.0, abs=1e-9)
+    indenter = Indenter(kind, 0.5 * MM)
+    row = StrainRow("I1", "indentation", 0.1, None, {"ideal": cut}, indenter=indenter, tip_mm=1.8)
+    (ax,) = strain_figure([row], "matplotlib").axes
+    (drawn,) = ax.patches
+    box = drawn.get_window_extent().transformed(ax.transData.inverted())
+    assert (box.x0, box.x1) == pytest.approx((-0.5, 0.5), abs=0.01)
+    assert box.y0 == pytest.approx(1.8, abs=0.01)
 
 
 def test_strain_of_a_mixed_study_leaves_unknown_panels_blank(ball, cuboid):
     known = strained(cuboid)
     shapes = {"real": known.shapes["ideal"], **known.shapes}
     known = replace(known, sample="S1", surface=level_surface(*ball), shapes=shapes, source="STL")
-    figure = strain_figure([known, strained(cuboid)], "title", "matplotlib")
+    figure = strain_figure([known, strained(cuboid)], "matplotlib")
     assert len(figure.axes) == 6
     titles = [ax.get_title(loc="left") for ax in figure.axes if ax.axison]
-    assert titles[0] == "(a) Tension, S1: STL"
-    assert titles[3:] == ["(d) Tension, D1: nominal strain 0.30"]
+    assert titles[0] == r"$\mathbf{a}$  Tension, S1: STL"
+    assert titles[3:] == [r"$\mathbf{d}$  Tension, D1: nominal strain 0.30"]
 
 
 def test_without_rendering_libraries_matplotlib_draws_and_says_what_to_install(monkeypatch, caplog):
@@ -395,7 +431,7 @@ def test_a_figure_is_written_with_the_same_bytes_every_time(tmp_path, kind):
     groups = [group("C1", "compression", "C1")]
     table = moduli(("C1", "compression"), two_terms=False)
     for name in ("a", "b"):
-        save(moduli_figure(groups, table, "title"), tmp_path / f"{name}.{kind}")
+        save(moduli_figure(groups, table), tmp_path / f"{name}.{kind}")
     first, second = ((tmp_path / f"{name}.{kind}").read_bytes() for name in ("a", "b"))
     assert first == second
     assert len(first) > 1000
@@ -410,14 +446,14 @@ def test_a_surface_without_limits_spans_its_own_values():
     assert ends == ["#440154", "#fde725"]
 
 
-def held_samples(cuboid):
-    modes = ("shear", "tension", "compression")
+def held_samples(cuboid, *modes):
+    modes = modes or ("shear", "tension", "compression")
     top = cuboid.glued(0.0)
     return [HeldSample(name[0].upper(), name, "ideal", cuboid, top) for name in modes]
 
 
 def test_boundary_conditions_show_what_is_fixed_glued_and_pressed(cuboid):
-    figure = boundary_figure(held_samples(cuboid), "held", "matplotlib")
+    figure = boundary_figure(held_samples(cuboid), "matplotlib")
     dots = [[to_hex(c.get_facecolor()[0]) for c in ax.collections[1:]] for ax in figure.axes]
     assert dots == [[to_hex(BASE), to_hex(GLUED)], [to_hex(BASE), to_hex(GLUED)], [to_hex(BASE)]]
     assert [len(ax.patches) for ax in figure.axes] == [0, 0, 1]  # the platen
@@ -427,28 +463,44 @@ def test_boundary_conditions_show_what_is_fixed_glued_and_pressed(cuboid):
     assert moves[1] > 0.0 > moves[2]
 
 
+@pytest.mark.parametrize("kind", ["sphere", "flat"])
+def test_an_indenter_stands_on_the_top(cuboid, kind):
+    (held,) = held_samples(cuboid, "indentation")
+    indenter = Indenter(kind, 0.5 * MM)
+    (ax,) = boundary_figure([replace(held, indenter=indenter)], "matplotlib").axes
+    (outline,) = ax.patches
+    corners = outline.get_xy()
+    assert np.ptp(corners[:, 0]) == pytest.approx(1.0, rel=0.01)
+    lowest = OBLIQUE.project(np.array([[0.0, 0.0, 2.0]]))[0, 1]
+    if kind == "sphere":  # its shadow is a circle, of its radius about its centre
+        middle = OBLIQUE.project(np.array([[0.0, 0.0, 2.5]]))[0, 1]
+        assert corners[:, 1].min() == pytest.approx(middle - 0.5, rel=0.01)
+    else:
+        assert corners[:, 1].min() < lowest < corners[:, 1].max()
+
+
 def test_boundary_conditions_of_a_mixed_study_leave_unknown_geometries_blank(cuboid):
     tension, pressed = (
         HeldSample(mode, mode, "ideal", cuboid, cuboid.glued(0.0))
         for mode in ("tension", "compression")
     )
     held = [replace(tension, geometry="real"), tension, pressed]
-    figure = boundary_figure(held, "held", "matplotlib")
+    figure = boundary_figure(held, "matplotlib")
     titles = [ax.get_title(loc="left") for ax in figure.axes]
     assert titles == [
-        "(a) Tension, tension, real", "",
-        "(b) Tension, tension, idealised",
-        "(c) Compression, compression, idealised",
+        r"$\mathbf{a}$  Tension, tension, real", "",
+        r"$\mathbf{b}$  Tension, tension, idealised",
+        r"$\mathbf{c}$  Compression, compression, idealised",
     ]  # fmt: skip
     assert [len(ax.patches) for ax in figure.axes] == [0, 0, 0, 1]
 
 
 def test_contact_areas_have_a_line_for_each_geometry():
     curve = pd.DataFrame({"strain": [0.0, 0.3], "share_percent": [0.0, 90.0]})
-    figure = contact_figure({("C1", "real"): curve, ("C1", "ideal"): curve}, "contact")
+    figure = contact_figure({("C1", "real"): curve, ("C1", "ideal"): curve})
     (ax,) = figure.axes
     assert [line.get_linestyle() for line in ax.lines] == ["-", "--"]
-    (alone,) = contact_figure({("C1", "ideal"): curve}, "contact", "cylinder").axes
+    (alone,) = contact_figure({("C1", "ideal"): curve}, "cylinder").axes
     assert [t.get_text() for t in alone.get_legend().get_texts()] == ["C1", "idealised cylinder"]
     assert "[–]" in ax.get_xlabel()
     assert "[%]" in ax.get_ylabel()
@@ -461,7 +513,7 @@ def test_effects_have_a_point_for_each_experiment_and_a_line_at_the_papers_mean(
         for sample, bias in (("real", -6.0), ("levelled", -2.0))
     ]  # fmt: skip
     needed = pd.DataFrame({"terms": [2], "mode": ["shear"], "paper_percent": [-10.0]})
-    (ax,) = effects_figure(pd.DataFrame(rows), needed, "effects").axes
+    (ax,) = effects_figure(pd.DataFrame(rows), needed).axes
     points = [line.get_xdata()[0] for line in ax.lines if line.get_marker() in ("s", "o")]
     assert points == [-6.0, -2.0]
     assert [text.get_text() for text in ax.get_yticklabels()] == [
@@ -469,7 +521,7 @@ def test_effects_have_a_point_for_each_experiment_and_a_line_at_the_papers_mean(
     ]  # fmt: skip
     lines = [line.get_xdata()[0] for line in ax.lines if line.get_linestyle() in (":", "--")]
     assert lines == [-6.0, -10.0]
-    (alone,) = effects_figure(pd.DataFrame(rows), needed.iloc[:0], "own study").axes
+    (alone,) = effects_figure(pd.DataFrame(rows), needed.iloc[:0]).axes
     assert not [line for line in alone.lines if line.get_linestyle() == ":"]
 
 
@@ -481,7 +533,7 @@ def test_curves_that_part_are_marked():
     )
     marks = [
         [line.get_xydata().tolist() for line in ax.lines if line.get_marker() == "o"]
-        for ax in prescribed_figure(curves, table, "prescribed").axes
+        for ax in prescribed_figure(curves, table).axes
     ]
     assert marks == [[[[0.15, 0.5]]], []]
 
@@ -495,7 +547,7 @@ def test_profiles_have_a_panel_a_parameter_and_a_line_a_group():
         for group in ("S1", "TC1")
         for name in ("mu", "mu1", "mu2", "alpha1", "alpha2")
     ]
-    figure = profile_figure(pd.concat(rows), 2.7, {"alpha1": -8.0}, "Profiles")
+    figure = profile_figure(pd.concat(rows), 2.7, {"alpha1": -8.0})
     assert [x for x, _ in labels(figure)] == ["μ₁ [Pa]", "μ₂ [Pa]", "α₁ [–]", "α₂ [–]"]
     for ax, lines in zip(figure.axes, (3, 3, 4, 3), strict=True):
         assert len(ax.lines) == lines  # two groups, the level, the study's value where known
@@ -522,7 +574,7 @@ def test_moduli_of_profiles_have_ticks_that_can_be_read(width):
         pd.DataFrame({"group": "S1", "parameter": name, "value": value, "deviance": 1.0})
         for name in ("mu1", "mu2", "alpha1", "alpha2")
     ]
-    figure = profile_figure(pd.concat(rows), 2.7, {}, "Profiles")
+    figure = profile_figure(pd.concat(rows), 2.7, {})
     shown = [label for label in figure.axes[0].get_xticklabels(which="both") if label.get_text()]
     low, high = figure.axes[0].get_xlim()
     assert sum(low <= label.get_position()[0] <= high for label in shown) >= 2
@@ -537,7 +589,7 @@ def test_titles_of_effects_stand_beside_each_other():
         for sample, model in NAMES
     ]  # fmt: skip
     needed = pd.DataFrame(columns=["terms", "mode", "paper_percent"])
-    figure = effects_figure(pd.DataFrame(rows), needed, "effects")
+    figure = effects_figure(pd.DataFrame(rows), needed)
     titles = [t for t in figure.findobj(Text) if t.get_text().endswith("-term model")]
     assert len(titles) == 3
     assert overlapping(figure, titles) == []

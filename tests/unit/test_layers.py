@@ -49,7 +49,7 @@ ALLOWED = {
     "report": {"errors", "response"},
     "blindlab": {"loop", "phantom", "protocol", "records", "response"} | MECHANICS,
     "export": {"errors", "meshing", "constitutive", "fem", "io"},
-    "figures": {"loop", "meshing", "protocol", "report"},
+    "figures": {"loop", "meshing", "protocol", "report", "shapes"},
     "study": {
         "errors", "formats", "holdout", "images", "imaging", "io", "meshing", "plausibility",
         "protocol", "records", "shapes", "validation",

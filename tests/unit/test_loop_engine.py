@@ -22,6 +22,7 @@ from softsample.loop.errors import (
     log_density,
 )
 from softsample.loop.fit import Problem
+from softsample.loop.limits import _highest
 from softsample.loop.model import Material, Model, Packing, State
 from softsample.loop.noise import (
     FORM,
@@ -695,6 +696,15 @@ def test_detection_limits_stand_by_what_was_seen(found):
     assert limits["force_offset"]["unit"] == "mN"
     assert 0.3 < limits["force_offset"]["value"] < 4.0
     assert "gain" not in limits
+
+
+def test_a_limit_takes_no_more_than_the_whole():
+    """Three relaxation terms that each took nine tenths would leave a force of the other sign."""
+    relaxation = library()["viscoelastic_relaxation"]
+    together = _highest(relaxation) * sum(p.nominal for p in relaxation.sizes)
+    assert together == pytest.approx(relaxation.sizes[0].high)
+    zeros = library()["displacement_zero"]  # one of each mode, each with a range of its own
+    assert _highest(zeros) * zeros.sizes[0].nominal == pytest.approx(zeros.sizes[0].high)
 
 
 def test_stretches_are_runs_of_the_wanted_mean_length():

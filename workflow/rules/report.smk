@@ -250,7 +250,7 @@ rule figure3:
         "<logs>/figure3.log",
     params:
         samples={"real": REAL_EXAMPLES, "ideal": list(EXAMPLES.values())},
-        modes={name: mode for mode, name in EXAMPLES.items()},
+        rows={name: SAMPLES[name] for name in EXAMPLES.values()},
         cohort=COHORT,
     message:
         "Figure 3: boundary conditions"
@@ -374,7 +374,7 @@ rule figure7:
         "<logs>/figure7.log",
     params:
         samples=list(EXAMPLES.values()),
-        modes=list(EXAMPLES),
+        rows=[SAMPLES[sample] for sample in EXAMPLES.values()],
         real=REAL_EXAMPLES,
         imaged=PLAN.imaged,
         cohort=COHORT,
@@ -469,7 +469,7 @@ use rule figure7 as figure_strain with:
         "<logs>/figure_strain/{sample}.log",
     params:
         samples=lambda wildcards: [wildcards.sample],
-        modes=lambda wildcards: [SAMPLES[wildcards.sample]["mode"]],
+        rows=lambda wildcards: [SAMPLES[wildcards.sample]],
         real=listed(of_real("{sample}")),
         imaged=PLAN.imaged,
         cohort=COHORT,

@@ -11,7 +11,7 @@ with logged_to(snakemake):
     pairs = zip(map(read_table, files.contacts), map(read_json, files.cuboids), strict=True)
     shares = {tuple(run): contact_share(*pair) for run, pair in zip(given.runs, pairs, strict=True)}
     write_table(snakemake.output.table, contact_table(shares))
-    figure = contact_figure(shares, f"Contact with the platen, {given.cohort}", given.ideal)
+    figure = contact_figure(shares, given.ideal)
     for path in (snakemake.output.png, snakemake.output.pdf):
         with written_aside(path) as aside:
             save(figure, aside)

@@ -20,7 +20,6 @@ with logged_to(snakemake):
     figure = geometry_figure(
         image,
         *((mesh_surface(mesh), len(mesh.hexes)) for mesh in meshes),
-        title=f"From the image to the meshes, sample {shown.sample}, {shown.cohort}",
         renderer=available_renderer(),
     )
     for path in snakemake.output:

@@ -6,6 +6,8 @@ from softsample.figures.boundary import HeldSample, boundary_figure
 from softsample.figures.render import available_renderer
 from softsample.figures.style import save
 from softsample.io import read_mesh_with_data, written_aside
+from softsample.shapes import Indenter
+from softsample.validation import resolved
 from softsample.workflow import logged_to
 
 with logged_to(snakemake):
@@ -13,11 +15,17 @@ with logged_to(snakemake):
     for geometry, samples in shown.samples.items():
         meshes = zip(samples, map(read_mesh_with_data, snakemake.input[geometry]), strict=True)
         rows += [
-            HeldSample(sample, shown.modes[sample], geometry, mesh, np.flatnonzero(points["glued"]))
+            HeldSample(
+                sample,
+                shown.rows[sample]["mode"],
+                geometry,
+                mesh,
+                np.flatnonzero(points["glued"]),
+                Indenter.of_row(resolved(shown.rows[sample])),
+            )
             for sample, (mesh, points, _) in meshes
         ]
-    title = f"Boundary conditions and loading, {shown.cohort}"
-    figure = boundary_figure(rows, title, available_renderer())
+    figure = boundary_figure(rows, available_renderer())
     for path in snakemake.output:
         with written_aside(path) as aside:
             save(figure, aside)

@@ -5,6 +5,8 @@ from softsample.figures.strain import Deformed, StrainRow, strain_figure
 from softsample.figures.style import save
 from softsample.figures.surface import level_surface
 from softsample.io import read_distance, read_json, read_mesh_with_data, written_aside
+from softsample.shapes import Indenter
+from softsample.validation import resolved
 from softsample.workflow import logged_to
 
 with logged_to(snakemake):
@@ -15,26 +17,29 @@ with logged_to(snakemake):
         "real": dict(zip(shown.real, given.real, strict=True)),
         "ideal": dict(zip(shown.samples, given.ideal, strict=True)),
     }
-    for at, (sample, mode) in enumerate(zip(shown.samples, shown.modes, strict=True)):
+    for at, (sample, row) in enumerate(zip(shown.samples, shown.rows, strict=True)):
+        indenter = Indenter.of_row(resolved(row))
         shapes = {}
         for geometry, files in meshes.items():
             if sample in files:
                 mesh, points, cells = read_mesh_with_data(files[sample])
                 run = points["displacement_mm"], cells["max_principal_hencky_strain"]
-                shapes[geometry] = Deformed.of_run(mesh, *run)
+                shapes[geometry] = Deformed.of_run(mesh, *run, cut=indenter is not None)
         travel = read_json(given.runs[at])["travel_mm"]
+        height = read_json(given.cuboids[at])["height_mm"]
         rows.append(
             StrainRow(
                 sample,
-                mode,
-                travel / read_json(given.cuboids[at])["height_mm"],
+                row["mode"],
+                travel / height,
                 level_surface(*read_distance(*surfaces[sample])) if sample in surfaces else None,
                 shapes,
-                "MRI" if sample in shown.imaged else "surface",
+                "segmented surface" if sample in shown.imaged else "surface",
+                indenter,
+                height - travel,
             )
         )
-    title = f"Deformed samples at the calibrated moduli, {shown.cohort}"
-    figure = strain_figure(rows, title, available_renderer())
+    figure = strain_figure(rows, available_renderer())
     for path in snakemake.output:
         with written_aside(path) as aside:
             save(figure, aside)

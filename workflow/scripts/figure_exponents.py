@@ -12,7 +12,6 @@ with logged_to(snakemake):
         read_table(snakemake.input.profiles),
         level=normal_quantile(given.confidence) ** 2,
         study={"alpha1": given.alpha[0], "alpha2": given.alpha[1]},
-        title=f"Profile likelihood with free exponents, {given.cohort}",
     )
     for path in snakemake.output:
         with written_aside(path) as aside:

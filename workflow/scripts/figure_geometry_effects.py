@@ -7,8 +7,7 @@ from softsample.workflow import logged_to
 
 with logged_to(snakemake):
     tables = (read_table(path) for path in (snakemake.input.effects, snakemake.input.needed))
-    title = f"Bias of the modulus with sample or cuboid changed, {snakemake.params.cohort}"
-    figure = effects_figure(*tables, title)
+    figure = effects_figure(*tables)
     for path in snakemake.output:
         with written_aside(path) as aside:
             save(figure, aside)

@@ -19,7 +19,7 @@ with logged_to(snakemake):
         curves = {name: read_table(curve) for name, (curve, _) in there.items()}
         trusted = all(read_json(fit)["success"] for _, fit in there.values())
         groups.append(GroupCurves(row.group, row.mode, curves, trusted))
-    figure = moduli_figure(groups, moduli, shown.title, shown.ideal)
+    figure = moduli_figure(groups, moduli, shown.ideal)
     for path in snakemake.output:
         with written_aside(path) as aside:
             save(figure, aside)

@@ -9,8 +9,7 @@ with logged_to(snakemake):
     given, shown = snakemake.input, snakemake.params
     keys = zip(shown.samples, shown.geometries, strict=True)
     curves = dict(zip(keys, map(read_table, given.curves), strict=True))
-    title = f"Compression by contact and by prescribed displacements of the top, {shown.cohort}"
-    figure = prescribed_figure(curves, read_table(given.table), title)
+    figure = prescribed_figure(curves, read_table(given.table))
     for path in snakemake.output:
         with written_aside(path) as aside:
             save(figure, aside)

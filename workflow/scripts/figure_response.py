@@ -1,7 +1,7 @@
 """Record and calibrated model of one sample (rule `figure_response`)."""
 
 from softsample.figures.response import response_figure
-from softsample.figures.style import save, spoken
+from softsample.figures.style import save
 from softsample.io import read_table, written_aside
 from softsample.workflow import logged_to
 
@@ -12,7 +12,6 @@ with logged_to(snakemake):
         geometry: table[table["sample"] == sample]
         for geometry, table in zip(shown.geometries, tables, strict=True)
     }
-    title = f"Sample {sample}, {spoken(shown.mode)}, {shown.cohort}"
-    figure = response_figure(curves, shown.mode, title, shown.ideal)
+    figure = response_figure(curves, shown.mode, shown.ideal)
     with written_aside(snakemake.output.png) as aside:
         save(figure, aside)

@@ -30,7 +30,6 @@ with logged_to(snakemake):
         sigma,
         mesh,
         cell_data["scaled_jacobian"],
-        title=f"Sample {snakemake.wildcards.sample}, film taken off {report['film_mm']:.3f} mm",
         renderer=available_renderer(),
     )
     with written_aside(snakemake.output.png) as aside:

@@ -11,6 +11,7 @@ from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 from matplotlib.patches import Patch, Polygon
 from numpy.typing import NDArray
+from scipy.spatial import ConvexHull
 
 from softsample.figures.render import Look, Renderer, draw_surface
 from softsample.figures.style import (
@@ -24,6 +25,7 @@ from softsample.figures.style import (
 from softsample.figures.surface import OBLIQUE, mesh_surface
 from softsample.meshing.mesh import HexMesh, face_vectors
 from softsample.protocol import DIRECTIONS, PRESSED_MODES
+from softsample.shapes import MM, Indenter
 
 Array = NDArray[np.float64]
 
@@ -45,6 +47,8 @@ class HeldSample:
         Points [m].
     glued : (n,) int64
         Nodes that the moving platen is glued to; not used where it presses.
+    indenter : Indenter, optional
+        What comes down in place of a platen.
     """
 
     sample: str
@@ -52,10 +56,11 @@ class HeldSample:
     geometry: str
     mesh: HexMesh
     glued: NDArray[np.int64]
+    indenter: Indenter | None = None
 
 
 @styled
-def boundary_figure(samples: Sequence[HeldSample], title: str, renderer: Renderer) -> Figure:
+def boundary_figure(samples: Sequence[HeldSample], renderer: Renderer) -> Figure:
     """Meshes with the nodes that are fixed and those that the platen moves.
 
     Parameters
@@ -63,8 +68,6 @@ def boundary_figure(samples: Sequence[HeldSample], title: str, renderer: Rendere
     samples
         One a geometry, which is a row, and loading, a column; a pair that is not there is left
         blank.
-    title
-        Title of the figure.
     renderer
         `vtk` or `matplotlib`.
     """
@@ -73,8 +76,9 @@ def boundary_figure(samples: Sequence[HeldSample], title: str, renderer: Rendere
     modes = [name for name in MODE_COLOURS if name in {mode for _, mode in there}]
     figure = page_figure(height_mm=16.0 + 48.0 * len(rows))
     axes = figure.subplots(len(rows), len(modes), squeeze=False)
-    corners = np.concatenate([held.mesh.points for held in samples]) / 1e-3
-    page = OBLIQUE.project(corners)
+    shown = [held.mesh.points / MM for held in samples]
+    shown += [_outline(held.indenter, held.mesh) for held in samples if held.indenter]
+    page = OBLIQUE.project(np.concatenate(shown))
     low, high = page.min(axis=0) - 2.0 * PLATEN_MARGIN_MM, page.max(axis=0) + 2.0 * PLATEN_MARGIN_MM
     letters = iter(ascii_lowercase)
     for ax, place in zip(axes.flat, product(rows, modes), strict=True):
@@ -86,7 +90,6 @@ def boundary_figure(samples: Sequence[HeldSample], title: str, renderer: Rendere
             label_panel(ax, next(letters), head)
             _draw(ax, held, renderer)
     figure.legend(handles=_keys(), loc="outside lower center", ncols=4)
-    figure.suptitle(title)
     return figure
 
 
@@ -97,10 +100,11 @@ def _draw(ax: Axes, held: HeldSample, renderer: Renderer) -> None:
     _dots(ax, mesh.points[np.intersect1d(seen, mesh.bottom)], BASE)
     if held.mode not in PRESSED_MODES:
         _dots(ax, mesh.points[np.intersect1d(seen, held.glued)], GLUED)
-    elif held.mode != "indentation":  # where the arrow stands for the indenter
-        _draw_platen(ax, mesh)
+    else:
+        _draw_rigid(ax, _platen(mesh) if held.indenter is None else _outline(held.indenter, mesh))
     direction = np.array(DIRECTIONS[held.mode])
-    middle = np.array([0.0, 0.0, mesh.highest / 1e-3 + LIFT_MM])
+    lift = LIFT_MM if held.indenter is None else 2.0 * held.indenter.radius / MM
+    middle = np.array([0.0, 0.0, mesh.highest / MM + lift])
     back = 0.5 * direction[0] + max(-direction[2], 0.0)  # the tip, middle or tail over the sample
     start = middle - back * ARROW_MM * direction
     tail, tip = OBLIQUE.project(np.array([start, start + ARROW_MM * direction]))
@@ -116,18 +120,33 @@ def _seen_nodes(mesh: HexMesh) -> NDArray[np.int64]:
 
 
 def _dots(ax: Axes, points: Array, colour: str) -> None:
-    page = OBLIQUE.project(points / 1e-3)
+    page = OBLIQUE.project(points / MM)
     ax.scatter(page[:, 0], page[:, 1], s=1.2, color=colour, lw=0, zorder=4, rasterized=True)
 
 
-def _draw_platen(ax: Axes, mesh: HexMesh) -> None:
-    """The rigid platen at the start, at the highest point."""
-    points = mesh.points / 1e-3
+def _draw_rigid(ax: Axes, points: Array) -> None:
+    """What presses on a sample: the outline of points (n, 3) [mm] on the page."""
+    page = OBLIQUE.project(points)
+    outline = page[ConvexHull(page).vertices]
+    ax.add_patch(Polygon(outline, facecolor="0.5", alpha=0.35, edgecolor="0.3", lw=0.6, zorder=5))
+
+
+def _platen(mesh: HexMesh) -> Array:
+    """Corners of the rigid platen at the start, at the highest point."""
+    points = mesh.points / MM
     low, high = points.min(axis=0) - PLATEN_MARGIN_MM, points.max(axis=0) + PLATEN_MARGIN_MM
-    top = mesh.highest / 1e-3
-    corners = [(low[0], low[1]), (high[0], low[1]), (high[0], high[1]), (low[0], high[1])]
-    page = OBLIQUE.project(np.array([(x, y, top) for x, y in corners]))
-    ax.add_patch(Polygon(page, facecolor="0.5", alpha=0.35, edgecolor="0.3", lw=0.6, zorder=5))
+    return np.array(
+        [(x, y, mesh.highest / MM) for x in (low[0], high[0]) for y in (low[1], high[1])]
+    )
+
+
+def _outline(indenter: Indenter, mesh: HexMesh) -> Array:
+    """Points on the surface of an indenter at the start, as high as it is wide."""
+    around, up = np.meshgrid(np.linspace(0.0, 2.0 * np.pi, 60), np.linspace(-1.0, 1.0, 41))
+    across = np.sqrt(1.0 - up**2) if indenter.kind == "sphere" else np.ones_like(up)
+    unit = np.stack([across * np.cos(around), across * np.sin(around), 1.0 + up], axis=-1)
+    at_start = unit.reshape(-1, 3) * indenter.radius / MM
+    return np.asarray(at_start + np.array([0.0, 0.0, mesh.highest / MM]))
 
 
 def _keys() -> list[Line2D | Patch]:
@@ -136,6 +155,6 @@ def _keys() -> list[Line2D | Patch]:
     return [
         Line2D([], [], color=BASE, label="base", **dots),  # type: ignore[arg-type]
         Line2D([], [], color=GLUED, label="bonded, moves with the platen", **dots),  # type: ignore[arg-type]
-        Patch(facecolor="0.5", alpha=0.35, edgecolor="0.3", label="rigid platen"),
+        Patch(facecolor="0.5", alpha=0.35, edgecolor="0.3", label="rigid platen or indenter"),
         Line2D([], [], color="black", marker=">", ms=3.5, label="travel"),
     ]

@@ -11,17 +11,13 @@ from softsample.figures.style import colours, page_figure, styled
 
 
 @styled
-def contact_figure(
-    shares: Mapping[tuple[str, str], pd.DataFrame], title: str, ideal: str = "cuboid"
-) -> Figure:
+def contact_figure(shares: Mapping[tuple[str, str], pd.DataFrame], ideal: str = "cuboid") -> Figure:
     """Contact area against nominal strain, one colour a sample.
 
     Parameters
     ----------
     shares
         `softsample.report.contact.contact_share` by sample and geometry.
-    title
-        Title of the figure.
     ideal
         What samples are idealised as.
     """
@@ -40,5 +36,4 @@ def contact_figure(
         for name, label in geometry_names(ideal, {geometry for _, geometry in shares}).items()
     ]
     ax.legend(handles=handles, loc="lower right", ncols=2)
-    ax.set_title(title, loc="left")
     return figure

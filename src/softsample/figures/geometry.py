@@ -88,7 +88,6 @@ def geometry_figure(
     image: SegmentedImage,
     real: tuple[Surface, int],
     ideal: tuple[Surface, int],
-    title: str,
     renderer: Renderer = "vtk",
 ) -> Figure:
     """Slices with the segmented contour, the surface, and both meshes.
@@ -99,8 +98,6 @@ def geometry_figure(
         Image and segmentation of one sample.
     real, ideal
         Boundary of the mesh and its number of elements.
-    title
-        Title of the figure.
     renderer
         `vtk` or `matplotlib`.
     """
@@ -124,7 +121,6 @@ def geometry_figure(
         ax.set_axis_off()
         label_panel(ax, letter, name)
         scale_bar(ax, 10.0)
-    figure.suptitle(title)
     return figure
 
 

@@ -17,7 +17,7 @@ GEOMETRY_NAMES = {"real": "Real geometry", "ideal": "Idealised cuboid"}
 
 
 @styled
-def effects_figure(effects: pd.DataFrame, needed: pd.DataFrame, title: str) -> Figure:
+def effects_figure(effects: pd.DataFrame, needed: pd.DataFrame) -> Figure:
     """Bias of every experiment, mean and standard deviation over groups, a panel a loading.
 
     Parameters
@@ -25,8 +25,6 @@ def effects_figure(effects: pd.DataFrame, needed: pd.DataFrame, title: str) -> F
     effects, needed
         `softsample.report.geometry_effects.effects_table` and `needed_table`; the latter has the
         paper's means, if there are any.
-    title
-        Title of the figure.
     """
     panels = by_loading(effects)
     pairs = list(
@@ -48,7 +46,6 @@ def effects_figure(effects: pd.DataFrame, needed: pd.DataFrame, title: str) -> F
     if paper:
         handles.append(Line2D([], [], color="black", lw=0.9, ls=":", label="mean of the paper"))
     figure.legend(handles=handles, loc="outside lower right", ncols=2)
-    figure.suptitle(title)
     return figure
 
 
@@ -72,7 +69,7 @@ def _draw_biases(ax: Axes, part: pd.DataFrame, pairs: list[tuple[str, str]], col
 
 @styled
 def prescribed_figure(
-    curves: Mapping[tuple[str, str], pd.DataFrame], table: pd.DataFrame, title: str
+    curves: Mapping[tuple[str, str], pd.DataFrame], table: pd.DataFrame
 ) -> Figure:
     """Force by contact and by prescribed displacements against nominal strain, a panel a geometry.
 
@@ -82,8 +79,6 @@ def prescribed_figure(
         By sample and geometry: `strain`, `contact_N`, `prescribed_N`.
     table
         `softsample.report.prescribed.prescribed_table`; circles mark where curves part by 5 %.
-    title
-        Title of the figure.
     """
     figure = page_figure(height_mm=85.0)
     geometries = list(dict.fromkeys(geometry for _, geometry in curves))
@@ -111,5 +106,4 @@ def prescribed_figure(
         Line2D([], [], ls="", marker="o", mfc="white", mec="0.3", ms=4, label="apart by 5 %"),
     ]
     axes[0].legend(handles=handles, loc="upper left", ncols=2)
-    figure.suptitle(title)
     return figure

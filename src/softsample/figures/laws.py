@@ -1,6 +1,7 @@
 """Records and the laws that predict them best."""
 
 from collections.abc import Mapping, Sequence
+from string import ascii_lowercase
 
 import pandas as pd
 from matplotlib.figure import Figure
@@ -26,7 +27,8 @@ def laws_figure(
     titles
         Of the laws, in words.
     """
-    figure = page_figure(height_mm=52.0 * len(curves))
+    figure = page_figure(height_mm=60.0 * len(curves))
+    letters = iter(ascii_lowercase)
     panels = figure.subplots(len(curves), 2, squeeze=False)
     for (group, table), (force, left_over) in zip(curves.items(), panels, strict=True):
         samples = list(dict.fromkeys(table["sample"]))
@@ -45,9 +47,9 @@ def laws_figure(
         for ax in (force, left_over):
             ax.axhline(0.0, color="0.75", lw=0.5, zorder=0)
             ax.set_xlabel("Displacement of the platen [mm]")
-            ax.legend(loc="best")
+            ax.legend(loc="upper center", bbox_to_anchor=(0.5, -0.28), ncols=3)
         force.set_ylabel("Force [N]")
         left_over.set_ylabel("Measured less law [% of peak]")
-        label_panel(force, "a", f"{group}: records and laws")
-        label_panel(left_over, "b", "What is left over")
+        label_panel(force, next(letters, ""), f"{group}: records and laws")
+        label_panel(left_over, next(letters, ""), "What is left over")
     return figure

@@ -14,6 +14,7 @@ from matplotlib.lines import Line2D
 from matplotlib.patches import Patch
 
 from softsample.figures.style import (
+    axis_labels,
     colours,
     darkened,
     label_panel,
@@ -32,6 +33,9 @@ FEWEST = 10
 LINES = {"real": "-", "ideal": (0, (3.5, 1.8))}
 WIDTHS = {"real": 1.5, "ideal": 0.9}
 BAR = 0.38
+
+HEADROOM = 1.15
+"""Top of an axis of moduli over the tallest bar, so that the difference fits above it."""
 
 
 @dataclass(frozen=True)
@@ -64,7 +68,7 @@ def geometry_names(ideal: str, there: Iterable[str] = tuple(LINES)) -> dict[str,
 
 @styled
 def moduli_figure(
-    groups: Sequence[GroupCurves], moduli: pd.DataFrame, title: str, ideal: str = "cuboid"
+    groups: Sequence[GroupCurves], moduli: pd.DataFrame, ideal: str = "cuboid"
 ) -> Figure:
     """Force-displacement curves (left) and moduli (right), one row a kind of loading.
 
@@ -75,8 +79,6 @@ def moduli_figure(
     moduli
         `softsample.report.tables.moduli_table`; with `mu1_real_pa` and so on the bars are
         stacked, without them they show mu alone. The paper's moduli are marked if there are any.
-    title
-        Title of the figure.
     ideal
         What samples are idealised as.
     """
@@ -89,6 +91,8 @@ def moduli_figure(
         palette = dict(zip([g.label for g in members], colours(len(members)), strict=True))
         label_panel(left, ascii_lowercase[next(letters)], f"{spoken(loading).capitalize()}: force")
         draw_curves(left, members, palette)
+        travel, force = axis_labels(loading)
+        left.set(xlabel=travel, ylabel=force)
         label_panel(
             right,
             ascii_lowercase[next(letters)],
@@ -102,7 +106,6 @@ def moduli_figure(
         label = "* on a bound, or not converged: see the caption"
         handles.append(Line2D([], [], ls="", label=label))
     figure.legend(handles=handles, loc="outside lower center", ncols=3, handlelength=2.4)
-    figure.suptitle(title)
     return figure
 
 
@@ -123,7 +126,6 @@ def draw_curves(ax: Axes, groups: Sequence[GroupCurves], palette: dict[str, str]
                 ax.plot(curve["displacement_mm"], curve["model_N"], ls=LINES[geometry], **line)
     ax.axhline(0.0, color="0.75", lw=0.5, zorder=0)
     ax.axvline(0.0, color="0.75", lw=0.5, zorder=0)
-    ax.set(xlabel="Displacement of the platen [mm]", ylabel="Force [N]")
     handles = [Line2D([], [], color=colour, lw=3, label=label) for label, colour in palette.items()]
     ax.legend(handles=handles, loc="best", handlelength=1.0)
 
@@ -145,6 +147,8 @@ def draw_moduli(
     """
     two_terms = "mu1_real_pa" in moduli
     sides = {"real": -0.5, "ideal": 0.5} if moduli["mu_real_pa"].notna().any() else {"ideal": 0.0}
+    marks = [f"{whose}mu_{geometry}_pa" for whose in ("", "paper_") for geometry in LINES]
+    tops = 1e-3 * moduli[marks].max(axis=1)
     for at, row in enumerate(moduli.to_dict("records")):
         colour = palette[row["group"]]
         for geometry, side in sides.items():
@@ -158,17 +162,22 @@ def draw_moduli(
             paper = 1e-3 * row[f"paper_mu_{geometry}_pa"]
             if np.isfinite(paper):
                 ax.plot(x, paper, "D", ms=3.4, mfc="white", mec="black", mew=0.8, zorder=4)
-        tallest = 1e-3 * np.nanmax([row[f"{p}mu_{g}_pa"] for p in ("", "paper_") for g in LINES])
         known = np.isfinite(row["difference_percent"])
         text = f"{row['difference_percent']:+.1f} %".replace("-", "−") if known else "–"
         text += " *" if row["group"] in doubtful else ""
         ax.annotate(
-            text, (at, tallest), xytext=(0, 4), textcoords="offset points", ha="center", size=7
+            text,
+            (at, tops.iloc[at]),
+            xytext=(0, 4),
+            textcoords="offset points",
+            ha="center",
+            size=7,
         )
     ax.set_xticks(range(len(moduli)), moduli["group"])
     ax.set_xlim(-0.7, len(moduli) - 0.3)
     ax.set(ylabel="Shear modulus [kPa]", xlabel="Group" if two_terms else "Sample")
-    ax.margins(y=0.12)
+    if tops.max() > 0.0:
+        ax.set_ylim(0.0, HEADROOM * tops.max())
 
 
 def _keys_of_curves(names: dict[str, str]) -> list[Line2D]:

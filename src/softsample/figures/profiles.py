@@ -13,9 +13,7 @@ AXES = {"mu1": "μ₁ [Pa]", "mu2": "μ₂ [Pa]", "alpha1": "α₁ [–]", "alph
 
 
 @styled
-def profile_figure(
-    profiles: pd.DataFrame, level: float, study: Mapping[str, float], title: str
-) -> Figure:
+def profile_figure(profiles: pd.DataFrame, level: float, study: Mapping[str, float]) -> Figure:
     """A panel for each parameter, a line for each group.
 
     Parameters
@@ -26,8 +24,6 @@ def profile_figure(
         Deviance at the ends of an interval, drawn as a line; panels end at four times of it.
     study
         Values of parameters in the study, drawn as lines.
-    title
-        Of the figure.
     """
     figure = page_figure(height_mm=130.0)
     panels = figure.subplots(2, 2, sharey=True)
@@ -48,7 +44,6 @@ def profile_figure(
     for ax in panels[:, 0]:
         ax.set_ylabel("Deviance, 2 n ln(A / A$_{min}$) [–]")
     figure.legend(*panels.flat[0].get_legend_handles_labels(), loc="outside right center")
-    figure.suptitle(title, x=0.01, ha="left")
     return figure
 
 

@@ -6,13 +6,18 @@ import pandas as pd
 from matplotlib.figure import Figure
 
 from softsample.figures.moduli import LINES, WIDTHS, geometry_names
-from softsample.figures.style import MODE_COLOURS, darkened, label_panel, page_figure, styled
+from softsample.figures.style import (
+    MODE_COLOURS,
+    axis_labels,
+    darkened,
+    label_panel,
+    page_figure,
+    styled,
+)
 
 
 @styled
-def response_figure(
-    curves: Mapping[str, pd.DataFrame], mode: str, title: str, ideal: str = "cuboid"
-) -> Figure:
+def response_figure(curves: Mapping[str, pd.DataFrame], mode: str, ideal: str = "cuboid") -> Figure:
     """Force against displacement, and what each model leaves over.
 
     Parameters
@@ -22,8 +27,6 @@ def response_figure(
         sample that is held out.
     mode
         Loading, which gives the colour.
-    title
-        Title of the figure.
     ideal
         What the sample is idealised as.
     """
@@ -46,11 +49,10 @@ def response_figure(
         force.text(0.5, 0.6, held_out, ha="center", transform=force.transAxes)
     for ax in (force, left_over):
         ax.axhline(0.0, color="0.75", lw=0.5, zorder=0)
-        ax.set_xlabel("Displacement of the platen [mm]")
-    force.set_ylabel("Force [N]")
+        ax.set_xlabel(axis_labels(mode)[0])
+    force.set_ylabel(axis_labels(mode)[1])
     left_over.set_ylabel("Measured less model [mN]")
     force.legend(loc="best")
     label_panel(force, "a", "Record and calibrated model")
     label_panel(left_over, "b", "What is left over")
-    figure.suptitle(title)
     return figure

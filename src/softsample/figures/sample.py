@@ -34,7 +34,6 @@ def sample_figure(
     sigma: Array,
     mesh: HexMesh,
     scaled_jacobian: Array,
-    title: str,
     renderer: Renderer = "vtk",
 ) -> Figure:
     """Three slices with contours, surface by its uncertainty, mesh by its quality, histogram.
@@ -49,8 +48,6 @@ def sample_figure(
         Hexahedra [m].
     scaled_jacobian : (n_elements,) float64
         Quality of the elements; nodes show the mean of those around them.
-    title
-        Title of the figure.
     renderer
         `vtk` or `matplotlib`.
     """
@@ -81,7 +78,6 @@ def sample_figure(
     label_panel(middle, "e", f"Mesh, {len(mesh.hexes)} elements")
     _histogram(right, scaled_jacobian)
     label_panel(right, "f", "Quality of the elements")
-    figure.suptitle(title)
     return figure
 
 

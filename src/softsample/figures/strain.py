@@ -12,7 +12,7 @@ from matplotlib.axes import Axes
 from matplotlib.cm import ScalarMappable
 from matplotlib.colors import Normalize
 from matplotlib.figure import Figure
-from matplotlib.patches import Rectangle
+from matplotlib.patches import Circle, Rectangle
 from numpy.typing import NDArray
 
 from softsample.figures.render import Look, Renderer, draw_surface
@@ -26,6 +26,7 @@ from softsample.figures.style import (
 )
 from softsample.figures.surface import FRONT, Surface, mesh_surface, silhouette
 from softsample.meshing.mesh import HexMesh
+from softsample.shapes import MM, Indenter
 
 Array = NDArray[np.float64]
 
@@ -37,8 +38,8 @@ PLATEN_MM = 1.0
 PANEL_MM, TITLE_MM = 46.0, 9.0
 """Width of a panel and height of its title on the page."""
 
-PERCENTILES = (1.0, 99.0)
-"""Share of the surface values that the colour bar spans; what is beyond has its end colours."""
+PERCENTILE = 99.0
+"""Of the values in view, at which the colour bar ends; what is beyond has its last colour."""
 
 
 @dataclass(frozen=True)
@@ -55,8 +56,16 @@ class Deformed:
     after: Surface
 
     @classmethod
-    def of_run(cls, mesh: HexMesh, displacement_mm: Array, strain: Array) -> Self:
-        """Surfaces of a run: nodal displacement (n_nodes, 3), strain of elements (n_elements,)."""
+    def of_run(
+        cls, mesh: HexMesh, displacement_mm: Array, strain: Array, cut: bool = False
+    ) -> Self:
+        """Surfaces of a run, of the half behind the plane y = 0 alone if it is to be cut there.
+
+        Nodal displacement (n_nodes, 3) [mm], strain of elements (n_elements,).
+        """
+        if cut:
+            behind = mesh.points[mesh.hexes].mean(axis=1)[:, 1] > -1e-6 * mesh.edge_length
+            mesh, strain = HexMesh(mesh.points, mesh.hexes[behind]), strain[behind]
         return cls(mesh_surface(mesh), mesh_surface(mesh, displacement_mm, strain))
 
 
@@ -76,6 +85,10 @@ class StrainRow:
         By geometry, `ideal` or both.
     source : str
         Where the surface comes from.
+    indenter : Indenter, optional
+        What comes down on the sample in place of a platen.
+    tip_mm : float
+        Height of its lowest point at the end [mm].
     """
 
     sample: str
@@ -83,11 +96,13 @@ class StrainRow:
     strain: float
     surface: Surface | None
     shapes: Mapping[str, Deformed]
-    source: str = "MRI"
+    source: str = "segmented surface"
+    indenter: Indenter | None = None
+    tip_mm: float = 0.0
 
 
 @styled
-def strain_figure(rows: Sequence[StrainRow], title: str, renderer: Renderer = "vtk") -> Figure:
+def strain_figure(rows: Sequence[StrainRow], renderer: Renderer = "vtk") -> Figure:
     """Front views: sample before the test, strain on the real and on the idealised geometry.
 
     Parameters
@@ -95,8 +110,6 @@ def strain_figure(rows: Sequence[StrainRow], title: str, renderer: Renderer = "v
     rows
         One a loading mode. Panels of a surface and a real geometry that are not known stay empty;
         they are left out if no row has any.
-    title
-        Title of the figure.
     renderer
         `vtk` or `matplotlib`.
     """
@@ -118,7 +131,6 @@ def strain_figure(rows: Sequence[StrainRow], title: str, renderer: Renderer = "v
         _draw_row(dict(zip(panels, line, strict=True)), row, renderer)
     for ax in axes[-1]:
         ax.set_xlabel("x [mm]")
-    figure.suptitle(title)
     return figure
 
 
@@ -140,7 +152,10 @@ def _draw_row(line: Mapping[str, Axes], row: StrainRow, renderer: Renderer) -> N
     for geometry, shape in row.shapes.items():
         ax = line[geometry]
         draw_surface(ax, shape.after, FRONT, Look(limits=limits), renderer)
-        _draw_platens(ax, shape.after)
+        if row.indenter is None:
+            _draw_platens(ax, shape.after)
+        else:
+            _draw_indenter(ax, row.indenter, row.tip_mm)
         outline = silhouette(shape.before, FRONT)
         ax.plot(outline[:, 0], outline[:, 1], color="black", lw=0.7, ls=(0, (4, 2)), zorder=3)
     line["surface" if row.surface is not None else "ideal"].set_ylabel("z [mm]")
@@ -149,15 +164,14 @@ def _draw_row(line: Mapping[str, Axes], row: StrainRow, renderer: Renderer) -> N
         ScalarMappable(Normalize(*limits), colormaps[STRAIN_MAP]),
         cax=last.inset_axes((1.05, 0.0, 0.05, 1.0)),
         label="Max. principal\nHencky strain [–]",
-        extend="both",
+        extend="max",
     )
 
 
 def _limits(row: StrainRow) -> tuple[float, float]:
     """Common ends of the colour bar of a row, from the faces turned to the reader."""
     values = np.concatenate([_seen_values(shape.after) for shape in row.shapes.values()])
-    low, high = np.percentile(values, PERCENTILES)
-    return max(0.0, float(low)), float(high)
+    return 0.0, float(np.percentile(values, PERCENTILE))
 
 
 def _seen_values(surface: Surface) -> Array:
@@ -186,3 +200,13 @@ def _draw_platens(ax: Axes, surface: Surface) -> None:
     for part, at in ((x[z <= 0.5 * top], -PLATEN_MM), (x[z >= 0.5 * top], top)):
         low, high = float(part.min()) - 0.5, float(part.max()) + 0.5
         ax.add_patch(Rectangle((low, at), high - low, PLATEN_MM, color="0.6", lw=0, zorder=1))
+
+
+def _draw_indenter(ax: Axes, indenter: Indenter, tip_mm: float) -> None:
+    """An indenter above its lowest point, as far as the frame shows it."""
+    radius = indenter.radius / MM
+    if indenter.kind == "sphere":
+        ax.add_patch(Circle((0.0, tip_mm + radius), radius, color="0.6", lw=0, zorder=1))
+    else:
+        ax.add_patch(Rectangle((-radius, tip_mm), 2.0 * radius, 2.0 * radius, color="0.6", lw=0,
+                               zorder=1))  # fmt: skip

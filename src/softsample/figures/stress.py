@@ -7,7 +7,7 @@ from softsample.figures.style import MODE_COLOURS, page_figure, spoken, styled
 
 
 @styled
-def stress_strain_figure(table: pd.DataFrame, cohort: str) -> Figure:
+def stress_strain_figure(table: pd.DataFrame) -> Figure:
     """Mean nominal stress of each loading mode with a band of one standard deviation.
 
     Parameters
@@ -15,8 +15,6 @@ def stress_strain_figure(table: pd.DataFrame, cohort: str) -> Figure:
     table
         `softsample.report.stress.stress_strain_table`: `mode`, `strain`, `mean_stress_pa`,
         `sd_stress_pa`, `count`; absolute values.
-    cohort
-        What the samples are, for the title ("virtual cohort").
     """
     figure = page_figure(height_mm=85.0, width_mm=120.0)
     ax = figure.add_subplot()
@@ -35,5 +33,4 @@ def stress_strain_figure(table: pd.DataFrame, cohort: str) -> Figure:
     ax.legend(
         loc="upper left", title="Line: mean, band: ± 1 SD", title_fontsize=7.5, alignment="left"
     )
-    ax.set_title(f"Nominal stress and strain of the tests, {cohort}", loc="left")
     return figure

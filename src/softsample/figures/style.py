@@ -16,8 +16,8 @@ from matplotlib.figure import Figure
 P = ParamSpec("P")
 
 PAGE_WIDTH_MM = 180.0
-DOTS_PER_INCH = 200
-IMAGE_DOTS_PER_INCH = 300
+DOTS_PER_INCH = 300
+IMAGE_DOTS_PER_INCH = 450
 """Resolution of rendered surfaces, finer than the page so that mesh edges stay crisp."""
 
 MM_PER_INCH = 25.4
@@ -96,7 +96,7 @@ def colours(count: int) -> list[str]:
     """One colour for each of `count` groups: the palette, beyond it evenly from a map."""
     if count <= len(PALETTE):
         return list(PALETTE[:count])
-    return [to_hex(c) for c in mpl.colormaps["turbo"](np.linspace(0.05, 0.95, count))]
+    return [to_hex(c) for c in mpl.colormaps["cividis"](np.linspace(0.0, 0.95, count))]
 
 
 def map_colours(count: int = 32) -> list[str]:
@@ -107,6 +107,14 @@ def map_colours(count: int = 32) -> list[str]:
 def spoken(loading: str) -> str:
     """Loading mode, or several joined by `+`, in words."""
     return loading.replace("_", " ").replace("+", " and ")
+
+
+def axis_labels(loading: str) -> tuple[str, str]:
+    """Names of displacement and force of a loading, with units."""
+    if loading == "torsion":
+        return "Displacement of the rim [mm]", "Torque over radius [N]"
+    part = "indenter" if loading == "indentation" else "platen"
+    return f"Displacement of the {part} [mm]", "Force [N]"
 
 
 def lightened(colour: str, share: float = 0.6) -> str:
@@ -122,5 +130,5 @@ def darkened(colour: str, share: float = 0.45) -> str:
 
 
 def label_panel(ax: Axes, letter: str, title: str = "") -> None:
-    """Panel letter and title, left-aligned above the axes."""
-    ax.set_title(f"({letter}) {title}".strip(), loc="left")
+    """Bold panel letter and title, left-aligned above the axes."""
+    ax.set_title(rf"$\mathbf{{{letter}}}$  {title}".strip(), loc="left")

@@ -97,12 +97,16 @@ def _sized(signature: Signature, multiple: float) -> Values:
 
 
 def _highest(effect: Effect) -> float:
-    """Multiple of the nominal size at which the first of the sizes is at the end of its range."""
-    return min(
+    """Multiple of the nominal size at which the first of the sizes is at the end of its range.
+
+    Sizes that are shares of one whole are so together.
+    """
+    moved = [p for p in effect.sizes if p.nominal != p.neutral]
+    multiples = [
         ((p.high if p.nominal > p.neutral else p.low) - p.neutral) / (p.nominal - p.neutral)
-        for p in effect.sizes
-        if p.nominal != p.neutral
-    )
+        for p in moved
+    ]
+    return min(multiples) / (len(moved) if effect.shares else 1)
 
 
 def _plain_fit(problem: Problem, law: Model, plain: State, effect: Effect, values: Values) -> Fit:

@@ -115,6 +115,8 @@ class Effect:
         Whether any test of this protocol can show it.
     of_time : bool
         Whether it acts by the clock, so that records without time cannot show it.
+    shares : bool
+        Whether the sizes are parts of one whole, so that together they are in the range of one.
     starts : tuple of dict
         Values of sizes from which a fit sets out too, where it has more than one minimum. Such an
         effect is fitted whatever its linear estimate promises.
@@ -149,6 +151,7 @@ class Effect:
     is_law: bool = False
     has: tuple[str, ...] = ()
     like_floor: bool = False
+    shares: bool = False
     starts: tuple[Values, ...] = ()
     travel: Callable[[Specimen, Array, Values], Array] = field(default=_travel)
     compliance: Callable[[Specimen, Values], float] = field(default=_rigid)

@@ -82,6 +82,7 @@ def within(briefest: float, duration: float) -> Effect:
                 (math.sqrt(briefest * middle), 0.25 * duration),
             )
         ),
+        shares=True,
         of_time=True,
         tier="P",
         source="Budday et al., Acta Biomater. 48 (2017) 319, doi:10.1016/j.actbio.2016.10.036; "

@@ -5,6 +5,7 @@ from dataclasses import replace
 import numpy as np
 import pandas as pd
 import pytest
+from scipy.integrate import quad
 
 import laboratory
 from softsample.constitutive.homogeneous import homogeneous_force, homogeneous_normal
@@ -70,6 +71,31 @@ def test_fast_closed_forms_are_those_of_every_law(mode, normal):
         wanted = area(BLOCK, mode, travel, Material((Term("foam", 1.0, (alpha, nu)),), nu), normal)
         found = closed.foam(alpha, nu)
         np.testing.assert_allclose(found, wanted, atol=1e-6 * np.abs(wanted).max() + 1e-18)
+
+
+@pytest.mark.parametrize(("alpha", "push"), [(2.0, 0.25), (-2.0, 0.5)])
+def test_twisted_cylinders_are_those_of_rivlin(alpha, push):
+    """Both solids of Mooney. R. S. Rivlin (1949), doi:10.1098/rsta.1949.0009."""
+    strain = np.linspace(0.0, 0.5, 65)
+    along, normal = (
+        ClosedForm(BLOCK.area, "torsion", strain, across, 0.49999).ogden(((1.0, alpha),))
+        for across in (False, True)
+    )
+    np.testing.assert_allclose(along, 0.5 * BLOCK.area * strain, rtol=1e-4)
+    np.testing.assert_allclose(normal[1:], -push * BLOCK.area * strain[1:] ** 2, rtol=2e-3)
+
+
+@pytest.mark.parametrize("alpha", [-20.0, 16.0])
+def test_each_radius_of_a_twisted_cylinder_is_sheared(alpha):
+    strain = np.linspace(0.0, 0.5, 65)
+    found = ClosedForm(BLOCK.area, "torsion", strain, False, NU).ogden(((1.0, alpha),))
+    solid = OgdenMaterial((1.0,), (alpha,), NU)
+
+    def moment(radius):
+        return 2.0 * radius**2 * homogeneous_force("shear", [0.5 * radius], solid)[0]
+
+    wanted = BLOCK.area * quad(moment, 0.0, 1.0, epsabs=1e-10)[0]
+    assert found[-1] == pytest.approx(wanted, rel=2e-4)
 
 
 @pytest.mark.parametrize("mode", ["tension", "compression", "shear"])

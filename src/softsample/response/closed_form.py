@@ -1,7 +1,9 @@
-"""Homogeneous tests of Ogden's solids and of the foam, fast enough to be asked by a fit.
+"""Homogeneous tests and torsion of Ogden's solids and of the foam, fast enough for a fit.
 
 The tests are those of `softsample.constitutive.homogeneous`, of any law, which takes tens of
-milliseconds a curve; here derivatives are written out, and a foam needs no iteration.
+milliseconds a curve; here derivatives are written out, and a foam needs no iteration. In torsion
+of a cylinder each radius is in simple shear (R. S. Rivlin, Philos. Trans. R. Soc. Lond. A 242
+(1949) 173, doi:10.1098/rsta.1949.0009), and the radial stress balances that around the axis.
 """
 
 from collections.abc import Sequence
@@ -14,7 +16,7 @@ from numpy.typing import NDArray
 
 from softsample.constitutive.homogeneous import FREE
 from softsample.constitutive.material import compressibility
-from softsample.protocol import PRESSED_MODES, travel_sign
+from softsample.protocol import PRESSED_MODES, SHEARED_MODES, travel_sign
 
 Array = NDArray[np.float64]
 Terms = tuple[tuple[float, float], ...]
@@ -24,6 +26,9 @@ SMALL = 1e-6
 
 CLOSE, ITERATIONS = 1e-11, 100
 """Change of a logarithmic stretch that ends Newton's iteration, and how many at most."""
+
+RADII = 8
+"""Radii of a twisted cylinder over which stresses are integrated."""
 
 KEPT = 256
 """States that are kept: a fit asks for the same ones again and again, and so do tests alike."""
@@ -38,11 +43,12 @@ class ClosedForm:
     area : float
         First area of a section [m2].
     mode : str
-        One of `softsample.protocol.DIRECTIONS`.
+        One of `softsample.protocol.DIRECTIONS` but indentation.
     strain : (n,) float64
         Displacements of the platen along its direction over the height, from zero.
     normal : bool
-        Whether the force is that along +z, across a shear, in place of that along the travel.
+        Whether the force is that along +z, across a shear or in torsion, in place of that along
+        the travel.
     poisson_ratio : float
         Of Ogden's solids.
     """
@@ -73,7 +79,7 @@ class ClosedForm:
             Exponent, and Poisson's ratio from 0 to below 0.5.
         """
         coupling, a = nu / (1.0 - 2.0 * nu), _exponent(alpha)
-        given, free = _given(self.mode, self.strain), np.array(FREE[self.mode])
+        given, free = _given(self.mode, self.strain), _free(self.mode)
         own = -coupling * given.sum(axis=0) / (1.0 + coupling * free.sum())
         stretch = given + np.multiply.outer(free, own)
         push = np.expm1(-a * coupling * stretch.sum(axis=0))
@@ -82,29 +88,49 @@ class ClosedForm:
     def _force(self, stretch: Array, kirchhoff: Array) -> Array:
         """Force (n,) [m2] from logarithmic stretches and Kirchhoff stresses per modulus (3, n)."""
         first, _, third = kirchhoff
-        if self.mode == "shear":
+        if self.mode in SHEARED_MODES:
+            square = np.exp(2.0 * stretch[0])
+            along = (first - third) / (2.0 * np.cosh(stretch[0]))
+            up, around = first + square * third, square * first + third
+            if self.mode == "shear":
+                return np.asarray(self.area * (up / (1.0 + square) if self.normal else along))
             if self.normal:
-                square = np.exp(2.0 * stretch[0])
-                return np.asarray(self.area * (first + square * third) / (1.0 + square))
-            return np.asarray(self.area * (first - third) / (2.0 * np.cosh(stretch[0])))
+                return self.area * self._over_radii((2.0 * up - around) / (1.0 + square), 2)
+            return 2.0 * self.area * self._over_radii(along, 1)
         sign = 1.0 if self.normal else travel_sign(self.mode)
         return np.asarray(sign * self.area * third * np.exp(-stretch[2]))
+
+    def _over_radii(self, stress: Array, order: int) -> Array:
+        """Integral (n,) over radii from 0 to 1 of stress times radius to the power 3 - order.
+
+        The shear strain is that of each entry times the radius; stress begins as its power `order`.
+        """
+        node, weight = np.polynomial.legendre.leggauss(RADII)
+        radius, strain = 0.5 * (node + 1.0), self.strain
+        begins = stress[1:] / strain[1:] ** order
+        inside = np.interp(np.multiply.outer(strain, radius), strain[1:], begins)
+        return np.asarray(strain**order * (inside @ (0.5 * weight * radius**3)))
 
 
 def _given(mode: str, strain: Array) -> Array:
     """Logarithmic principal stretches (3, n) that the travel sets."""
     none = np.zeros_like(strain)
-    if mode == "shear":
+    if mode in SHEARED_MODES:
         stretch = np.arcsinh(0.5 * strain)
         return np.stack([stretch, none, -stretch])
     sign = -1.0 if mode in PRESSED_MODES else 1.0
     return np.stack([none, none, np.log1p(sign * strain)])
 
 
+def _free(mode: str) -> Array:
+    """One for the directions (3,) of the stretches that nothing sets."""
+    return np.array(FREE["shear" if mode in SHEARED_MODES else mode])
+
+
 @lru_cache(KEPT)
 def _ogden(mode: str, poisson_ratio: float, strain: bytes, terms: Terms) -> tuple[Array, Array]:
     """Logarithmic principal stretches and Kirchhoff stresses per modulus (3, n) at strains."""
-    given, free = _given(mode, np.frombuffer(strain)), np.array(FREE[mode])
+    given, free = _given(mode, np.frombuffer(strain)), _free(mode)
     bulk = 1.0 / compressibility(poisson_ratio)
     parts, exponents = (np.array(values) for values in zip(*terms, strict=True))
     exponents = _exponent(exponents)

@@ -10,7 +10,7 @@ import pandas as pd
 from numpy.typing import NDArray
 
 from softsample.constitutive.material import Material, compressibility
-from softsample.protocol import NEVER_UNIFORM, PRESSED_MODES
+from softsample.protocol import PRESSED_MODES
 from softsample.response.changes import for_all_fractions, read_changes, split_laws
 from softsample.response.curves import ResponseCurves
 from softsample.response.law_response import LawResponse
@@ -98,8 +98,7 @@ class Elastic:
             perturbations["real_geometry"] = difference
         pressed, nu = mode in PRESSED_MODES and channel == "force", solid.poisson_ratio
         across = channel != "force"
-        known = None if mode in NEVER_UNIFORM else shape
-        laws = LawResponse(found, known, mode, solid.alpha, nu, across, runs) if known else None
+        laws = LawResponse(found, shape, mode, solid.alpha, nu, across, runs) if shape else None
         push = np.inf
         if shape and mode == "tension" and not across:  # ASSUME: Euler's load of clamped ends.
             push = 12.0 * shape.area * (np.pi * shape.gyration / shape.height) ** 2

@@ -27,7 +27,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.interpolate import PchipInterpolator
 
-from softsample.protocol import PRESSED_MODES
+from softsample.protocol import NEVER_UNIFORM, PRESSED_MODES
 from softsample.response.closed_form import ClosedForm, Terms, two_terms
 from softsample.response.curves import ResponseCurves
 from softsample.shapes import IdealShape
@@ -49,6 +49,9 @@ SAME = 5e-3
 
 INCOMPRESSIBLE = 0.49
 """Poisson's ratio of a foam that deforms as Ogden's solid of the same exponent does."""
+
+REFERRED = {"indentation": "compression"}
+"""Closed form that the force of a test without one is referred to, as that of bonded ends is."""
 
 KEPT = 64
 """Curves that are kept: a fit asks for the same ones again and again."""
@@ -121,7 +124,12 @@ class LawResponse:
 
     @cached_property
     def knows_foams(self) -> bool:
-        """Whether the response is near enough to its closed form for a foam's to be known."""
+        """Whether the response is near enough to its closed form for a foam's to be known.
+
+        A twisted foam is not in simple shear: its radius changes.
+        """
+        if self.mode in NEVER_UNIFORM:
+            return False
         if self._exact or self.normal:
             return self._exact
         return bool(max(np.abs(self._excess_of_model(r)).max() for r in (0.0, 1.0)) < FOAM_EXCESS)
@@ -157,8 +165,8 @@ class LawResponse:
 
     @cached_property
     def _closed(self) -> ClosedForm:
-        area = self.shape.area
-        return ClosedForm(area, self.mode, self._strain, self.normal, self.poisson_ratio)
+        mode = REFERRED.get(self.mode, self.mode)
+        return ClosedForm(self.shape.area, mode, self._strain, self.normal, self.poisson_ratio)
 
     @cached_property
     def _ogden(self) -> Callable[[float, tuple[float, ...]], Array]:

@@ -1,0 +1,53 @@
+"""Other laws where no closed form is that of the sample: between runs, against the solver."""
+
+import numpy as np
+import pytest
+
+from softsample.constitutive.ogden import OgdenMaterial
+from softsample.fem.boundary import ContactSettings, mode_boundary
+from softsample.fem.explicit import ExplicitModel, SolverSettings
+from softsample.meshing.sample import ideal_hexes, indented_hexes
+from softsample.response.curves import ResponseCurves
+from softsample.response.law_response import LawResponse
+from softsample.response.perturbations import EXPONENTS
+from softsample.shapes import IdealShape, Indenter
+
+DISC = IdealShape("cylinder", 20e-3, 20e-3, 10e-3)
+BALL = Indenter("sphere", 4e-3)
+SIZE = DISC.height / 6
+TESTS = {
+    "torsion": (ideal_hexes(DISC, SIZE), "bonded", 5e-3),
+    "indentation": (indented_hexes(DISC, SIZE, BALL), BALL, 1.5e-3),
+}
+MODEL = (-8.0, 16.0)
+
+
+def forces(mode, exponents):
+    """Displacement [m] and forces per modulus [m2] of single terms, by the solver."""
+    mesh, ends, travel = TESTS[mode]
+    model = ExplicitModel(mesh, SolverSettings())
+    held = mode_boundary(mesh, mode, mesh.glued(0.0), ContactSettings(), ends)
+    found = {}
+    for alpha in exponents:
+        solid = OgdenMaterial((1e3,), (alpha,), 0.49)
+        run = model.run(solid, held, travel, loading_time=0.06)
+        found[alpha] = 1e-3 * run.force
+    return run.displacement, found
+
+
+@pytest.mark.parametrize(("mode", "close"), [("torsion", 0.01), ("indentation", 0.02)])
+def test_a_law_between_runs_is_that_of_the_solver(mode, close):
+    """Measured with elements of 1.25 mm, in % of the peak, exponents -14, -4, 8 and 20: torsion
+    0.7, 0.3, 0.5, 0.2; a ball 1.2, 0.6, 1.1, 0.5; a flat punch 1.0, 1.0, 2.5, 0.1."""
+    asked = (-4.0, 20.0)
+    travel, force = forces(mode, (*MODEL, *EXPONENTS, *asked))
+    ends = np.stack([force[MODEL[1]], force[MODEL[0]]])
+    curves = ResponseCurves(np.array([0.0, 1.0]), travel, ends)
+    runs = {alpha: force[alpha] for alpha in EXPONENTS}
+    laws = LawResponse(curves, DISC, mode, MODEL, 0.49, runs=runs)
+    assert not laws.knows_foams
+    for alpha in asked:
+        model = curves.force_per_mu(1.0, travel)
+        off = model + laws.ogden_change(1.0, travel, (alpha, MODEL[1])) - force[alpha]
+        assert np.abs(off).max() < close * force[alpha].max(), alpha
+        assert np.abs(model - force[alpha]).max() > 0.1 * force[alpha].max(), "another law"

@@ -118,6 +118,39 @@ def test_torsion_indentation_and_compression_give_one_modulus(tmp_path):
 
 
 @pytest.mark.study
+def test_torque_and_axial_force_tell_the_law(tmp_path):
+    """A Mooney-Rivlin cylinder, R. S. Rivlin (1949), doi:10.1098/rsta.1949.0009.
+
+    Its torque is that of a neo-Hookean one, its axial force is not; the model's pair is neither.
+    """
+    radius, height, first, second = 10e-3, 10e-3, 300.0, 200.0
+    time = np.arange(421) * 0.1
+    turned = np.radians(25.0) * np.clip((time - 2.0) / 40.0, 0.0, None)
+    twist = turned / height
+    noise = np.random.default_rng(3).standard_normal((2, len(time)))
+    torque = np.pi * radius**4 * twist * (first + second)
+    axial = -0.5 * np.pi * radius**4 * twist**2 * (first + 2.0 * second)
+    record = {
+        "time_s": time,
+        "angle_deg": np.degrees(turned),
+        "torque_Nmm": 1e3 * torque + 2e-3 * noise[0],
+        "force_normal_N": axial + 2e-4 * noise[1],
+    }
+    pd.DataFrame(record).to_csv(tmp_path / "turned.csv", index=False)
+    size = {"shape": "cylinder", "diameter_mm": 2e3 * radius, "height_mm": 1e3 * height}
+    write_table(
+        tmp_path, [{"sample": "T", "group": "G", "mode": "torsion", "record": "turned.csv", **size}]
+    )
+    study(tmp_path, f"{tmp_path}/results/loop/G/verdict.json", settings="config/test.yaml")
+    verdict = json.loads((tmp_path / "results/loop/G/verdict.json").read_text())
+    (law,) = verdict["effects"]
+    assert law["name"] in ("elastic_law", "ogden_exponents")
+    assert verdict["theta_after"]["mu"]["value"] == pytest.approx(2.0 * (first + second), rel=0.03)
+    for test in ("torsion", "torsion_normal"):
+        assert verdict["error_after"][test]["all"]["rms_percent"] < 1.5
+
+
+@pytest.mark.study
 def test_what_is_held_out_is_not_fitted_and_is_judged(tmp_path):
     """A wrong force beyond a strain, and in a whole sample, leaves the modulus as it is."""
     area, height = AREA["cuboid"], 12.0

@@ -11,6 +11,7 @@ import pandas as pd
 from softsample.constitutive.material import Material
 from softsample.holdout import held_out
 from softsample.loop.specimen import FORCE, NORMAL, Specimen
+from softsample.protocol import SHEARED_MODES
 from softsample.records import Record
 from softsample.response.elastic import Elastic
 from softsample.shapes import IdealShape
@@ -54,7 +55,7 @@ def specimens_of(
     shape: IdealShape,
     hold_out: Sequence[Mapping[str, Any]],
 ) -> list[Specimen]:
-    """Tests of one sample: its force, and the normal force if it was recorded in shear.
+    """Tests of one sample: its force, and the normal force if it was recorded in shear or torsion.
 
     Parameters
     ----------
@@ -70,7 +71,7 @@ def specimens_of(
         Selections of the study's settings.
     """
     tests: list[Specimen] = []
-    has_normal = row["mode"] == "shear" and record.force_normal is not None
+    has_normal = row["mode"] in SHEARED_MODES and record.force_normal is not None
     for channel in (FORCE, NORMAL) if has_normal else (FORCE,):
         test = Specimen.of_record(
             row["sample"],

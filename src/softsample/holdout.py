@@ -23,6 +23,9 @@ OF_ROWS = ("mode", "group", "specimen", "sample")
 PHASES = {"loading": ("baseline", "ramp"), "hold": ("hold",), "unloading": ("unloading",)}
 """Phases of a record by the names that selections use."""
 
+CHANNELS = ("force", "force_normal", "torque")
+"""Forces of a record by the names that selections use."""
+
 SIDES = {"positive": 1.0, "negative": -1.0}
 """Sign of the displacement by the names that selections use."""
 
@@ -127,6 +130,27 @@ def held_out(
     """
     masks = [Selection.of(item).mask(record, row, height, channel) for item in selections]
     return np.any([np.zeros(len(record.displacement), dtype=bool), *masks], axis=0)
+
+
+def selecting(
+    record: Record, row: Row, height: float | None, selections: Sequence[Mapping[str, Any]]
+) -> set[int]:
+    """Numbers of the selections that select some of a record; all of strains if there is no height.
+
+    Parameters
+    ----------
+    record, row, selections
+        As of `held_out`.
+    height : float or None
+        Of the undeformed sample [m]; None if it is not known.
+    """
+    there = [name for name in CHANNELS if getattr(record, name) is not None]
+    tall = 0.0 if height is None else height
+    return {
+        number
+        for number, selection in enumerate(map(Selection.of, selections))
+        if any(selection.mask(record, row, tall, channel).any() for channel in there)
+    }
 
 
 def wholly_held_out(row: Row, selections: Sequence[Mapping[str, Any]]) -> bool:

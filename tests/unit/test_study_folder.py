@@ -282,8 +282,14 @@ def test_formats_and_selections_are_checked(study):
     assert "D1.csv, line" in faults  # read with the signs of its format
     time_s, travel, force = machines.compression()
     machines.write(study / "D1.csv", machines.univert(time_s, -travel, -force))
-    settings.write_text(blocks)
-    assert check_study(study).faults == []
+    settings.write_text(
+        blocks + "hold_out: [{strain_above: 0.01}, {strain_above: 0.9}, {cycle: 7}]"
+    )
+    checked = check_study(study)
+    assert checked.faults == []
+    empty = [doubt for doubt in checked.doubts if "selects nothing of any record" in doubt]
+    assert [doubt.split(": ")[1] for doubt in empty] == ["hold_out.1", "hold_out.2"]
+    assert "{'strain_above': 0.9}" in empty[0]
 
 
 @pytest.mark.parametrize("column", ["bond_mask", "labels"])

@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 from softsample.errors import InputError, SoftsampleError
 from softsample.formats import Volume
 from softsample.formats.machine import described, read
-from softsample.holdout import check_hold_out
+from softsample.holdout import check_hold_out, selecting
 from softsample.images import check_image, on_grid_of, world_axis
 from softsample.imaging.measure import MeasurementSettings
 from softsample.imaging.propose import Glance, glance
@@ -23,7 +23,7 @@ from softsample.meshing.marks import MarkedImage
 from softsample.meshing.regions import relative_stiffness
 from softsample.plausibility import Limits, doubts
 from softsample.protocol import NEVER_UNIFORM, PRESSED_MODES
-from softsample.records import RecordSettings, aligned_record
+from softsample.records import Record, RecordSettings, aligned_record
 from softsample.shapes import IdealShape
 from softsample.study import ROOT, SETTINGS, TABLE, schema, table_of
 from softsample.study.compare import Seen, compared
@@ -101,7 +101,7 @@ def check_study(folder: PathLike) -> Inspection:
     result.faults = _for_their_rows(result.faults, seen)
     result.doubts = _for_their_rows(result.doubts, seen)
     if not faults:
-        _check_hold_out(home, list(rows.values()), settings, result)
+        _check_hold_out(home, list(rows.values()), settings, seen, result)
     return result
 
 
@@ -132,12 +132,27 @@ def _for_their_rows(messages: Sequence[str], seen: Sequence[Seen]) -> list[str]:
 
 
 def _check_hold_out(
-    home: Path, rows: Sequence[Mapping[str, str]], settings: Mapping[str, Any], result: Inspection
+    home: Path,
+    rows: Sequence[Mapping[str, str]],
+    settings: Mapping[str, Any],
+    seen: Sequence[Seen],
+    result: Inspection,
 ) -> None:
+    """Refuse selections that fit no row, and doubt those that fit rows but nothing of a record."""
     try:
         check_hold_out(rows, settings["hold_out"])
     except InputError as error:
         result.faults.append(f"{home / SETTINGS}: {error}")
+        return
+    if any(one.facts is None for one in seen):
+        return
+    used = {number for one in seen if one.facts for number in one.facts["held_out_by"]}
+    result.doubts += [
+        f"{home / SETTINGS}: hold_out.{number}: {selection} selects nothing of any record; "
+        "correct it, or delete it"
+        for number, selection in enumerate(settings["hold_out"])
+        if number not in used
+    ]
 
 
 def _settings(home: Path, result: Inspection) -> dict[str, Any]:
@@ -321,7 +336,7 @@ def _record(
     form, which = schema("record"), resolved(row)["cycle"]
     stated, known = sizes
     test = (raw.reading, row["mode"], given, form, path, stated, which)
-    _, facts = aligned_record(raw.table, *test)
+    table, facts = aligned_record(raw.table, *test)
     result.found += [f"    {line}" for line in _aligned(facts)]
     cells = {name: row[name] for name in ANY_DIMENSION if name in row} if stated else {}
     limits = Limits(**settings["plausibility"])
@@ -330,7 +345,9 @@ def _record(
     own = [*doubts(facts, known, limits, cells, given.block)]
     result.doubts += [f"{where}: {path}: {doubt}" for doubt in (*facts["warnings"], *own)]
     result.doubts += [f"{where}: {path}: {doubt}" for doubt in _unused(facts, row)]
-    return facts | {"doubted": bool(own)}
+    height = known.height if known else None
+    held = selecting(Record.of_table(table), row, height, settings["hold_out"])
+    return facts | {"doubted": bool(own), "held_out_by": held}
 
 
 def _unused(facts: Mapping[str, Any], row: Mapping[str, str]) -> Iterator[str]:

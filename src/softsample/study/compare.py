@@ -24,7 +24,8 @@ class Seen:
     row : dict
         Its sound cells.
     facts : dict or None
-        Of its record, with `doubted`: whether it is doubted by itself.
+        Of its record, with `doubted`: whether it is doubted by itself, and `held_out_by`: numbers
+        of the selections of `hold_out` that select some of it.
     size : IdealShape or None
         About as large as the sample.
     """

@@ -1,6 +1,7 @@
 """Set up, check and run a study, and look at any result: `softsample new|add|check|run|show`."""
 
 import argparse
+import os
 import shlex
 import sys
 from collections.abc import Mapping, Sequence
@@ -34,11 +35,20 @@ PROGRAM = "softsample"
 """Name of the installed command; `python -m softsample` is the same."""
 
 
+PIPE_CLOSED = 141
+"""Exit status of a program that is stopped since nobody reads what it writes."""
+
+
 def main(arguments: Sequence[str] | None = None) -> int:
     """Run the command line; returns the exit status."""
     given = command_line().parse_args(arguments)
     try:
-        return int(given.run(given) or 0)
+        status = int(given.run(given) or 0)
+        sys.stdout.flush()
+        return status
+    except BrokenPipeError:  # who reads has seen enough, as `| head` does
+        os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
+        return PIPE_CLOSED
     except (SoftsampleError, OSError) as error:
         print(error, file=sys.stderr)
         return 1

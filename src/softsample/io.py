@@ -8,6 +8,7 @@ import gzip
 import json
 import math
 import os
+import re
 from collections.abc import Mapping, Sequence
 from importlib import import_module
 from io import StringIO
@@ -90,6 +91,13 @@ def read_yaml(path: PathLike) -> Any:
     """Read a YAML file; a damaged one is an `InputError` that names file and line."""
     try:
         content = yaml.load(Path(path).read_text(encoding="utf-8-sig"), SAFE_YAML)
+    except yaml.MarkedYAMLError as error:
+        mark = error.problem_mark
+        where = f", line {mark.line + 1}, column {mark.column + 1}" if mark else ""
+        raise InputError(
+            f"{path}{where}: not valid YAML: {error.problem}; look for a bracket that is not "
+            "closed, a missing space behind a colon, or another indentation"
+        ) from error
     except (yaml.YAMLError, ValueError, RecursionError) as error:  # a date may be no date
         raise InputError(f"{path}: not valid YAML: {error}") from error
     if _counts(content) > MOST_VALUES:
@@ -162,6 +170,11 @@ def read_samples(path: PathLike) -> pd.DataFrame:
     except csv.Error as error:
         raise InputError(f"{path}: not a tab-separated table with a header: {error}") from error
     header = [name.strip() for name in cells[0]]
+    if len(header) == 1 and (other := re.search("[,;]", header[0])):
+        raise InputError(
+            f"{path}, row {numbers[0]}: titles are separated by {other[0]!r}; separate cells by "
+            "one tab each"
+        )
     for number, row in zip(numbers, cells, strict=True):
         if any(cell.strip() for cell in row[len(header) :]):
             raise InputError(

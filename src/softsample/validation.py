@@ -496,6 +496,18 @@ def _explain(error: ValidationError) -> Iterator[tuple[str, str]]:
         yield ".".join(place), f"{_reason(error)}; expected: {cure or 'see config/README.md'}"
 
 
+KINDS = {
+    "array": "a list, in brackets or with a dash before each item",
+    "object": "a block of keys with values",
+    "number": "a number",
+    "integer": "a whole number",
+    "string": "a text",
+    "boolean": "true or false",
+    "null": "empty",
+}
+"""Types of a schema in words."""
+
+
 def _unknown(name: str, known: Mapping[str, Any]) -> str:
     near = difflib.get_close_matches(name, list(known), n=1)
     hint = f"did you mean {near[0]!r}?" if near else f"known are {', '.join(known)}"
@@ -507,6 +519,13 @@ def _reason(error: ValidationError) -> str:
     wanted: Any = error.validator_value
     if error.validator == "type" and isinstance(value, str) and _is_number(value):
         return f"{value!r} is read as text; write a number with a decimal point, such as 1.0e-3"
+    if error.validator == "type":
+        kinds = [wanted] if isinstance(wanted, str) else wanted
+        return f"{value!r} is not {' or '.join(KINDS[kind] for kind in kinds)}"
+    if error.validator == "not":
+        return f"{value!r} is not allowed"
+    if error.validator in ("anyOf", "oneOf"):
+        return f"{value!r} is none of what is allowed"
     if error.validator == "enum":
         return f"{value!r} is not one of {', '.join(map(str, wanted))}"
     assert isinstance(error.schema, Mapping)

@@ -124,6 +124,16 @@ def test_a_missing_table_of_samples_names_the_option(tmp_path):
         read_samples(tmp_path / "none.tsv")
 
 
+@pytest.mark.parametrize("separator", [",", ";"])
+def test_a_table_of_samples_with_another_separator_is_refused_in_one_line(tmp_path, separator):
+    path = tmp_path / "samples.tsv"
+    path.write_text("# a note\n" + separator.join(["sample", "group"]) + "\n")
+    with pytest.raises(
+        InputError, match=f"row 2: titles are separated by '{separator}'; .* one tab"
+    ):
+        read_samples(path)
+
+
 def test_a_record_knows_the_lines_of_its_file(tmp_path):
     path = tmp_path / "r.csv"
     path.write_text("# title\ntime_s,displacement_mm,force_N\n0,0,0\n\n# note\n1,0.5,0.2\n")

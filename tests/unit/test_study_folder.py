@@ -2,6 +2,8 @@
 
 import re
 import shutil
+import subprocess
+import sys
 from pathlib import Path
 
 import nibabel
@@ -337,3 +339,10 @@ def test_thirty_samples_are_checked_at_once(tmp_path):
 def test_a_cure_that_many_rows_need_is_said_once():
     lines = ["row 2: no; paste `a`", "row 3: no; paste `a`", "row 4: no; paste `b`", "row 5: no"]
     assert each_cure_once(lines) == [lines[0], "row 3: no; as above", *lines[2:]]
+
+
+def test_a_reader_that_has_seen_enough_is_no_error(study):
+    add(study)
+    command = f"{sys.executable} -m softsample check '{study}' | true; echo ${{PIPESTATUS[0]}}"
+    done = subprocess.run(["bash", "-c", command], capture_output=True, text=True, check=False)
+    assert (done.stderr, done.stdout) == ("", "141\n")

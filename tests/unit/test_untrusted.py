@@ -126,6 +126,12 @@ def test_yaml_makes_no_objects(tmp_path):
     assert not mark.exists()
 
 
+def test_the_line_of_a_yaml_fault_is_named(tmp_path):
+    path = machines.write(tmp_path / "study.yaml", "mesh: {element_size_mm: 1.0\nloop:\n")
+    with pytest.raises(InputError, match=r"yaml, line 2, column 5: not valid YAML: .*bracket"):
+        read_yaml(path)
+
+
 def test_aliases_are_not_written_out_for_ever(tmp_path):
     lines = ["a0: &a0 [x, x, x, x, x, x, x, x, x, x]"]
     lines += [f"a{n + 1}: &a{n + 1} [{', '.join([f'*a{n}'] * 10)}]" for n in range(9)]

@@ -337,7 +337,7 @@ def _record(
     stated, known = sizes
     test = (raw.reading, row["mode"], given, form, path, stated, which)
     table, facts = aligned_record(raw.table, *test)
-    result.found += [f"    {line}" for line in _aligned(facts)]
+    result.found += [f"    {line}" for line in _aligned(facts, row["mode"])]
     cells = {name: row[name] for name in ANY_DIMENSION if name in row} if stated else {}
     limits = Limits(**settings["plausibility"])
     if row["mode"] in NEVER_UNIFORM:  # whose force is not that of the sample's section
@@ -361,8 +361,10 @@ def _unused(facts: Mapping[str, Any], row: Mapping[str, str]) -> Iterator[str]:
         )
 
 
-def _aligned(facts: Mapping[str, Any]) -> Iterator[str]:
+def _aligned(facts: Mapping[str, Any], mode: str) -> Iterator[str]:
     """Signs, zero, ramp and doubts of a record in words."""
+    if mode == "torsion":
+        yield "displacement is that of the rim, angle times radius; force is torque over radius"
     rest = facts["force_offset_N"]
     at_rest = "not known" if rest is None else f"{rest:.4g} N, noise {facts['force_noise_N']:.2g} N"
     begins = {

@@ -81,7 +81,7 @@ new-study: $(stamp)
 
 # what the row of the sample may hold besides, as options of the command
 cells := IMAGE SURFACE SHAPE LENGTH WIDTH HEIGHT DIAMETER SAMPLE GROUP SPECIMEN ENDS FORMAT CYCLE \
-  LOADING_AXIS SHEAR_AXIS SEGMENTATION BOND_MASK LABELS
+  INDENTER INDENTER_RADIUS LOADING_AXIS SHEAR_AXIS SEGMENTATION BOND_MASK LABELS
 option = $(shell echo $(1) | tr A-Z_ a-z-)
 
 add-sample: $(stamp)

@@ -29,6 +29,9 @@ LARGEST_GAP = 0.1
 """A ramp may lack samples over this part of its duration."""
 OFF_ZERO = 0.05
 """A ramp may begin at this part of its displacement or of its peak force without a doubt raised."""
+LONE_PART, LONE_STEPS = 0.05, 3.0
+"""A reading stands alone if it is off by this part of the peak, and by so many steps beside it."""
+
 RELAXED = 0.9
 """A loading at whose end less than this part of the force at its beginning is left is none."""
 COLUMNS = {"displacement": "displacement_mm", "force": "force_N"}
@@ -619,6 +622,7 @@ def _facts(
     warnings = [] if known else ["no rest before the ramp: force zero and noise are not known"]
     warnings += _off_zero(record, loading, peak, rest if known else slice(0, 0), settings)
     warnings += _relaxing(force)
+    warnings += _lone(lines, record.force, abs(peak))
     for ramp in loading.ramps if record.timed else ():
         warnings += _gap(lines, record.clock, ramp)
     if _is_clipped(force):
@@ -681,6 +685,22 @@ def _relaxing(force: Array) -> Iterator[str]:
             f"the force falls from {first:.3g} N to {last:.3g} N along the loading, as in a hold "
             "or after failure; export the whole test with its ramp, or choose another loading in "
             "column cycle"
+        )
+
+
+def _lone(lines: pd.Index, force: Array, peak: float) -> Iterator[str]:
+    """Readings that are far from those beside them, which are close to their own neighbours."""
+    if len(force) < 5:
+        return
+    middle, step = force[2:-2], np.abs(np.diff(force))
+    off = np.abs(middle - 0.5 * (force[1:-3] + force[3:-1]))
+    beside = np.maximum(np.maximum(step[:-3], step[3:]), np.abs(force[3:-1] - force[1:-3]))
+    found = np.flatnonzero(off > np.maximum(LONE_PART * peak, LONE_STEPS * beside))
+    if len(found):
+        more = f", and {len(found) - 1} more" if len(found) > 1 else ""
+        yield (
+            f"line {lines[found[0] + 2]}: the force is {middle[found[0]]:.3g} N, far from that of "
+            f"the lines beside it{more}; delete such lines if the cell was disturbed"
         )
 
 

@@ -1,3 +1,4 @@
+import re
 from pathlib import Path
 from typing import NamedTuple
 
@@ -153,6 +154,20 @@ def test_what_is_doubtful_is_a_warning():
     clipped = record(noise=0.0)
     clipped["force_N"] = clipped["force_N"].clip(lower=-0.8)
     assert "overloaded" in check(clipped)["warnings"][0]
+
+
+def test_a_reading_that_stands_alone_is_a_warning():
+    (warning,) = check(put("force_N", 700, 0.3)(record()))["warnings"]
+    assert re.match("line 700: the force is 0.3 N, far from", warning)
+    two = put("force_N", 900, -2.0)(put("force_N", 700, 0.3)(record()))
+    assert "beside it, and 1 more;" in check(two)["warnings"][0]
+
+
+def test_the_corners_of_a_coarse_record_do_not_stand_alone():
+    travel = np.concatenate([np.zeros(12), -np.arange(0.0, 3.6, 0.3), -np.arange(3.3, -0.1, -0.3)])
+    table = pd.DataFrame({"displacement_mm": travel, "force_N": 0.1 * travel})
+    table.insert(0, "time_s", 0.5 * np.arange(len(travel)))
+    assert not [w for w in check(table)["warnings"] if "far from" in w]
 
 
 def test_a_ramp_that_begins_loaded_or_away_from_zero_is_a_warning():

@@ -19,6 +19,7 @@ from softsample.io import (
     read_mesh_with_data,
     read_surface,
     read_table,
+    write_text,
     written_aside,
 )
 from softsample.study import columns
@@ -34,6 +35,9 @@ MM = 1e-3
 PROGRAM = "softsample"
 """Name of the installed command; `python -m softsample` is the same."""
 
+
+CHECK_PAGE = "check.html"
+"""Page that `softsample check` writes into the folder of a study."""
 
 PIPE_CLOSED = 141
 """Exit status of a program that is stopped since nobody reads what it writes."""
@@ -134,10 +138,15 @@ def _add(given: argparse.Namespace) -> None:
 
 
 def _check(folder: str) -> int:
+    from softsample.inspection import check_page
     from softsample.study.check import check_study, each_cure_once
 
     result = check_study(folder)
     print("\n".join(result.found))
+    if result.seen:
+        page = Path(folder) / CHECK_PAGE
+        write_text(page, check_page(result, Path(folder).resolve().name))
+        print(f"\nTo look at: {page}")
     if result.doubts:
         print(f"\nDoubts: {len(result.doubts)} (they stop nothing, but moduli may be wrong)")
         print("\n".join(f"  {doubt}" for doubt in each_cure_once(result.doubts)))
@@ -146,7 +155,7 @@ def _check(folder: str) -> int:
         print("\n".join(f"  {fault}" for fault in each_cure_once(result.faults)), file=sys.stderr)
         return 1
     outcome = "Nothing is refused, but look at the doubts" if result.doubts else "No fault found"
-    print(f"\n{outcome}; samples: {result.samples}. Please compare units, signs and zero with")
+    print(f"\n{outcome}; samples: {len(result.seen)}. Please compare units, signs and zero with")
     print("what the machine does. Next, for a look in minutes (without the last word in full):")
     where = shlex.quote(folder)
     make = f"make study DIR={where} CONFIG=config/quick.yaml"

@@ -30,7 +30,7 @@ class SegmentedImage:
 
     Parameters
     ----------
-    data : (nx, ny, nz) float32
+    data : (nx, ny, nz) float
         Intensities.
     affine : (4, 4) float64
         From voxel index to world [mm].
@@ -44,7 +44,7 @@ class SegmentedImage:
         From the sample frame to world [mm].
     """
 
-    data: NDArray[np.float32]
+    data: NDArray[np.floating]
     affine: Array
     distance: Array
     origin: Array

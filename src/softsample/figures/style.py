@@ -4,7 +4,7 @@ import logging
 import os
 from collections.abc import Callable
 from functools import wraps
-from typing import Any, ParamSpec
+from typing import Any, BinaryIO, ParamSpec
 
 import matplotlib as mpl
 import numpy as np
@@ -83,12 +83,14 @@ def page_figure(height_mm: float, width_mm: float = PAGE_WIDTH_MM) -> Figure:
 
 
 @styled
-def save(figure: Figure, path: str | os.PathLike[str]) -> Figure:
-    """Write a figure in the format of the path's suffix, the same bytes every time."""
+def save(
+    figure: Figure, path: str | os.PathLike[str] | BinaryIO, dots_per_inch: int = DOTS_PER_INCH
+) -> Figure:
+    """Write a figure in the format of the path's suffix, into a buffer as PNG, always the same."""
     logging.getLogger("fontTools").setLevel(logging.WARNING)  # else each glyph is in the log
-    name = os.fspath(path)
-    metadata = {"CreationDate": None} if name.endswith(".pdf") else {"Software": None}
-    figure.savefig(name, dpi=DOTS_PER_INCH, metadata=metadata)
+    is_pdf = isinstance(path, str | os.PathLike) and os.fspath(path).endswith(".pdf")
+    metadata = {"CreationDate": None} if is_pdf else {"Software": None}
+    figure.savefig(path, dpi=dots_per_inch, metadata=metadata)
     return figure
 
 

@@ -7,7 +7,7 @@ from collections.abc import Iterator, Mapping
 from io import BytesIO
 from pathlib import Path
 from types import SimpleNamespace
-from typing import Any
+from typing import Any, BinaryIO
 
 import jinja2
 import pandas as pd
@@ -88,7 +88,7 @@ def markdown(text: str, pictures: Mapping[str, Path]) -> Markup:
     return Markup(html)
 
 
-def picture(path: Path, description: str) -> Markup:
+def picture(path: Path | BinaryIO, description: str) -> Markup:
     """A picture inside the page, as WebP."""
     buffer = BytesIO()
     with Image.open(path) as image:

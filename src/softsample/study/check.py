@@ -16,11 +16,12 @@ from softsample.formats.machine import described, read
 from softsample.holdout import check_hold_out, selecting
 from softsample.images import check_image, on_grid_of, world_axis
 from softsample.imaging.measure import MeasurementSettings
-from softsample.imaging.propose import Glance, glance
+from softsample.imaging.propose import Glance, coarsened, glance
 from softsample.imaging.segment import SegmentationSettings
 from softsample.io import PathLike, read_image, read_samples, read_surface, read_yaml
 from softsample.meshing.marks import MarkedImage
 from softsample.meshing.regions import relative_stiffness
+from softsample.meshing.surface import TriangleSurface
 from softsample.plausibility import Limits, doubts
 from softsample.protocol import NEVER_UNIFORM, PRESSED_MODES
 from softsample.records import Record, RecordSettings, aligned_record
@@ -49,20 +50,22 @@ class Inspection:
 
     Parameters
     ----------
-    found : list of str
-        Lines about the samples: what their files hold and how they are understood.
+    seen : list of Seen
+        Each row of the table, with what its files hold.
     faults : list of str
         What is wrong: file, row or line, value and cure.
     doubts : list of str
         What is likely to be wrong, in the same form; it stops nothing.
-    samples : int
-        Rows of the table.
     """
 
-    found: list[str] = field(default_factory=list)
+    seen: list[Seen] = field(default_factory=list)
     faults: list[str] = field(default_factory=list)
     doubts: list[str] = field(default_factory=list)
-    samples: int = 0
+
+    @property
+    def found(self) -> list[str]:
+        """Lines about the samples: what their files hold and how they are understood."""
+        return [line for one in self.seen for line in one.found]
 
 
 def each_cure_once(lines: Iterable[str]) -> list[str]:
@@ -90,9 +93,8 @@ def check_study(folder: PathLike) -> Inspection:
         return result
     faults = list(sample_faults(table, rows, schema("samples"), settings["formats"]))
     result.faults += [f"{home / TABLE}, {fault}" for fault in faults]
-    result.samples = len(rows)
     wrong = {(fault.line, fault.column) for fault in faults}
-    seen = []
+    seen = result.seen
     for line, row in rows.items():
         sound = {column: cell for column, cell in row.items() if (line, column) not in wrong}
         where = f"{home / TABLE}, row {line} ({row.get('sample', '?')})"
@@ -177,6 +179,7 @@ def _check_row(
     home: Path, row: Mapping[str, str], where: str, settings: Mapping[str, Any], result: Inspection
 ) -> Seen:
     """Check the files of one sample; `row` holds its sound cells."""
+    told = [f"{row.get('sample', '?')}: {row.get('mode', '?')}"]
 
     def attempt(column: str, step: Callable[[str], Any]) -> Any:
         """What a step makes of the file of a column; None without a file, or if it is refused."""
@@ -189,23 +192,26 @@ def _check_row(
             result.faults += [f"{where}: {line}" for line in str(error).split("\n")]
             return None
 
-    result.found.append(f"{row.get('sample', '?')}: {row.get('mode', '?')}")
-    image = attempt("image", lambda path: _image(path, result))
+    image = attempt("image", lambda path: _image(path, told))
     names = (row.get("sample", ""), "sample")
     mask = attempt("segmentation", lambda path: _mask(path, names, image)) if image else None
     piece = None
     if image and ("segmentation" not in row or mask is not None):
-        piece = attempt("image", lambda path: _glance(path, image, mask, row, settings, result))
-    surface = attempt("surface", lambda path: _surface(path, result))
-    size = _size(row, result)
-    known = size or piece or surface
-    facts = attempt(
-        "record", lambda path: _record(path, row, (size, known), where, settings, result)
+        piece = attempt("image", lambda path: _glance(path, image, mask, row, settings))
+        told += _told(piece, row) if piece else ()
+    surface = attempt("surface", lambda path: _surface(path, told))
+    size = _size(row, told)
+    around = _around(surface) if surface else None
+    known = size or (piece.shape if piece else None) or around
+    tested = attempt(
+        "record", lambda path: _record(path, row, (size, known), where, settings, result, told)
     )
     if image:
         attempt("bond_mask", lambda path: _glued(path, image))
         attempt("labels", lambda path: _labels(path, image, settings))
-    return Seen(where, row, facts, known)
+    record, facts = tested or (None, None)
+    small = coarsened(*image) if image and piece else None
+    return Seen(where, row, facts, known, told, record, small, piece, surface)
 
 
 def _check_there(home: Path, name: str, column: str) -> None:
@@ -222,14 +228,14 @@ def _check_there(home: Path, name: str, column: str) -> None:
     raise InputError(f"{path}: no such {column}; {cure}")
 
 
-def _image(path: str, result: Inspection) -> Volume:
+def _image(path: str, told: list[str]) -> Volume:
     volume = read_image(path)
     facts = check_image(*volume, path)
     size, voxel, extent = (
         " x ".join(f"{value:.4g}" for value in facts[name])
         for name in ("shape", "voxel_mm", "extent_mm")
     )
-    result.found.append(f"  image {path}: {size} voxels of {voxel} mm, {extent} mm in all")
+    told.append(f"  image {path}: {size} voxels of {voxel} mm, {extent} mm in all")
     return volume
 
 
@@ -239,12 +245,11 @@ def _glance(
     mask: NDArray[np.float32] | None,
     row: Mapping[str, str],
     settings: Mapping[str, Any],
-    result: Inspection,
-) -> IdealShape:
-    """Segment an image at low resolution, and tell what is in it."""
+) -> Glance:
+    """Segment an image at low resolution."""
     axes = {name: world_axis(row.get(name, default)) for name, default in DEFAULT_AXES.items()}
     try:
-        seen = glance(
+        return glance(
             image[0] if mask is None else mask,
             image[1],
             SegmentationSettings(**settings["segmentation"]),
@@ -254,8 +259,6 @@ def _glance(
         )
     except SoftsampleError as error:
         raise InputError(f"{path}: {error}") from error
-    result.found += _told(seen, row)
-    return seen.shape
 
 
 def _told(seen: Glance, row: Mapping[str, str]) -> Iterator[str]:
@@ -273,28 +276,29 @@ def _told(seen: Glance, row: Mapping[str, str]) -> Iterator[str]:
         )
 
 
-def _surface(path: str, result: Inspection) -> IdealShape:
-    """Read a surface, and return the cuboid around it."""
+def _surface(path: str, told: list[str]) -> TriangleSurface:
     surface = read_surface(path)
-    edges = np.ptp(surface.points, axis=0)
-    extent = " x ".join(f"{size / MM:.4g}" for size in edges)
-    result.found.append(
+    extent = " x ".join(f"{size / MM:.4g}" for size in np.ptp(surface.points, axis=0))
+    told.append(
         f"  surface {path}: {len(surface.triangles)} triangles, {extent} mm, "
         f"{surface.volume / MM**3:.4g} mm3"
     )
-    return IdealShape("cuboid", *map(float, edges))
+    return surface
 
 
-def _size(row: Mapping[str, str], result: Inspection) -> IdealShape | None:
+def _around(surface: TriangleSurface) -> IdealShape:
+    """The cuboid around a surface."""
+    return IdealShape("cuboid", *map(float, np.ptp(surface.points, axis=0)))
+
+
+def _size(row: Mapping[str, str], told: list[str]) -> IdealShape | None:
     """The shape that a row states, if its cells are sound."""
     try:
         shape = IdealShape.of_row(stated_shape(row))
     except InputError:  # the table says what is wrong, or there is an image
         return None
     sizes = [f"{name[:-3]} {row[name]} mm" for name in DIMENSIONS[shape.kind]]
-    result.found.append(
-        f"  {shape.kind} of {', '.join(sizes)}: section {shape.area / MM**2:.4g} mm2"
-    )
+    told.append(f"  {shape.kind} of {', '.join(sizes)}: section {shape.area / MM**2:.4g} mm2")
     return shape
 
 
@@ -325,19 +329,20 @@ def _record(
     where: str,
     settings: Mapping[str, Any],
     result: Inspection,
-) -> dict[str, Any] | None:
+    told: list[str],
+) -> tuple[Record, dict[str, Any]] | None:
     """Check a record; `sizes` are the dimensions that are stated, and those that are known."""
     given = RecordSettings(**record_settings(settings, row))
     raw = read(path, given.columns, given.units, given.sheet, given.block, row.get("mode", ""))
-    result.found.append(f"  record {path}: {raw.reading['kind']}")
-    result.found += [f"    {line}" for line in described(raw.reading)]
+    told.append(f"  record {path}: {raw.reading['kind']}")
+    told += [f"    {line}" for line in described(raw.reading)]
     if "mode" not in row:
         return None
     form, which = schema("record"), resolved(row)["cycle"]
     stated, known = sizes
     test = (raw.reading, row["mode"], given, form, path, stated, which)
     table, facts = aligned_record(raw.table, *test)
-    result.found += [f"    {line}" for line in _aligned(facts, row["mode"])]
+    told += [f"    {line}" for line in _aligned(facts, row["mode"])]
     cells = {name: row[name] for name in ANY_DIMENSION if name in row} if stated else {}
     limits = Limits(**settings["plausibility"])
     if row["mode"] in NEVER_UNIFORM:  # whose force is not that of the sample's section
@@ -346,8 +351,9 @@ def _record(
     result.doubts += [f"{where}: {path}: {doubt}" for doubt in (*facts["warnings"], *own)]
     result.doubts += [f"{where}: {path}: {doubt}" for doubt in _unused(facts, row)]
     height = known.height if known else None
-    held = selecting(Record.of_table(table), row, height, settings["hold_out"])
-    return facts | {"doubted": bool(own), "held_out_by": held}
+    record = Record.of_table(table)
+    held = selecting(record, row, height, settings["hold_out"])
+    return record, facts | {"doubted": bool(own), "held_out_by": held}
 
 
 def _unused(facts: Mapping[str, Any], row: Mapping[str, str]) -> Iterator[str]:

@@ -4,8 +4,16 @@ from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
 
+import numpy as np
+from numpy.typing import NDArray
+
+from softsample.imaging.propose import Glance
+from softsample.meshing.surface import TriangleSurface
 from softsample.plausibility import Limits, figures
+from softsample.records import Record
 from softsample.shapes import IdealShape
+
+Array = NDArray[np.float64]
 
 MM = 1e-3
 
@@ -28,12 +36,27 @@ class Seen:
         of the selections of `hold_out` that select some of it.
     size : IdealShape or None
         About as large as the sample.
+    found : list of str
+        What its files hold and how they are understood.
+    record : Record or None
+        With phases and what is calibrated.
+    image : (array, array) or None
+        Its image at low resolution, and the affine from voxel to world [mm].
+    glance : Glance or None
+        What was segmented in that image.
+    surface : TriangleSurface or None
+        The closed surface that is given in place of an image [m].
     """
 
     where: str
     row: Mapping[str, str]
     facts: Mapping[str, Any] | None
     size: IdealShape | None
+    found: Sequence[str] = ()
+    record: Record | None = None
+    image: tuple[Array, Array] | None = None
+    glance: Glance | None = None
+    surface: TriangleSurface | None = None
 
     @property
     def figures(self) -> dict[str, float]:

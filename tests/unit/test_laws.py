@@ -1,5 +1,6 @@
 """Choice of an elastic law: recovery of known laws, what data leave open, what they cannot tell."""
 
+import json
 from dataclasses import replace
 from types import SimpleNamespace
 
@@ -136,6 +137,7 @@ def test_one_curve_of_one_mode_refuses_a_choice_and_says_why():
     alone = choices(candidates, {"S1": report}, True)
     assert alone["S1"]["recommended"] is None
     assert "one loading curve of one mode" in alone["S1"]["refused"]
+    json.dumps(alone, allow_nan=False)  # as a result file has it
     table = law_table(candidates, {"S1": report}, alone)
     assert set(table["chosen"]) == {""}
     assert table["remark"].str.contains("cannot tell").all()

@@ -141,7 +141,11 @@ def test_torque_and_axial_force_tell_the_law(tmp_path):
     write_table(
         tmp_path, [{"sample": "T", "group": "G", "mode": "torsion", "record": "turned.csv", **size}]
     )
-    study(tmp_path, f"{tmp_path}/results/loop/G/verdict.json", settings="config/test.yaml")
+    asked = [f"{tmp_path}/results/{name}" for name in ("loop/G/verdict.json", "tables/laws.csv")]
+    study(tmp_path, *asked, settings="config/test.yaml")
+    laws = pd.read_csv(tmp_path / "results/tables/laws.csv").set_index("law")
+    assert laws.loc["neo_hooke", "mu_pa"] == pytest.approx(2.0 * (first + second), rel=0.01)
+    assert "one loading curve of one mode" in laws.loc["neo_hooke", "remark"]
     verdict = json.loads((tmp_path / "results/loop/G/verdict.json").read_text())
     (law,) = verdict["effects"]
     assert law["name"] in ("elastic_law", "ogden_exponents")

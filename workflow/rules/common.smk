@@ -30,7 +30,6 @@ from softsample.formats import files_of
 from softsample.holdout import check_hold_out, folds, in_turn, wholly_held_out
 from softsample.io import read_json, read_samples, read_table, read_yaml
 from softsample.progress import show_jobs_in_lines
-from softsample.protocol import NEVER_UNIFORM
 from softsample.report.results import in_brief
 from softsample.report.tables import LEVEL
 from softsample.response.unit import is_homogeneous
@@ -535,15 +534,6 @@ def exports_of(sample):
         f"<results>/export/{sample}/{geometry}{ending}"
         for geometry in geometries_of(SAMPLES[sample]["group"])
         for ending in (".inp", "_calculix.inp", ".feb", ".pvd")
-    ]
-
-
-def groups_with_laws():
-    """Groups whose elastic laws are compared; of some modes no homogeneous test is known."""
-    return [
-        group
-        for group in GROUPS
-        if not {SAMPLES[name]["mode"] for name in samples_of(group)} & {*NEVER_UNIFORM}
     ]
 
 

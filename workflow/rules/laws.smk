@@ -5,11 +5,7 @@ rule laws:
     input:
         "<results>/tables/laws.csv",
         expand("<results>/figures/laws.{kind}", kind=FORMATS),
-        [
-            f"<results>/laws/confirmed/{group}.csv"
-            for group in groups_with_laws()
-            if simulated_laws(group)
-        ],
+        [f"<results>/laws/confirmed/{group}.csv" for group in GROUPS if simulated_laws(group)],
     message:
         "Elastic laws compared: {input}"
 
@@ -79,8 +75,8 @@ rule laws_of_group:
 
 rule choose_law:
     input:
-        reports=expand("<results>/laws/{group}.json", group=groups_with_laws()),
-        curves=expand("<results>/laws/{group}.csv", group=groups_with_laws()),
+        reports=expand("<results>/laws/{group}.json", group=GROUPS),
+        curves=expand("<results>/laws/{group}.csv", group=GROUPS),
         code=library("workflow/scripts/choose_law.py"),
     output:
         table="<results>/tables/laws.csv",
@@ -89,7 +85,7 @@ rule choose_law:
     log:
         "<logs>/choose_law.log",
     params:
-        groups=groups_with_laws(),
+        groups=GROUPS,
         alpha=config["material"]["alpha"],
         laws=config["laws"],
     message:

@@ -39,7 +39,7 @@ class Choice:
     score : dict of float
         Mean held-out log likelihood per independent point, by law.
     behind, standard_error : dict of float
-        Mean difference to the best law, and its standard error over the folds.
+        Mean difference to the best law, and its standard error over the folds; none if refused.
     equal : tuple of str
         Laws that are as good as the best: those that predict as well, the simplest first, then
         simpler ones that fit as well.
@@ -89,8 +89,7 @@ def choose(
     score = dict(zip(names, means.tolist(), strict=True))
     if folds < FEWEST_FOLDS:
         there = "there is nothing to leave out but its last part" if folds else "no fold is left"
-        nothing = dict.fromkeys(names, float("nan"))
-        return Choice(score, nothing, nothing, (), folds, REFUSED.format(folds=there))
+        return Choice(score, {}, {}, (), folds, REFUSED.format(folds=there))
     best = int(np.argmax(means))
     gap = table[best] - table
     behind, scatter = gap.mean(axis=1), gap.std(axis=1, ddof=1) / np.sqrt(folds)

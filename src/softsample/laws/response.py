@@ -11,10 +11,13 @@ from softsample.shapes import IdealShape
 
 Array = NDArray[np.float64]
 
+REFERRED = {"torsion": "shear", "indentation": "compression"}
+"""Homogeneous test that one which is never uniform is referred to, at the same nominal strain."""
+
 
 @dataclass(frozen=True)
 class HomogeneousResponse:
-    """A test that deforms an ideal shape uniformly.
+    """A test that deforms an ideal shape uniformly, or what one that does not is referred to.
 
     Parameters
     ----------
@@ -33,6 +36,7 @@ class HomogeneousResponse:
         solid = candidate.material(shape, self.poisson_ratio, 1.0)
         try:
             with np.errstate(over="ignore", invalid="ignore", divide="ignore"):
-                return homogeneous_area(self.shape, self.mode, displacement, solid)
+                mode = REFERRED.get(self.mode, self.mode)
+                return homogeneous_area(self.shape, mode, displacement, solid)
         except ArithmeticError:  # no equilibrium at these numbers
             return np.full(len(displacement), np.nan)

@@ -107,6 +107,10 @@ def test_an_added_sample_overwrites_nothing(study, capsys):
     assert add(study) == 0
     kept = (study / "C7.csv").read_bytes()
     assert add(study, record="other") == 1
+    assert "'C7' stands in row" in capsys.readouterr().err
+    elsewhere = study.parent / "from the scanner"
+    again = ["--mode", "compression", "--image", str(elsewhere / "C7.nii.gz"), "--sample", "D7"]
+    assert main(["add", str(study), *again, "--record", str(elsewhere / "C7.csv")]) == 1
     assert "C7.nii.gz is there already" in capsys.readouterr().err
     assert (study / "C7.csv").read_bytes() == kept
     assert main(["add", str(study), "--mode", "shear", "--image", "no", "--record", "no"]) == 1

@@ -70,10 +70,12 @@ def add_sample(folder: PathLike, cells: Mapping[str, str]) -> str:
     row.setdefault("group", row["sample"])
     targets = {column: table.parent / source.name for column, source in files.items()}
     for column, source in files.items():
-        _check_source(column, source, targets[column])
+        _check_source(column, source)
         row[column] = source.name + "/" * source.is_dir()
     text = _with_row(table, row)
     _check_row(text, row["sample"], table)
+    for column, source in files.items():
+        _check_free(source, targets[column])
     for column, source in files.items():
         if source.is_dir() and not targets[column].exists():
             shutil.copytree(source, targets[column], symlinks=True)
@@ -109,11 +111,15 @@ def _check_row(text: str, sample: str, table: Path) -> None:
         raise InputError(f"sample {sample} is not added to {table}:\n{lines}")
 
 
-def _check_source(column: str, source: Path, target: Path) -> None:
-    """Refuse a file that is not there, not alone, or whose name is taken in the study."""
+def _check_source(column: str, source: Path) -> None:
+    """Refuse a file that is not there, or not alone."""
     if not source.exists():
         raise InputError(f"{source}: no such {column}; correct its path")
     if source.suffix.lower() == ".nhdr":
         raise InputError(f"{source}: copy it and its data file into the study, and add the row")
+
+
+def _check_free(source: Path, target: Path) -> None:
+    """Refuse a file whose name is taken in the study."""
     if target.exists() and source.resolve() != target.resolve():
         raise InputError(f"{target} is there already; rename {source}, or add the row yourself")

@@ -29,8 +29,9 @@ LARGEST_GAP = 0.1
 """A ramp may lack samples over this part of its duration."""
 OFF_ZERO = 0.05
 """A ramp may begin at this part of its displacement or of its peak force without a doubt raised."""
-LONE_PART, LONE_STEPS = 0.05, 3.0
-"""A reading stands alone if it is off by this part of the peak, and by so many steps beside it."""
+LONE_PART, LONE_NOISE, LONE_STEPS = 0.05, 10.0, 3.0
+"""A reading stands alone if it is off by this part of the peak, and by so many times what half of
+the readings are, and the steps beside it."""
 
 RELAXED = 0.9
 """A loading at whose end less than this part of the force at its beginning is left is none."""
@@ -695,7 +696,8 @@ def _lone(lines: pd.Index, force: Array, peak: float) -> Iterator[str]:
     middle, step = force[2:-2], np.abs(np.diff(force))
     off = np.abs(middle - 0.5 * (force[1:-3] + force[3:-1]))
     beside = np.maximum(np.maximum(step[:-3], step[3:]), np.abs(force[3:-1] - force[1:-3]))
-    found = np.flatnonzero(off > np.maximum(LONE_PART * peak, LONE_STEPS * beside))
+    usual = max(LONE_PART * peak, LONE_NOISE * float(np.median(off)))
+    found = np.flatnonzero(off > np.maximum(usual, LONE_STEPS * beside))
     if len(found):
         more = f", and {len(found) - 1} more" if len(found) > 1 else ""
         yield (

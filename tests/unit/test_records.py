@@ -163,6 +163,11 @@ def test_a_reading_that_stands_alone_is_a_warning():
     assert "beside it, and 1 more;" in check(two)["warnings"][0]
 
 
+def test_noise_does_not_stand_alone():
+    noisy = record(noise=0.05)  # the peak is 1 N or so
+    assert not [w for w in check(noisy)["warnings"] if "far from" in w]
+
+
 def test_the_corners_of_a_coarse_record_do_not_stand_alone():
     travel = np.concatenate([np.zeros(12), -np.arange(0.0, 3.6, 0.3), -np.arange(3.3, -0.1, -0.3)])
     table = pd.DataFrame({"displacement_mm": travel, "force_N": 0.1 * travel})

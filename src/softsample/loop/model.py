@@ -129,29 +129,41 @@ class Model:
         """
         fraction = state.material.mu1_fraction
         model = specimen.elastic.force_per_mu(fraction, travel)
-        law, changes = self._of_law(specimen, state, travel), np.zeros_like(model)
-        for effect in self.effects:
-            if not effect.is_law:
-                changes += effect.elastic(specimen, fraction, travel, state.values[effect.name])
-        if specimen.channel == FORCE and changes.any():
-            changes *= np.divide(law, model, out=np.ones_like(model), where=model != 0.0)
-        return np.asarray(state.material.mu * specimen.stiffness * (law + changes))
+        force = self._of_law(specimen, state, travel, model)
+        changes = [
+            effect.elastic(specimen, fraction, travel, state.values[effect.name])
+            for effect in self.effects
+            if effect.acts_on_law and not effect.is_law
+        ]
+        if changes:
+            change = sum(changes[1:], start=changes[0])
+            if specimen.channel == FORCE:
+                change = change * np.divide(
+                    force, model, out=np.ones_like(model), where=model != 0.0
+                )
+            force = force + change
+        return np.asarray(state.material.mu * specimen.stiffness * force)
 
-    def _of_law(self, specimen: Specimen, state: "State", travel: Array) -> Array:
-        """Force per modulus (n,) [m2] of the law: of columns side by side if the face is uneven."""
-        fraction, columns, parts = state.material.mu1_fraction, travel[:, None], np.ones(1)
-        for effect in self.effects:
+    def _of_law(self, specimen: Specimen, state: "State", travel: Array, model: Array) -> Array:
+        """Force per modulus (n,) [m2] of the law, from that of the study's.
+
+        Of columns side by side if the face is uneven.
+        """
+        uneven = [effect for effect in self.effects if effect.is_uneven]
+        columns, parts = travel[:, None], np.ones(1)
+        for effect in uneven:
             depths, weights = effect.heights(specimen, state.values[effect.name])
             if depths.any():
                 columns = (columns[:, :, None] - depths).reshape(len(travel), -1)
                 parts = np.outer(parts, weights).ravel()
-        every = columns.ravel()
-        force = specimen.elastic.force_per_mu(fraction, every)
+        every = columns.ravel() if uneven else travel
+        fraction = state.material.mu1_fraction
+        force = specimen.elastic.force_per_mu(fraction, every) if uneven else model
         for effect in self.effects:
             if effect.is_law:
                 values = state.values[effect.name]
                 force = force + effect.elastic(specimen, fraction, every, values)
-        return np.asarray(force.reshape(columns.shape) @ parts)
+        return np.asarray(force.reshape(columns.shape) @ parts) if uneven else force
 
     def _slope(self, specimen: Specimen, state: "State", travel: Array) -> Array:
         """Slope of that force (n,) [N/m], not negative."""

@@ -171,7 +171,12 @@ class Effect:
     def shifts_travel(self) -> bool:
         """Whether it acts on the travel."""
         moved = self.travel is not _travel or self.compliance is not _rigid
-        return moved or self.heights is not _level
+        return moved or self.is_uneven
+
+    @property
+    def is_uneven(self) -> bool:
+        """Whether parts of the face lie at depths of their own."""
+        return self.heights is not _level
 
     @property
     def only_instrument(self) -> bool:

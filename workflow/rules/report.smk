@@ -376,7 +376,6 @@ rule figure7:
         samples=list(EXAMPLES.values()),
         rows=[SAMPLES[sample] for sample in EXAMPLES.values()],
         real=REAL_EXAMPLES,
-        imaged=PLAN.imaged,
         cohort=COHORT,
     message:
         "Figure 7: strain on the real and the idealised geometry"
@@ -471,7 +470,6 @@ use rule figure7 as figure_strain with:
         samples=lambda wildcards: [wildcards.sample],
         rows=lambda wildcards: [SAMPLES[wildcards.sample]],
         real=listed(of_real("{sample}")),
-        imaged=PLAN.imaged,
         cohort=COHORT,
     message:
         "Strain: {wildcards.sample}"

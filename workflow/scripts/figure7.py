@@ -34,7 +34,6 @@ with logged_to(snakemake):
                 travel / height,
                 level_surface(*read_distance(*surfaces[sample])) if sample in surfaces else None,
                 shapes,
-                "segmented surface" if sample in shown.imaged else "surface",
                 indenter,
                 height - travel,
             )

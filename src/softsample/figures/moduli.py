@@ -103,7 +103,7 @@ def moduli_figure(
     names = geometry_names(ideal, {name for group in groups for name in group.curves})
     handles = [*_keys_of_curves(names), *_keys_of_moduli(moduli, names)]
     if not all(group.trusted for group in groups):
-        label = "* on a bound, or not converged: see the caption"
+        label = "* see the caption"
         handles.append(Line2D([], [], ls="", label=label))
     figure.legend(handles=handles, loc="outside lower center", ncols=3, handlelength=2.4)
     return figure
@@ -184,7 +184,7 @@ def _keys_of_curves(names: dict[str, str]) -> list[Line2D]:
     """Legend entries of the left column."""
     return [
         Line2D([], [], ls="", marker="o", ms=3.2, mfc="none", mec="0.3", mew=0.6,
-               label=f"experiment (every {EVERY}th point, at least {FEWEST})"),
+               label="experiment"),
         *(Line2D([], [], color="0.3", ls=LINES[g], label=f"model, {name}", lw=WIDTHS[g])
           for g, name in names.items()),
     ]  # fmt: skip

@@ -83,8 +83,6 @@ class StrainRow:
         The sample's surface before the test, where it is known.
     shapes : mapping of Deformed
         By geometry, `ideal` or both.
-    source : str
-        Where the surface comes from.
     indenter : Indenter, optional
         What comes down on the sample in place of a platen.
     tip_mm : float
@@ -96,7 +94,6 @@ class StrainRow:
     strain: float
     surface: Surface | None
     shapes: Mapping[str, Deformed]
-    source: str = "segmented surface"
     indenter: Indenter | None = None
     tip_mm: float = 0.0
 
@@ -137,7 +134,7 @@ def strain_figure(rows: Sequence[StrainRow], renderer: Renderer = "vtk") -> Figu
 def _heads(row: StrainRow) -> dict[str, str]:
     """Titles of the panels that a row has."""
     mode, strain = spoken(row.mode).capitalize(), f"nominal strain {row.strain:.2f}"
-    heads = {"surface": f"{mode}, {row.sample}: {row.source}", "real": f"Real, {strain}"}
+    heads = {"surface": f"{mode}, {row.sample}", "real": f"Real, {strain}"}
     if "real" not in row.shapes:
         return {"ideal": f"{mode}, {row.sample}: {strain}"}
     return heads | {"ideal": f"Idealised, {strain}"}

@@ -139,14 +139,22 @@ def _add(given: argparse.Namespace) -> None:
 
 def _check(folder: str) -> int:
     from softsample.inspection import check_page
-    from softsample.study.check import check_study, each_cure_once
+    from softsample.study.check import check_study
 
     result = check_study(folder)
     print("\n".join(result.found))
+    status = _tell(result, folder)
     if result.seen:
         page = Path(folder) / CHECK_PAGE
         write_text(page, check_page(result, Path(folder).resolve().name))
         print(f"\nTo look at: {page}")
+    return status
+
+
+def _tell(result: Any, folder: str) -> int:
+    """Print doubts, faults and the next command; returns the exit status."""
+    from softsample.study.check import each_cure_once
+
     if result.doubts:
         print(f"\nDoubts: {len(result.doubts)} (they stop nothing, but moduli may be wrong)")
         print("\n".join(f"  {doubt}" for doubt in each_cure_once(result.doubts)))

@@ -99,6 +99,7 @@ def _first_slope(record: Record) -> float:
     moved, force = (x[record.calibrated] for x in (record.displacement, record.force))
     way, more = moved - moved[0], force - force[0]
     early = np.abs(way) <= EARLY * np.abs(way).max()
+    early |= not way[early].any()  # of a few readings
     return float(way[early] @ more[early] / (way[early] @ way[early]))
 
 

@@ -10,7 +10,8 @@ import exact
 import machines
 from softsample.__main__ import CHECK_PAGE, main
 from softsample.figures.inspected import inspected_figure
-from softsample.inspection import segmented
+from softsample.inspection import _first_slope, segmented
+from softsample.records import Record
 from softsample.study.check import check_study
 
 BLOCK = slice(8, 32), slice(10, 30), slice(6, 26)
@@ -59,6 +60,20 @@ def test_the_rough_modulus_is_that_of_the_record(study):
     page = (study / CHECK_PAGE).read_text()
     (of_b,) = re.findall(r'id="B">.*?roughly</th><td>(\d+) Pa', page, re.DOTALL)
     assert float(of_b) == pytest.approx(exact.MODULUS, rel=0.5)
+
+
+def test_a_slope_is_had_of_a_few_readings():
+    way = np.array([0.0, 2e-3])
+    record = Record(None, way, 3.0 * way, calibrated=np.ones(2, bool))
+    assert _first_slope(record) == pytest.approx(3.0)
+
+
+def test_a_page_that_cannot_be_written_hides_no_fault(study, capsys):
+    (study / CHECK_PAGE).mkdir()
+    assert main(["check", str(study)]) == 1
+    told = capsys.readouterr()
+    assert "no such record" in told.err
+    assert CHECK_PAGE in told.err
 
 
 def test_the_contour_lies_where_the_sample_is(study):

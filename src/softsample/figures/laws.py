@@ -46,8 +46,8 @@ def laws_figure(
             left_over.plot([], [], ls=line, color="0.3", label=titles[law])
         for ax in (force, left_over):
             ax.axhline(0.0, color="0.75", lw=0.5, zorder=0)
-            ax.set_xlabel("Displacement of the platen [mm]")
-            ax.legend(loc="upper center", bbox_to_anchor=(0.5, -0.28), ncols=3)
+            ax.set_xlabel("Displacement [mm]")
+            ax.legend(loc="upper center", bbox_to_anchor=(0.5, -0.28), ncols=2)
         force.set_ylabel("Force [N]")
         left_over.set_ylabel("Measured less law [% of peak]")
         label_panel(force, next(letters, ""), f"{group}: records and laws")

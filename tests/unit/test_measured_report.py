@@ -68,6 +68,7 @@ def test_overview_counts_verdicts_and_takes_medians():
             "set": ["s", "s", "s", "t"],
             "rule": ["", "r", "r", "q"],
             "verdict": ["failed", "none", "none", "unknown"],
+            "effects": ["", "slack|gain; tilt", "tilt", ""],
             "held_out_before_percent": [np.nan, 2.0, 4.0, 9.0],
             "held_out_after_percent": [np.nan, 1.0, 2.0, 9.0],
         }
@@ -75,7 +76,8 @@ def test_overview_counts_verdicts_and_takes_medians():
     first, second = overview_table(table).to_dict("records")
     assert (first["rule"], first["groups"], first["verdicts"]) == ("r", 3, "2 none, 1 failed")
     assert (first["held_out_before_percent"], first["held_out_after_percent"]) == (3.0, 1.5)
-    assert second["set"] == "t"
+    assert first["found"] == "2 tilt, 1 slack"
+    assert (second["set"], second["found"]) == ("t", "")
 
 
 def test_every_study_has_its_paragraph_and_every_set_its_source():

@@ -13,7 +13,8 @@ SUMMARY = (
     "held_out_after_percent", "fitted_before_percent", "fitted_after_percent",
 )  # fmt: skip
 OVERVIEW = (
-    "set", "rule", "groups", "verdicts", "held_out_before_percent", "held_out_after_percent",
+    "set", "rule", "groups", "verdicts", "found", "held_out_before_percent",
+    "held_out_after_percent",
 )  # fmt: skip
 FAILED = "failed"
 """Stands for the verdict of a group whose run did not come through."""
@@ -79,7 +80,9 @@ def root_mean_square(values: Iterable[float]) -> float:
 
 
 def overview_table(summary: pd.DataFrame) -> pd.DataFrame:
-    """One row a study: number of groups, how many of each verdict, medians of held-out errors.
+    """One row a study: groups, how many of each verdict and effect, medians of held-out errors.
+
+    An effect counts where it is the first of those that cannot be told apart.
 
     Parameters
     ----------
@@ -96,10 +99,22 @@ def overview_table(summary: pd.DataFrame) -> pd.DataFrame:
             study,
             next(filter(None, part["rule"]), ""),
             len(part),
-            ", ".join(f"{n} {name}" for name, n in part["verdict"].value_counts().items()),
+            _counted(part["verdict"]),
+            _counted(_first_names(part["effects"])),
             part["held_out_before_percent"].median(),
             part["held_out_after_percent"].median(),
         )
         for study, part in summary.groupby("set", sort=False)
     ]
     return pd.DataFrame(rows, columns=list(OVERVIEW))
+
+
+def _counted(names: pd.Series) -> str:
+    """How often each name occurs, the most frequent first."""
+    return ", ".join(f"{n} {name}" for name, n in names.value_counts().items())
+
+
+def _first_names(effects: pd.Series) -> pd.Series:
+    """First members of the classes in a column of `summary_table`."""
+    classes = effects.str.split("; ").explode()
+    return classes[classes != ""].str.split("|").str[0]

@@ -105,7 +105,7 @@ def test_summary_and_page_are_written_and_a_failed_group_is_in_them(tmp_path):
     assert table["group"].tolist() == ["along", "across"]
     assert table["verdict"].tolist() == ["none", "failed"]
     page = (tmp_path / "docs/measured.md").read_text()
-    assert "-rate` | leave out: mode | 2 | 1 none, 1 failed | 3.5 | 2.0 |" in page
+    assert "-rate` | leave out: mode | 2 | 1 none, 1 failed | – | 3.5 | 2.0 |" in page
     assert (tmp_path / "docs/figures/measured/held_out.png").stat().st_size > 1000
     assert "Porcine skeletal muscle" in (tmp_path / "report.html").read_text()
 
@@ -116,4 +116,4 @@ def test_a_summary_of_failures_alone_is_written(tmp_path):
     (study / "samples.tsv").write_text("sample\tgroup\na\tCX\n")
     assert main([str(tmp_path)]) == 0
     assert read_table(tmp_path / "summary.csv")["verdict"].tolist() == ["failed"]
-    assert "| 1 | 1 failed | – | – |" in (tmp_path / "docs/measured.md").read_text()
+    assert "| 1 | 1 failed | – | – | – |" in (tmp_path / "docs/measured.md").read_text()

@@ -13,6 +13,7 @@ from laboratory import elastic
 from softsample.loop.diagnose import diagnose, judgement, report
 from softsample.loop.discrepancy import estimated, settled
 from softsample.loop.effects import library
+from softsample.loop.effects.viscoelastic_relaxation import within
 from softsample.loop.errors import (
     MOST_LEFT_OUT,
     cross_validated,
@@ -37,8 +38,16 @@ from softsample.loop.noise import (
 from softsample.loop.page import page
 from softsample.loop.posed import LoopSettings, pose
 from softsample.loop.resample import resampled, stretches
-from softsample.loop.screen import family_wise, null_threshold, penalty, signatures
-from softsample.loop.select import WITHIN_DOUBT, Candidate, Step, _Search, explained_alike, select
+from softsample.loop.screen import Signature, family_wise, null_threshold, penalty, signatures
+from softsample.loop.select import (
+    WITHIN_DOUBT,
+    Candidate,
+    Step,
+    _Search,
+    explained_alike,
+    select,
+    unusable,
+)
 from softsample.loop.specimen import Specimen, blocks
 from softsample.response.curves import ResponseCurves
 from softsample.response.elastic import Elastic
@@ -700,11 +709,30 @@ def test_detection_limits_stand_by_what_was_seen(found):
 
 def test_a_limit_takes_no_more_than_the_whole():
     """Three relaxation terms that each took nine tenths would leave a force of the other sign."""
-    relaxation = library()["viscoelastic_relaxation"]
-    together = _highest(relaxation) * sum(p.nominal for p in relaxation.sizes)
-    assert together == pytest.approx(relaxation.sizes[0].high)
+    none = np.empty((0, 3))
+    effect = within(1.0, 100.0)
+    values = {**effect.neutral(), "tau1_s": 2.0, "tau3_s": 50.0}
+    most = _highest(Signature(effect, values, none, none))
+    parts = sum(0.1 * (1.0 - np.exp(-100.0 / tau)) for tau in (2.0, 10.0, 50.0))
+    assert most * parts == pytest.approx(0.9)
+    assert not effect.exceeds_the_whole({**values, **dict.fromkeys(("g1", "g2"), 0.4)})
+    assert effect.exceeds_the_whole({**values, **dict.fromkeys(("g1", "g2"), 0.5)})
     zeros = library()["displacement_zero"]  # one of each mode, each with a range of its own
-    assert _highest(zeros) * zeros.sizes[0].nominal == pytest.approx(zeros.sizes[0].high)
+    most = _highest(Signature(zeros, zeros.neutral(), none, none))
+    assert most * zeros.sizes[0].nominal == pytest.approx(zeros.sizes[0].high)
+
+
+def test_a_fit_that_loses_more_than_the_whole_explains_nothing(problem):
+    effect, plain = within(1.0, 100.0), problem.fit_material()
+    values = {**effect.neutral(), "g1": 0.8, "tau1_s": 5.0, "tau3_s": 60.0}
+    for second, why in ((0.05, ""), (0.7, "the parts of viscoelastic_relaxation together")):
+        state = State(plain.state.material, {effect.name: {**values, "g2": second, "g3": 0.01}})
+        shape = len(plain.white), 3 + len(effect.parameters)
+        changes = 10.0 * np.random.default_rng(1).standard_normal(shape)
+        fit = replace(plain, model=Model((effect,)), state=state, jacobian=changes)
+        found = unusable(fit)
+        assert found.startswith(why)
+        assert bool(found) == bool(why)
 
 
 def test_stretches_are_runs_of_the_wanted_mean_length():

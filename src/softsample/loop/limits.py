@@ -76,7 +76,7 @@ def _limit(
 ) -> Limit | None:
     """Where as much is left as is needed, None beyond the range."""
     sizes = problem.settings.doubted(problem.variances, signature.effect.like_floor)
-    problem, highest = problem.with_variances(sizes), _highest(signature.effect)
+    problem, highest = problem.with_variances(sizes), _highest(signature)
     size = min(float(np.sqrt(need)) / signature.strength, highest)
     for _ in range(ROUNDS):
         fit = _plain_fit(problem, law, plain, signature.effect, _sized(signature, size))
@@ -96,17 +96,20 @@ def _sized(signature: Signature, multiple: float) -> Values:
     return {**signature.start, **moved}
 
 
-def _highest(effect: Effect) -> float:
+def _highest(signature: Signature) -> float:
     """Multiple of the nominal size at which the first of the sizes is at the end of its range.
 
-    Sizes that are shares of one whole are so together.
+    Sizes that are parts of one whole are so together.
     """
-    moved = [p for p in effect.sizes if p.nominal != p.neutral]
-    multiples = [
+    effect = signature.effect
+    ends = [
         ((p.high if p.nominal > p.neutral else p.low) - p.neutral) / (p.nominal - p.neutral)
-        for p in moved
+        for p in effect.sizes
+        if p.nominal != p.neutral
     ]
-    return min(multiples) / (len(moved) if effect.shares else 1)
+    if effect.whole is not None:
+        ends.append(max(p.high for p in effect.sizes) / effect.whole(_sized(signature, 1.0)))
+    return min(ends)
 
 
 def _plain_fit(problem: Problem, law: Model, plain: State, effect: Effect, values: Values) -> Fit:

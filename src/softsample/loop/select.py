@@ -389,6 +389,9 @@ def unusable(fit: Fit) -> str:
     """Why a fit explains nothing; empty if it may."""
     if at_end := driven_to_an_end(fit):
         return f"{at_end} lies at the end of its range"
+    for effect in fit.model.effects:
+        if effect.exceeds_the_whole(fit.state.values[effect.name]):
+            return f"the parts of {effect.name} together exceed the whole"
     if np.sqrt(fit.covariance[0, 0]) > OPEN_MODULUS:
         return "the modulus is open with these effects"
     return ""

@@ -115,8 +115,9 @@ class Effect:
         Whether any test of this protocol can show it.
     of_time : bool
         Whether it acts by the clock, so that records without time cannot show it.
-    shares : bool
-        Whether the sizes are parts of one whole, so that together they are in the range of one.
+    whole : callable, optional
+        What the sizes take together of one whole in the course of a record: in the range of one of
+        them, if they are parts of one. Proportional to the sizes.
     starts : tuple of dict
         Values of sizes from which a fit sets out too, where it has more than one minimum. Such an
         effect is fitted whatever its linear estimate promises.
@@ -151,7 +152,7 @@ class Effect:
     is_law: bool = False
     has: tuple[str, ...] = ()
     like_floor: bool = False
-    shares: bool = False
+    whole: Callable[[Values], float] | None = None
     starts: tuple[Values, ...] = ()
     travel: Callable[[Specimen, Array, Values], Array] = field(default=_travel)
     compliance: Callable[[Specimen, Values], float] = field(default=_rigid)
@@ -198,6 +199,10 @@ class Effect:
     def sizes(self) -> tuple[Parameter, ...]:
         """Parameters that the effect grows with."""
         return tuple(p for p in self.parameters if p.is_size)
+
+    def exceeds_the_whole(self, values: Values) -> bool:
+        """Whether sizes that are parts of one whole take more than one of them may."""
+        return self.whole is not None and self.whole(values) > max(p.high for p in self.sizes)
 
     def neutral(self) -> Values:
         """Values without effect; the others at the first of their grid."""

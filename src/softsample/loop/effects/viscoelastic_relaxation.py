@@ -35,12 +35,25 @@ LEAST_SPAN = 16.0
 
 
 def _tissue(specimen: Specimen, force: Array, travel: Array, values: Values) -> Array:
-    first, last = values["tau1_s"], values["tau3_s"]
     found = force
-    for size, tau in zip(SIZES, (first, math.sqrt(first * last), last), strict=True):
+    for size, tau in zip(SIZES, _times(values), strict=True):
         if values[size]:
             found = found + relaxed(specimen.time, force, values[size], tau) - force
     return found
+
+
+def _lost(values: Values, duration: float) -> float:
+    """Part of a step's force that is lost within a duration [s]."""
+    return sum(
+        values[size] * -math.expm1(-duration / tau)
+        for size, tau in zip(SIZES, _times(values), strict=True)
+    )
+
+
+def _times(values: Values) -> tuple[float, float, float]:
+    """Relaxation times [s]."""
+    first, last = values["tau1_s"], values["tau3_s"]
+    return first, math.sqrt(first * last), last
 
 
 def _elastic(specimen: Specimen, fraction: float, travel: Array, values: Values) -> Array:
@@ -82,7 +95,7 @@ def within(briefest: float, duration: float) -> Effect:
                 (math.sqrt(briefest * middle), 0.25 * duration),
             )
         ),
-        shares=True,
+        whole=lambda values: _lost(values, duration),
         of_time=True,
         tier="P",
         source="Budday et al., Acta Biomater. 48 (2017) 319, doi:10.1016/j.actbio.2016.10.036; "

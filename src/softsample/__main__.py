@@ -6,7 +6,7 @@ import shlex
 import sys
 from collections.abc import Mapping, Sequence
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -29,6 +29,9 @@ KINDS = f".json, .csv, .tsv, .vtu, .stl, {', '.join(IMAGE_ENDINGS)}"
 
 LONG = 12
 """Longer lists are abbreviated when printed."""
+
+if TYPE_CHECKING:
+    from softsample.study.check import Inspection
 
 MM = 1e-3
 
@@ -151,7 +154,7 @@ def _check(folder: str) -> int:
     return status
 
 
-def _tell(result: Any, folder: str) -> int:
+def _tell(result: "Inspection", folder: str) -> int:
     """Print doubts, faults and the next command; returns the exit status."""
     from softsample.study.check import each_cure_once
 

@@ -194,7 +194,6 @@ rule figure_exponents:
     log:
         "<logs>/figure_exponents.log",
     params:
-        cohort=COHORT,
         alpha=config["material"]["alpha"],
         confidence=config["uncertainty"]["confidence"],
     message:

@@ -91,8 +91,6 @@ rule figure_geometry_effects:
         pdf="<results>/figures/geometry_effects.pdf",
     log:
         "<logs>/figure_geometry_effects.log",
-    params:
-        cohort=COHORT,
     message:
         "Figure: effects of the geometry on the bias"
     script:
@@ -159,7 +157,6 @@ rule figure_prescribed:
     params:
         samples=rules.table_prescribed.params.samples,
         geometries=rules.table_prescribed.params.geometries,
-        cohort=COHORT,
     message:
         "Figure: prescribed displacements in place of contact"
     script:

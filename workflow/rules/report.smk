@@ -224,9 +224,6 @@ rule figure2:
         pdf="<results>/figures/figure2.pdf",
     log:
         "<logs>/figure2.log",
-    params:
-        sample=SHOWN,
-        cohort=COHORT,
     message:
         "Figure 2: from image to meshes"
     script:
@@ -251,7 +248,6 @@ rule figure3:
     params:
         samples={"real": REAL_EXAMPLES, "ideal": list(EXAMPLES.values())},
         rows={name: SAMPLES[name] for name in EXAMPLES.values()},
-        cohort=COHORT,
     message:
         "Figure 3: boundary conditions"
     script:
@@ -295,8 +291,6 @@ rule figure4:
         pdf="<results>/figures/figure4.pdf",
     log:
         "<logs>/figure4.log",
-    params:
-        cohort=COHORT,
     message:
         "Figure 4: nominal stress against strain"
     script:
@@ -320,7 +314,6 @@ rule figure5:
     log:
         "<logs>/figure5.log",
     params:
-        title=f"Two-term Ogden model, {COHORT}",
         groups=fitted_groups("ogden2"),
         ideal=PLAN.ideal_shape,
     message:
@@ -346,7 +339,6 @@ use rule figure5 as figure6 with:
     log:
         "<logs>/figure6.log",
     params:
-        title=f"One-term Ogden model in compression alone, {COHORT}",
         groups=fitted_groups("ogden1"),
         ideal=PLAN.ideal_shape,
     message:
@@ -376,7 +368,6 @@ rule figure7:
         samples=list(EXAMPLES.values()),
         rows=[SAMPLES[sample] for sample in EXAMPLES.values()],
         real=REAL_EXAMPLES,
-        cohort=COHORT,
     message:
         "Figure 7: strain on the real and the idealised geometry"
     script:
@@ -411,7 +402,6 @@ rule contact_area:
         "<logs>/contact_area.log",
     params:
         runs=PRESSED,
-        cohort=COHORT,
         ideal=PLAN.ideal_shape,
     message:
         "Contact area in compression"
@@ -438,7 +428,6 @@ rule figure_response:
     params:
         mode=row_value("mode"),
         geometries=lambda wildcards: geometries_of(wildcards.sample),
-        cohort=COHORT,
         ideal=PLAN.ideal_shape,
     message:
         "Record and model: {wildcards.sample}"
@@ -470,7 +459,6 @@ use rule figure7 as figure_strain with:
         samples=lambda wildcards: [wildcards.sample],
         rows=lambda wildcards: [SAMPLES[wildcards.sample]],
         real=listed(of_real("{sample}")),
-        cohort=COHORT,
     message:
         "Strain: {wildcards.sample}"
 

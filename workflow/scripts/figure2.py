@@ -10,7 +10,7 @@ from softsample.io import read_distance, read_image, read_json, read_mesh, writt
 from softsample.workflow import logged_to
 
 with logged_to(snakemake):
-    given, shown = snakemake.input, snakemake.params
+    given = snakemake.input
     meshes = [read_mesh(name) for name in (given.real, given.ideal)]
     image = SegmentedImage(
         *read_image(given.image[0]),

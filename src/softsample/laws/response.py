@@ -6,12 +6,13 @@ import numpy as np
 from numpy.typing import NDArray
 
 from softsample.laws.candidates import Candidate
+from softsample.response import law_response
 from softsample.response.unit import homogeneous_area
 from softsample.shapes import IdealShape
 
 Array = NDArray[np.float64]
 
-REFERRED = {"torsion": "shear", "indentation": "compression"}
+REFERRED = {**law_response.REFERRED, "torsion": "shear"}
 """Homogeneous test that one which is never uniform is referred to, at the same nominal strain."""
 
 

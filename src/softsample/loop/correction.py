@@ -22,6 +22,7 @@ from softsample.loop.discrepancy import averaging
 from softsample.loop.effects.base import Effect, Values
 from softsample.loop.errors import Fold, fold_errors
 from softsample.loop.fit import Fit, Problem
+from softsample.loop.noise import observed_scale
 from softsample.loop.scale import Scales, by_specimen, most_likely, scale_of
 from softsample.loop.specimen import FORCE, Specimen
 
@@ -331,6 +332,7 @@ class _Test:
         """Of one test of a problem."""
         specimen, w = problem.specimens[k], problem.whiteners[k]
         force = fit.model.predict(specimen, fit.state)
+        measured = observed_scale(w.blocks(specimen.force), w.blocks(force))
         double = fit.model.with_effect(_effect(lambda s, force, travel, values: 2.0 * force))
         state = replace(fit.state, values={**fit.state.values, NAME: {}})
         x = w.blocks(specimen.travel) / specimen.reach
@@ -345,7 +347,7 @@ class _Test:
             to @ w.blocks(double.predict(specimen, state) - force),
             to @ apart @ to.T,
             to @ (np.outer(spread, spread) * near) @ to.T,
-            w.variances["scale"] * (0.01 * problem.settings.scale_percent) ** 2,
+            w.variances["scale"] * (0.01 * problem.settings.scale_percent * measured) ** 2,
         )
 
 

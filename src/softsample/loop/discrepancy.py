@@ -19,7 +19,7 @@ from scipy.optimize import minimize
 
 from softsample.loop.fit import Fit, Problem
 from softsample.loop.model import CONTACT_ZERO, Packing
-from softsample.loop.noise import FORM, FURTHEST
+from softsample.loop.noise import FORM, FURTHEST, observed_scale
 from softsample.loop.specimen import blocks
 
 Array = NDArray[np.float64]
@@ -88,12 +88,15 @@ def estimated(problem: Problem, fit: Fit) -> Problem:
 
 
 def _scaled(problem: Problem, fit: Fit) -> Problem:
-    """The same with an error of scale that goes with the force of a fit."""
-    forces = problem.predicted(fit.model, fit.state)
-    return problem.with_whiteners([
-        w.with_scale(0.01 * problem.settings.scale_percent * blocks(force, w.size))
-        for w, force in zip(problem.whiteners, forces, strict=True)
-    ])  # fmt: skip
+    """The same with an error of scale of the form of a fit."""
+    whiteners = []
+    for specimen, w, force in zip(
+        problem.specimens, problem.whiteners, problem.predicted(fit.model, fit.state), strict=True
+    ):
+        measured = observed_scale(w.blocks(specimen.force), w.blocks(force))
+        one = 0.01 * problem.settings.scale_percent * measured
+        whiteners.append(w.with_scale(one * blocks(force, w.size)))
+    return problem.with_whiteners(whiteners)
 
 
 def settled(problem: Problem, fit: Fit, rounds: int = ROUNDS) -> tuple[Problem, Fit]:

@@ -63,7 +63,7 @@ def estimated(problem: Problem, fit: Fit) -> Problem:
     names = list(problem.whiteners[0].discrepancy)
     if not names or problem.settings.spread <= 1.0:
         return problem
-    problem = _scaled(problem, fit)
+    problem = with_scale_of(problem, fit)
     tests = _tests(problem, fit, names)
     prior = np.full(fit.jacobian.shape[1] + 1, NOTHING)
     prior[CONTACT_ZERO] += problem.settings.contact_zero_mm**-2
@@ -87,7 +87,7 @@ def estimated(problem: Problem, fit: Fit) -> Problem:
     return problem.with_variances(variances)
 
 
-def _scaled(problem: Problem, fit: Fit) -> Problem:
+def with_scale_of(problem: Problem, fit: Fit) -> Problem:
     """The same with an error of scale of the form of a fit."""
     whiteners = []
     for specimen, w, force in zip(

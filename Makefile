@@ -21,7 +21,7 @@ export PYTHONPATH := src
 export NUMBA_CACHE_DIR ?= $(CURDIR)/.numba/$(shell cat src/softsample/fem/*.py src/softsample/constitutive/*.py src/softsample/constitutive/laws/*.py | sha256sum | cut -c1-16)
 unexport VIRTUAL_ENV
 
-.PHONY: help env run quick new-study add-sample check-study study extended docs site test test-study test-long check bench bench-solver bench-imaging bench-laws bench-scale verify undeclared blind blind-full \
+.PHONY: help env run quick new-study add-sample check-study study extended docs site test test-study test-long check bench bench-solver bench-imaging bench-laws bench-scale verify undeclared blind blind-foreign blind-full \
 	measured measured-docs format clean clean-env
 
 help:
@@ -46,6 +46,7 @@ help:
 	echo "make bench-laws  elastic laws recovered from records that CalculiX made: docs/law_recovery.md"
 	echo "make undeclared records with undeclared effects, from image to scored verdict: results/undeclared/"
 	echo "make blind      the loop on records with undeclared effects, scored: results/blind/"
+	echo "make blind-foreign the same with errors of other families, sizes not told: results/blind-*/"
 	echo "make blind-full the same at four sizes and three designs, fewer of each: results/blind-full/"
 	echo "make measured   studies of public measured sets, if their files are there: results/measured/ (SETS=\"...\": only these)"
 	echo "make measured-docs  the same, and docs/measured.md as it came out"
@@ -145,6 +146,9 @@ undeclared: $(stamp)
 
 blind: $(stamp)
 	$(bin)/snakemake --cores $(CORES) blind --configfile config/blind.yaml
+
+blind-foreign: $(stamp)
+	$(bin)/snakemake --cores $(CORES) blind_foreign --configfile config/blind.yaml
 
 blind-full: $(stamp)
 	$(bin)/snakemake --cores $(CORES) blind_full --configfile config/blind.yaml

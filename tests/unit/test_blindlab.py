@@ -33,6 +33,7 @@ CHANGED = {
     "pressed",
 }
 MU = 1000.0
+NO_FLOOR = records.Floor(0.0)
 
 
 def straight_curves():
@@ -103,7 +104,7 @@ def test_a_size_that_was_not_simulated_is_no_record_without_effect():
     tilt = EFFECTS["platen_tilt"].make(np.random.default_rng(1), BODY, 0.3)
     with pytest.raises(ValueError, match=r"no curve at 0.3 times the nominal size: \['tilt'\]"):
         records.make_records(
-            BODY, straight_curves(), [tilt], MU, "B", 0.0, 0.3, np.random.default_rng(1)
+            BODY, straight_curves(), [tilt], MU, "B", NO_FLOOR, 0.3, np.random.default_rng(1)
         )
 
 
@@ -149,7 +150,7 @@ def test_records_have_the_noise_and_the_floor_that_they_say():
     for seed in range(12):
         for percent in (0.0, 2.0):
             random = np.random.default_rng(seed)
-            made_of = (BODY, curves, [], MU, "B", percent, 1.0, random)
+            made_of = (BODY, curves, [], MU, "B", records.Floor(percent), 1.0, random)
             tension = records.make_records(*made_of)[0].table
             left = tension["force_N"] - 1e-6 * MU * 30.0 * tension["displacement_mm"].clip(0.0)
             (floor if percent else noise).append(left.to_numpy())
@@ -159,12 +160,33 @@ def test_records_have_the_noise_and_the_floor_that_they_say():
     assert 0.01 * peak < np.std(held) < 0.032 * peak
 
 
+@pytest.mark.parametrize("family", records.FAMILIES)
+def test_floors_of_every_family_have_the_size_that_they_say(family):
+    """And differ in how smooth they are."""
+    random, x = np.random.default_rng(3), np.linspace(0.0, 1.0, 401)
+    draws = np.array([records.FAMILIES[family](random)(x) for _ in range(400)])
+    assert np.sqrt(np.mean(draws**2)) == pytest.approx(1.0, rel=0.1)
+    steps = np.sqrt(np.mean(np.diff(draws) ** 2))
+    assert (steps > 0.05) == (family == "exponential")
+
+
+def test_a_scale_of_each_mode_is_one_of_all_of_its_record():
+    floor, random = records.Floor(0.0, scale_percent=5.0), np.random.default_rng(2)
+    made_of = (BODY, straight_curves(), [], MU, "C", floor, 1.0, random)
+    scales = [
+        np.abs(r.table["force_N"]).max() / (1e-6 * MU * 30.0 * BODY.stroke(r.mode))
+        for r in records.make_records(*made_of)
+    ]
+    np.testing.assert_allclose(scales[::2], scales[1::2], rtol=0.01)
+    assert 0.01 < np.std(np.log(scales)) < 0.15
+
+
 def test_designs_are_what_they_say():
     curves = straight_curves()
 
     def lengths(design):
         random = np.random.default_rng(1)
-        made_of = (BODY, curves, [], MU, design, 0.0, 1.0, random)
+        made_of = (BODY, curves, [], MU, design, NO_FLOOR, 1.0, random)
         return [(r.mode, r.table["time_s"].max()) for r in records.make_records(*made_of)]
 
     way = {mode: BODY.stroke(mode) / records.SPEED for mode in MODES}
@@ -177,13 +199,13 @@ def test_swapped_labels_are_swapped():
     curves = straight_curves()
     fault = KINDS["mixed_labels"].make(np.random.default_rng(1), BODY, 1.0)
     random = np.random.default_rng(1)
-    made_of = (BODY, curves, [fault], MU, "B", 0.0, 1.0, random)
+    made_of = (BODY, curves, [fault], MU, "B", NO_FLOOR, 1.0, random)
     assert [r.mode for r in records.make_records(*made_of)] == ["shear", "compression", "tension"]
 
 
 def test_an_experiment_is_the_same_whenever_it_is_made_and_says_nothing_of_its_fault():
     experiment = Experiment("effect", ("force_offset",), "B", 1.0, 0.0, 5)
-    one, again = (experiment.records(BODY, straight_curves()) for _ in range(2))
+    one, again = (experiment.records(BODY, straight_curves(), NO_FLOOR) for _ in range(2))
     for a, b in zip(one, again, strict=True):
         pd.testing.assert_frame_equal(a.table, b.table)
         assert set(vars(a)) == {"mode", "table"}

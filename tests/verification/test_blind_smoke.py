@@ -9,6 +9,7 @@ from softsample.blindlab.curves import planted_curves
 from softsample.blindlab.judge import Resolution, answer, elastics
 from softsample.blindlab.models import model_curves
 from softsample.blindlab.plan import Benches, Experiment
+from softsample.blindlab.records import Floor
 from softsample.blindlab.score import Case, score
 from softsample.fem.explicit import SolverSettings
 from softsample.loop.posed import LoopSettings
@@ -35,7 +36,7 @@ def judged(bench, kind, names=(), size=1.0, seed=31):
     body, curves, models = bench
     experiment = Experiment(kind, names, "B", size, 0.0, seed)
     settings = COARSE.settings(LoopSettings(), 0.0)
-    records = experiment.records(body, curves)
+    records = experiment.records(body, curves, Floor(0.0))
     return Case(experiment.planted(body), answer(records, models, settings))
 
 
@@ -69,7 +70,7 @@ def test_plain_effects_are_named_and_nothing_is_found_where_nothing_is(cases):
 def test_verdicts_do_not_depend_on_the_order_of_the_records(bench):
     body, curves, models = bench
     experiment = Experiment("effect", ("force_offset",), "B", 1.0, 0.0, 33)
-    records = experiment.records(body, curves)
+    records = experiment.records(body, curves, Floor(0.0))
     settings = COARSE.settings(LoopSettings(), 0.0)
     one, other = (answer(order, models, settings) for order in (records, records[::-1]))
     assert one["verdict"] == other["verdict"]

@@ -117,6 +117,13 @@ rule blind:
         "Blind laboratory scored: {input}"
 
 
+rule blind_foreign:
+    input:
+        expand("<results>/blind-{family}/score.json", family=("exponential", "polynomial")),
+    message:
+        "Blind laboratory scored with errors of other families: {input}"
+
+
 rule blind_full:
     input:
         "<results>/blind-full/score.json",

@@ -490,6 +490,7 @@ rule page:
         cuboid=expand("<results>/cuboid/{sample}.json", sample=PIECES),
         tables=captioned(tables()),
         numbers="<results>/tables/numbers.rst",
+        document="<results>/results.json",
         figures=captioned(figures()),
         intervals="<results>/tables/intervals.csv",
         fits=calibrations(GROUPS),

@@ -16,16 +16,17 @@ with logged_to(snakemake):
     }
     loop = LoopSettings.of_config(given.loop)
     resolution, benches = Resolution(**given.noise), Benches(**given.bodies)
-    part = plan(Extent(**given.extent))[given.part :: given.parts]
+    extent = Extent(**given.extent)
+    part = plan(extent)[given.part :: given.parts]
     tell, answers = progress_bar(), {}
     for done, experiment in enumerate(part):
         tell("experiments", done / len(part))
         body = experiment.body(benches)
         number = given.part + done * given.parts
         answers[number] = answer(
-            experiment.records(body, curves[body.name]),
+            experiment.records(body, curves[body.name], extent.floor(experiment)),
             models[body.name],
-            resolution.settings(loop, experiment.floor_percent),
+            resolution.settings(loop, experiment.floor_percent) if extent.told else loop,
             given.bootstraps if number % given.bootstrap_every == 0 else 0,
         )
     write_json(snakemake.output.answers, answers)

@@ -18,6 +18,7 @@ from softsample.report.html import (
     picture,
     render_report,
 )
+from softsample.report.results import brief
 from softsample.report.scene import scene
 from softsample.workflow import logged_to, provenance
 
@@ -104,6 +105,7 @@ with logged_to(snakemake):
     page = render_report(
         Path(given.template),
         cohort=shown.cohort,
+        cards=brief(read_json(given.document)),
         summary=caption(parts / "workflow.rst", config),
         left_out=shown.left_out,
         failures=shown.failures,

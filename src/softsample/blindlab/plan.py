@@ -10,7 +10,7 @@ import pandas as pd
 
 from softsample.blindlab.bodies import Body
 from softsample.blindlab.faults import EFFECTS, KINDS, SCALES, STRANGERS, Fault
-from softsample.blindlab.records import MU_PA, Record, make_records
+from softsample.blindlab.records import MU_PA, Floor, Record, make_records
 
 GROUPS: dict[str, tuple[str, ...]] = {
     "ratio of shear to axial": (
@@ -51,6 +51,12 @@ class Extent:
         Experiments without effect, and with two, for each design and floor.
     first_seed : int
         Seeds below are for development.
+    family : str
+        Key of `records.FAMILIES`: how the error of the model goes with the travel.
+    scale_percent : float
+        Standard deviation of the scale of each test [%].
+    told : bool
+        Whether the diagnosis knows the size of these errors; if not, it has its usual settings.
     """
 
     designs: Sequence[str] = ("B",)
@@ -60,6 +66,13 @@ class Extent:
     nulls: int = 400
     pairs: int = 60
     first_seed: int = 70000
+    family: str = "gaussian"
+    scale_percent: float = 0.0
+    told: bool = True
+
+    def floor(self, experiment: "Experiment") -> Floor:
+        """Errors of the model in an experiment."""
+        return Floor(experiment.floor_percent, self.family, self.scale_percent)
 
 
 @dataclass(frozen=True)
@@ -100,12 +113,10 @@ class Experiment:
         mu = float(random.uniform(*MU_PA))
         return mu, [KINDS[name].make(random, body, self.size) for name in self.names], random
 
-    def records(self, body: Body, curves: pd.DataFrame) -> list[Record]:
+    def records(self, body: Body, curves: pd.DataFrame, floor: Floor) -> list[Record]:
         """The records, without a word on what is wrong."""
         mu, faults, random = self.prepared(body)
-        return make_records(
-            body, curves, faults, mu, self.design, self.floor_percent, self.size, random
-        )
+        return make_records(body, curves, faults, mu, self.design, floor, self.size, random)
 
     def planted(self, body: Body) -> dict[str, Any]:
         """What only the score may see."""

@@ -1,10 +1,11 @@
 """Records of an experiment: clock, faults, floor, noise."""
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 
 import numpy as np
 import pandas as pd
+from numpy.polynomial import Legendre
 from numpy.typing import NDArray
 from scipy.interpolate import PchipInterpolator
 from scipy.signal import lfilter
@@ -25,7 +26,35 @@ DESIGNS = {"A": (1.0,), "B": (1.0,), "C": (1.0, 10.0)}
 WHITE, SLOW, SLOW_TIME = 1.0e-3, 0.5e-3, 1.0  # N, N, s
 READING = 1.0e-3  # mm
 FLOOR_LENGTH = 0.25  # of the stroke
+DEGREE = 5  # of the floor that is a polynomial
 MU_PA = (800.0, 2500.0)
+
+
+@dataclass(frozen=True)
+class Floor:
+    """What the model of a test lacks beside the faults.
+
+    Parameters
+    ----------
+    percent : float
+        Standard deviation of an error of each mode that nothing explains [% of peak].
+    family : str
+        Key of `FAMILIES`: how it goes with the travel.
+    scale_percent : float
+        Standard deviation of an error of each mode's scale [%].
+    """
+
+    percent: float
+    family: str = "gaussian"
+    scale_percent: float = 0.0
+
+    def on(self, test: Trial, force: Array, wave: Curve, scale: float) -> Array:
+        """Force (n,) [N] with a draw of both errors; nothing before the platen moves."""
+        if self.percent:
+            moved = np.clip(test.travel / (0.02 * test.stroke), 0.0, 1.0)
+            error = 0.01 * self.percent * np.abs(force).max()
+            force = force + error * moved * wave(test.travel / test.stroke)
+        return force * np.exp(0.01 * self.scale_percent * scale)
 
 
 @dataclass(frozen=True, eq=False)
@@ -42,7 +71,7 @@ def make_records(
     faults: Sequence[Fault],
     mu: float,
     design: str,
-    floor_percent: float,
+    floor: Floor,
     size: float,
     random: np.random.Generator,
 ) -> list[Record]:
@@ -60,8 +89,8 @@ def make_records(
         Shear modulus [Pa].
     design : str
         Key of `DESIGNS`.
-    floor_percent : float
-        Standard deviation of a smooth error of each mode that nothing explains [% of peak].
+    floor : Floor
+        What the model lacks beside that.
     size : float
         Multiple of the nominal size, for the faults that are changed curves.
     random : Generator
@@ -80,14 +109,11 @@ def make_records(
     loop = _loop(curves, size)
     records = []
     for mode in MODES:
-        wave = _smooth(random)
+        wave = FAMILIES[floor.family](random)
+        scale = float(random.normal()) if floor.scale_percent else 0.0
         for speed in DESIGNS[design]:
             test = _test(body, mode, mu, elastic, loop, design, SPEED * speed)
-            force = _force(test, faults)
-            moved = np.clip(test.travel / (0.02 * test.stroke), 0.0, 1.0)
-            if floor_percent:
-                error = 0.01 * floor_percent * np.abs(force).max()
-                force = force + error * moved * wave(test.travel / test.stroke)
+            force = floor.on(test, _force(test, faults), wave, scale)
             records.append(Record(mode, _table(test, force, random)))
     return _relabelled(records, faults)
 
@@ -162,6 +188,31 @@ def _smooth(random: np.random.Generator) -> Curve:
     wave = random.normal(0.0, 1.0 / FLOOR_LENGTH, 64)
     phase = random.uniform(0.0, 2.0 * np.pi, 64)
     return lambda x: np.cos(np.outer(x, wave) + phase).sum(axis=1) * np.sqrt(2.0 / 64.0)
+
+
+def _rough(random: np.random.Generator) -> Curve:
+    """Random function of standard deviation 1 with corners everywhere: Ornstein and Uhlenbeck's."""
+    grid = np.linspace(-0.2, 1.2, 1401)
+    keep = np.exp(-(grid[1] - grid[0]) / FLOOR_LENGTH)
+    kicks = random.normal(0.0, np.sqrt(1.0 - keep**2), len(grid))
+    kicks[0] /= np.sqrt(1.0 - keep**2)
+    values = np.asarray(lfilter([1.0], [1.0, -keep], kicks))
+    return lambda x: np.interp(x, grid, values)
+
+
+def _polynomial(random: np.random.Generator) -> Curve:
+    """Random polynomial without constant, of standard deviation 1 over the stroke."""
+    degrees = np.arange(1, DEGREE + 1)
+    factors = random.normal(size=DEGREE) * np.sqrt((2.0 * degrees + 1.0) / DEGREE)
+    return Legendre([0.0, *factors], domain=[0.0, 1.0])
+
+
+FAMILIES: dict[str, Callable[[np.random.Generator], Curve]] = {
+    "gaussian": _smooth,
+    "exponential": _rough,
+    "polynomial": _polynomial,
+}
+"""Random errors along the travel over the stroke."""
 
 
 def _table(test: Trial, force: Array, random: np.random.Generator) -> pd.DataFrame:

@@ -16,6 +16,11 @@ SIZES = (
 
 RECORD = ("travel_mm", "ramp_speed_mm_s", "peak_force_N", "force_noise_N")
 
+BRIEF = (
+    "group", "modulus to quote [Pa]", "calibrated [Pa]", "ideal shape [Pa]", "bias", "verdict",
+)  # fmt: skip
+"""Titles of what a run says last of each group."""
+
 Report = Mapping[str, Any]
 
 
@@ -132,13 +137,16 @@ def in_brief(document: Mapping[str, Any]) -> str:
     The modulus to quote is that of the verdict; the calibrated one that of the best geometry of the
     group: of the ideal shape, if its true shape is not known.
     """
-    head = (
-        "group", "modulus to quote [Pa]", "calibrated [Pa]", "ideal shape [Pa]", "bias", "verdict"
-    )  # fmt: skip
-    rows = [head, *(_line(name, group) for name, group in document["groups"].items())]
+    rows = [BRIEF, *(tuple(row.values()) for row in brief(document))]
     widths = [max(map(len, column)) for column in zip(*rows, strict=True)]
     lines = ["  ".join(map(str.ljust, row, widths)).rstrip() for row in rows]
     return "\n".join([*lines, *_findings(document["groups"])])
+
+
+def brief(document: Mapping[str, Any]) -> list[dict[str, str]]:
+    """What was found in each group, as text by the titles `BRIEF`, see `in_brief`."""
+    groups = document["groups"].items()
+    return [dict(zip(BRIEF, _line(*group), strict=True)) for group in groups]
 
 
 def _line(name: str, group: Mapping[str, Any]) -> tuple[str, ...]:

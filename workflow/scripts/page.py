@@ -100,13 +100,15 @@ with logged_to(snakemake):
             }
         )
     reports += chain.from_iterable(fits.values())
+    real = any("real" in of for of in runs.values())
     checks = {Path(name).stem: read_json(name)["checks"] for name in given.checks}
     own = provenance(snakemake)
     page = render_report(
         Path(given.template),
         cohort=shown.cohort,
         cards=brief(read_json(given.document)),
-        summary=caption(parts / "workflow.rst", config),
+        real=real,
+        summary=caption(parts / ("workflow.rst" if real else "workflow_ideal.rst"), config),
         left_out=shown.left_out,
         failures=shown.failures,
         tables=[

@@ -289,7 +289,7 @@ def block(cells):
 def test_a_surface_comes_back_from_its_packed_form():
     before, after, faces, values = block(3)
     packed = scene({"real": (before, after, faces, values)})
-    assert packed["limits"] == pytest.approx(np.percentile(values, (1.0, 99.0)))
+    assert packed["limits"] == pytest.approx([0.0, np.percentile(values, 99.0)])
     shape = packed["surfaces"]["real"]
     assert shape["corners"] == 4
     points = shape["unit"] * unpacked(shape["before"], "<i2").reshape(-1, 3)

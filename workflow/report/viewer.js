@@ -137,5 +137,4 @@ function cross(u, v) {
 
 const viewers = [...document.querySelectorAll(".viewer")].map(figure => new Viewer(figure));
 window.addEventListener("resize", () => viewers.forEach(viewer => viewer.draw()));
-// what is folded on the screen is printed
-window.addEventListener("beforeprint", () => document.querySelectorAll("details").forEach(part => { part.open = true; }));
+document.addEventListener("toggle", () => viewers.forEach(viewer => viewer.draw()), true);

@@ -15,8 +15,8 @@ Shape = tuple[Array, Array, NDArray[np.int64], Array]
 MOST_FACES = 12_000
 """A finer surface is decimated: a browser draws this many faces in a few hundredths of a second."""
 
-PERCENTILES = (1.0, 99.0)
-"""Share of the values that the colours span, as in figure 7."""
+PERCENTILE = 99.0
+"""Of the values at which the colours end, which begin at no strain, as in figure 7."""
 
 LARGEST = 32767
 
@@ -39,7 +39,7 @@ def scene(surfaces: Mapping[str, Shape]) -> dict[str, Any]:
         the limits).
     """
     values = np.concatenate([s[3] for s in surfaces.values()])
-    limits = np.percentile(values[np.isfinite(values)], PERCENTILES)
+    limits = np.array([0.0, np.percentile(values[np.isfinite(values)], PERCENTILE)])
     return {
         "limits": [float(end) for end in limits],
         "extent_mm": max(float(np.ptp(s[0], axis=0).max()) for s in surfaces.values()),

@@ -204,7 +204,7 @@ def _planted(
     records = {row["record"]: read_table(study / row["record"]) for _, row in table.iterrows()}
     able = [
         group
-        for group, of in table.groupby("group")
+        for group, of in ((str(name), rows) for name, rows in table.groupby("group"))
         if group in sizes
         and (not modes or set(of["mode"]) & set(modes))
         and all(set(columns) <= set(records[path]) for path in of["record"])

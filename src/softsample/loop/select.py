@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 
 from softsample.loop.discrepancy import settled
 from softsample.loop.effects.base import Effect
-from softsample.loop.errors import cross_validated, log_density, touched
+from softsample.loop.errors import cross_validated, log_densities, log_density, touched
 from softsample.loop.fit import Fit, Problem
 from softsample.loop.joint import joint_fit, law_fit, nearest
 from softsample.loop.model import FIXED, Model
@@ -437,7 +437,8 @@ def _round(
     if not _earned(here, best):
         return Step(threshold, _one_of_each(candidates), None, refused=best, why=NOT_EARNED)
     candidates = _compared(here, _one_of_each([best, *candidates]), best)
-    return Step(threshold, candidates, best, _members(candidates, best, settings), refused, why)
+    members = _members(candidates, best, threshold, settings)
+    return Step(threshold, candidates, best, members, refused, why)
 
 
 def _fitted(
@@ -530,11 +531,33 @@ def _in_class(candidate: Candidate, best: Candidate, settings: SelectionSettings
 
 
 def _members(
-    candidates: Sequence[Candidate], best: Candidate, settings: SelectionSettings
+    candidates: Sequence[Candidate],
+    best: Candidate,
+    threshold: float,
+    settings: SelectionSettings,
 ) -> list[str]:
     """The class of the best candidate, itself first."""
-    others = [c for c in candidates if c.name != best.name and _in_class(c, best, settings)]
-    return [best.name, *(c.name for c in others)]
+    others = [c for c in candidates if c.name != best.name]
+    told = any(c.evidence >= threshold for c in others)
+    most = _densities(best) if told else None
+    return [best.name] + [
+        c.name
+        for c in others
+        if _in_class(c, best, settings)
+        or (most is not None and c.evidence >= threshold and _as_likely(_densities(c), most))
+    ]
+
+
+def _densities(candidate: Candidate) -> Array:
+    """Logarithm of the predictive density of what each fold leaves out."""
+    model = candidate.posed, candidate.settled
+    return log_densities(*model, cross_validated(*model))
+
+
+def _as_likely(one: Array, most: Array) -> bool:
+    """Whether what folds leave out tells one model from another by no standard error."""
+    apart = most - one
+    return len(apart) > 1 and bool(apart.sum() <= np.sqrt(len(apart)) * np.std(apart, ddof=1))
 
 
 def _comes_later(candidate: Candidate) -> bool:

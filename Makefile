@@ -49,7 +49,7 @@ help:
 	echo "make blind-foreign the same with errors of other families, sizes not told: results/blind-*/"
 	echo "make blind-full the same at four sizes and three designs, fewer of each: results/blind-full/"
 	echo "make measured   studies of public measured sets, if their files are there: results/measured/ (SETS=\"...\": only these)"
-	echo "make planted    known faults on top of their records, sealed, scored: results/planted/score.csv"
+	echo "make planted    known effects on top of their records, withheld, scored: results/planted/score.csv"
 	echo "make measured-docs  the same, and docs/measured.md as it came out"
 	echo "make format     let ruff and snakefmt rewrite the sources"
 	echo "make clean      remove results (clean-env: the environment)"

@@ -81,7 +81,7 @@ def test_answers_are_right_wrong_or_missed(results, tmp_path):
     assert main([str(results), str(target)]) == 0
     assert read_table(target / "score.csv")["verdict"].tolist()[2] == "failed"
     write_json(target / "planted.json", {"experiments": []})
-    with pytest.raises(InputError, match="not what was sealed"):
+    with pytest.raises(InputError, match="not the ground truth that was withheld"):
         score(results, target)
 
 

@@ -33,6 +33,10 @@ MOST_GROUPS = 150
 SHORTEST = 0.02
 """Part of the stroke over which blocks are averaged at least: where the platen rests, into one."""
 
+MOST_SCALE = 3.0
+"""Error of scale over that of the settings, at most: tests whose scales differ by more lack an
+effect, and a model that may have any scale in any test is none."""
+
 FIXED_THERE = 1e12
 """Precision of a parameter at the end of its range: the fit takes nothing away with it."""
 
@@ -72,7 +76,8 @@ def estimated(problem: Problem, fit: Fit) -> Problem:
     width = np.log(problem.settings.spread)
     here = problem.whiteners[0].variances
     starts = [np.zeros(len(names)), np.array([0.5 * np.log(here[name]) for name in names])]
-    bounds = [(-width * FURTHEST, width * FURTHEST * (name != FORM)) for name in names]
+    most = {FORM: 0.0, "scale": np.log(MOST_SCALE)}
+    bounds = [(-width * FURTHEST, most.get(name, width * FURTHEST)) for name in names]
     found = min(
         (
             minimize(

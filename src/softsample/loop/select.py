@@ -40,6 +40,10 @@ EARNED = float(np.log(20.0))
 OPEN_MODULUS = float(np.log(2.0))
 """Standard deviation of ln(mu) above which a fit leaves the modulus open: a factor of two."""
 
+RIVAL = 0.5
+"""Part of the best one's evidence below which folds are not asked whether they tell a candidate from
+it."""
+
 PROMISING = 0.1
 """Candidates whose linear gain is below this part of the best one's, or of the threshold, are not
 fitted."""
@@ -538,14 +542,14 @@ def _members(
 ) -> list[str]:
     """The class of the best candidate, itself first."""
     others = [c for c in candidates if c.name != best.name]
-    told = any(c.evidence >= threshold for c in others)
-    most = _densities(best) if told else None
-    return [best.name] + [
+    likely = [c for c in others if c.evidence >= max(threshold, RIVAL * best.evidence)]
+    most = _densities(best) if likely else np.zeros(0)
+    members = [
         c.name
         for c in others
-        if _in_class(c, best, settings)
-        or (most is not None and c.evidence >= threshold and _as_likely(_densities(c), most))
+        if _in_class(c, best, settings) or (c in likely and _as_likely(_densities(c), most))
     ]
+    return [best.name, *members]
 
 
 def _densities(candidate: Candidate) -> Array:

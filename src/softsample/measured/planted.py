@@ -152,7 +152,9 @@ def score(results: Path, target: Path) -> pd.DataFrame:
         If what was planted has changed since.
     """
     if sha256(target / PLANTED) != read_json(target / SEAL)["sha256"]:
-        raise InputError(f"{target / PLANTED}: not what was sealed; plant again")
+        raise InputError(
+            f"{target / PLANTED}: not the ground truth that was withheld; make the studies again"
+        )
     rows = []
     for case in read_json(target / PLANTED)["experiments"]:
         before = read_json(_verdict(results, case["study"], case["group"]))
@@ -227,8 +229,8 @@ def main(arguments: Sequence[str] | None = None) -> int:
         prog="python -m softsample.measured.planted", description=__doc__.partition("\n")[0]
     )
     parser.add_argument("results", type=Path, help="results of the measured sets")
-    parser.add_argument("target", type=Path, help="folder of the planted studies")
-    parser.add_argument("studies", nargs="*", help="studies to plant in; none: score the verdicts")
+    parser.add_argument("target", type=Path, help="folder of the changed studies")
+    parser.add_argument("studies", nargs="*", help="studies to change; none: score the verdicts")
     given = parser.parse_args(arguments)
     try:
         if given.studies:

@@ -41,8 +41,7 @@ OPEN_MODULUS = float(np.log(2.0))
 """Standard deviation of ln(mu) above which a fit leaves the modulus open: a factor of two."""
 
 RIVAL = 0.5
-"""Part of the best one's evidence below which folds are not asked whether they tell a candidate from
-it."""
+"""Part of the best one's evidence from which on folds are asked whether they tell a candidate."""
 
 PROMISING = 0.1
 """Candidates whose linear gain is below this part of the best one's, or of the threshold, are not

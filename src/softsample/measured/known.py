@@ -1,9 +1,9 @@
-"""Known faults on top of measured records: `python -m softsample.measured.planted RESULTS TARGET`.
+"""Known effects on top of measured records: `python -m softsample.measured.known RESULTS TARGET`.
 
-Does the diagnosis name them? `plant` writes study folders like those of the measured sets whose
-records have one fault each, so large that the diagnosis of the records as they are said it would
-see it, and seals what it planted. The forms of the faults are this file's own. `score` compares the
-verdicts with what was planted.
+Does the diagnosis name them? `write` makes study folders like those of the measured sets whose
+records have one effect each, so large that the diagnosis of the records as they are said it would
+see it, and withholds the ground truth. The forms of the effects are this file's own. `score`
+compares the verdicts with the ground truth.
 """
 
 import argparse
@@ -21,12 +21,12 @@ from softsample.io import read_json, read_samples, read_table, write_json, write
 from softsample.study import SETTINGS, TABLE
 
 MULTIPLE = 2.5
-"""Size of a fault over its detection limit in the records as they are."""
+"""Size of an effect over its detection limit in the records as they are."""
 
-PLANTED, SEAL, SCORE = "planted.json", "seal.json", "score.csv"
+TRUTH, SEAL, SCORE = "ground_truth.json", "seal.json", "score.csv"
 
 Record = pd.DataFrame
-Fault = Callable[[Record, float], Record]
+Change = Callable[[Record, float], Record]
 
 
 def _offset(record: Record, size: float) -> Record:
@@ -74,7 +74,7 @@ def _crosstalk(record: Record, size: float) -> Record:
     return record.assign(force_normal_N=record["force_normal_N"] + size * record["force_N"])
 
 
-FAULTS: dict[str, tuple[Fault, tuple[str, ...], tuple[str, ...]]] = {
+EFFECTS: dict[str, tuple[Change, tuple[str, ...], tuple[str, ...]]] = {
     "force_offset": (_offset, (), ()),
     "force_drift": (_drift, ("time_s",), ()),
     "machine_compliance": (_compliance, (), ()),
@@ -85,17 +85,17 @@ FAULTS: dict[str, tuple[Fault, tuple[str, ...], tuple[str, ...]]] = {
 """By the name of the effect that it is: what it does, to which columns, in which modes (or all)."""
 
 
-def plant(results: Path, target: Path, studies: Sequence[str]) -> list[Path]:
-    """Write study folders with one fault each, `{target}/{study}-{fault}/`, and what they hold.
+def write(results: Path, target: Path, studies: Sequence[str]) -> list[Path]:
+    """Write study folders with one effect each, `{target}/{study}-{effect}/`, and the ground truth.
 
     Parameters
     ----------
     results
         Results of the measured sets: `studies/{study}/` and `{study}/loop/{group}/verdict.json`.
     target
-        Folder of the study folders, of `planted.json` and of `seal.json`.
+        Folder of the study folders, of `ground_truth.json` and of `seal.json`.
     studies
-        Names of the studies to plant in.
+        Names of the studies whose records are changed.
 
     Returns
     -------
@@ -114,61 +114,61 @@ def plant(results: Path, target: Path, studies: Sequence[str]) -> list[Path]:
             for group, verdict in _verdicts(results, study).items()
             if verdict["verdict"] in ("explained", "none")
         }
-        for fault in FAULTS:
+        for effect in EFFECTS:
             sizes = {
-                group: MULTIPLE * verdict["detection_limits"][fault]["value"]
+                group: MULTIPLE * verdict["detection_limits"][effect]["value"]
                 for group, verdict in limits.items()
-                if fault in verdict["detection_limits"] and fault not in _named(verdict)
+                if effect in verdict["detection_limits"] and effect not in _named(verdict)
             }
-            folder = target / f"{study}-{fault}"
-            if rows := _planted(results / "studies" / study, folder, fault, sizes):
+            folder = target / f"{study}-{effect}"
+            if rows := _written(results / "studies" / study, folder, effect, sizes):
                 folders.append(folder)
-                found += [{"study": study, "fault": fault, **row} for row in rows]
-    write_json(target / PLANTED, {"experiments": found})
-    write_json(target / SEAL, {"sha256": sha256(target / PLANTED)})
+                found += [{"study": study, "effect": effect, **row} for row in rows]
+    write_json(target / TRUTH, {"experiments": found})
+    write_json(target / SEAL, {"sha256": sha256(target / TRUTH)})
     return folders
 
 
 def score(results: Path, target: Path) -> pd.DataFrame:
-    """What the verdicts made of what was planted, one row a group.
+    """What the verdicts made of the ground truth, one row a group.
 
     Parameters
     ----------
     results
         Results of the measured sets as they are.
     target
-        Folder of `planted.json`; results of its studies are below `results/`.
+        Folder of `ground_truth.json`; results of its studies are below `results/`.
 
     Returns
     -------
     DataFrame
-        `study`, `fault`, `group`, `size`, `verdict`, `effects`, and `answer`: `right` if a class
-        holds the fault; `wrong` if not, but one is named that the records as they are did not have;
+        `study`, `effect`, `group`, `size`, `verdict`, `effects`, and `answer`: `right` if a class
+        holds the effect; `wrong` if not, but one is named that the unchanged records did not have;
         `missed`.
 
     Raises
     ------
     InputError
-        If what was planted has changed since.
+        If the ground truth has changed since.
     """
-    if sha256(target / PLANTED) != read_json(target / SEAL)["sha256"]:
+    if sha256(target / TRUTH) != read_json(target / SEAL)["sha256"]:
         raise InputError(
-            f"{target / PLANTED}: not the ground truth that was withheld; make the studies again"
+            f"{target / TRUTH}: not the ground truth that was withheld; make the studies again"
         )
     rows = []
-    for case in read_json(target / PLANTED)["experiments"]:
+    for case in read_json(target / TRUTH)["experiments"]:
         before = read_json(_verdict(results, case["study"], case["group"]))
-        study = f"{case['study']}-{case['fault']}"
+        study = f"{case['study']}-{case['effect']}"
         path = _verdict(target / "results", study, case["group"])
         after = read_json(path) if path.is_file() else {"verdict": "failed", "effects": []}
-        rows.append({**case, **_answer(case["fault"], before, after)})
+        rows.append({**case, **_answer(case["effect"], before, after)})
     return pd.DataFrame(rows)
 
 
-def _answer(fault: str, before: Mapping[str, Any], after: Mapping[str, Any]) -> dict[str, str]:
+def _answer(effect: str, before: Mapping[str, Any], after: Mapping[str, Any]) -> dict[str, str]:
     """Verdict, its classes, and what they are worth."""
-    classes = [effect["class"] for effect in after["effects"]]
-    right = any(fault in names for names in classes)
+    classes = [one["class"] for one in after["effects"]]
+    right = any(effect in names for names in classes)
     foreign = any(not set(names) & _named(before) for names in classes)
     return {
         "verdict": after["verdict"],
@@ -191,17 +191,17 @@ def _verdict(results: Path, study: str, group: str) -> Path:
 
 
 def _named(verdict: Mapping[str, Any]) -> set[str]:
-    return {name for effect in verdict["effects"] for name in effect["class"]}
+    return {name for one in verdict["effects"] for name in one["class"]}
 
 
-def _planted(
-    study: Path, folder: Path, fault: str, sizes: Mapping[str, float]
+def _written(
+    study: Path, folder: Path, effect: str, sizes: Mapping[str, float]
 ) -> list[dict[str, Any]]:
-    """Write a study with a fault in groups of some sizes; what was planted, nothing if it cannot.
+    """Write a study with an effect in groups of some sizes; its ground truth.
 
-    A group whose records lack a column or a mode that the fault needs is left out.
+    A group whose records lack a column or a mode that the effect needs is left out.
     """
-    change, columns, modes = FAULTS[fault]
+    change, columns, modes = EFFECTS[effect]
     table = read_samples(study / TABLE)
     records = {row["record"]: read_table(study / row["record"]) for _, row in table.iterrows()}
     able = [
@@ -226,7 +226,7 @@ def _planted(
 def main(arguments: Sequence[str] | None = None) -> int:
     """Run the command line; prints the study folders, or the score, and returns the status."""
     parser = argparse.ArgumentParser(
-        prog="python -m softsample.measured.planted", description=__doc__.partition("\n")[0]
+        prog="python -m softsample.measured.known", description=__doc__.partition("\n")[0]
     )
     parser.add_argument("results", type=Path, help="results of the measured sets")
     parser.add_argument("target", type=Path, help="folder of the changed studies")
@@ -234,11 +234,11 @@ def main(arguments: Sequence[str] | None = None) -> int:
     given = parser.parse_args(arguments)
     try:
         if given.studies:
-            print(*plant(given.results, given.target, given.studies), sep="\n")
+            print(*write(given.results, given.target, given.studies), sep="\n")
         else:
             table = score(given.results, given.target)
             write_table(given.target / SCORE, table)
-            print(pd.crosstab([table["study"], table["fault"]], table["answer"]).to_string())
+            print(pd.crosstab([table["study"], table["effect"]], table["answer"]).to_string())
     except (SoftsampleError, OSError) as error:
         print(error, file=sys.stderr)
         return 1

@@ -1,4 +1,4 @@
-"""Known faults on top of measured records."""
+"""Known effects on top of measured records."""
 
 import numpy as np
 import pandas as pd
@@ -6,7 +6,7 @@ import pytest
 
 from softsample.errors import InputError
 from softsample.io import read_json, read_table, write_json, write_table, write_text
-from softsample.measured.planted import FAULTS, MULTIPLE, main, plant, score
+from softsample.measured.known import EFFECTS, MULTIPLE, main, score, write
 
 TABLE = "sample\tgroup\tmode\trecord\nA1\tA\tcompression\tr/A1.csv\nB1\tB\tshear\tr/B1.csv\n"
 
@@ -39,9 +39,9 @@ def results(tmp_path):
     return folder
 
 
-def test_each_fault_has_its_own_form_and_leaves_the_rest():
+def test_each_effect_has_its_own_form_and_leaves_the_rest():
     one = record(-1.0).assign(force_normal_N=0.0)
-    changed = {name: change(one, 0.5) for name, (change, *_) in FAULTS.items()}
+    changed = {name: change(one, 0.5) for name, (change, *_) in EFFECTS.items()}
     force, way = one["force_N"], one["displacement_mm"]
     assert (changed["force_offset"]["force_N"] - force).unique() == pytest.approx(5e-4)
     drift = changed["force_drift"]["force_N"] - force
@@ -59,20 +59,20 @@ def test_each_fault_has_its_own_form_and_leaves_the_rest():
     assert len(gap) == len(one) + 10
 
 
-def test_a_fault_is_planted_where_it_would_be_seen_and_sealed(results, tmp_path):
-    folders = plant(results, tmp_path / "planted", ["set"])
+def test_an_effect_is_added_where_it_would_be_seen(results, tmp_path):
+    folders = write(results, tmp_path / "known", ["set"])
     assert [f.name for f in folders] == ["set-force_offset", "set-late_contact"]
     offset = read_table(folders[0] / "r/B1.csv")["force_N"] - record(1.0)["force_N"]
     np.testing.assert_allclose(offset, 1e-3 * MULTIPLE * 20.0, rtol=1e-6)
-    cases = read_json(tmp_path / "planted/planted.json")["experiments"]
-    assert [(c["fault"], c["group"]) for c in cases] == [
+    cases = read_json(tmp_path / "known/ground_truth.json")["experiments"]
+    assert [(c["effect"], c["group"]) for c in cases] == [
         ("force_offset", "A"), ("force_offset", "B"), ("late_contact", "A"),
     ]  # fmt: skip
 
 
 def test_answers_are_right_wrong_or_missed(results, tmp_path):
-    target = tmp_path / "planted"
-    plant(results, target, ["set"])
+    target = tmp_path / "known"
+    write(results, target, ["set"])
     right = verdict([["self_weight", "force_offset"]], kind="explained")
     wrong = verdict([["slack"]], kind="explained")
     write_json(target / "results/set-force_offset/loop/A/verdict.json", right)
@@ -80,12 +80,12 @@ def test_answers_are_right_wrong_or_missed(results, tmp_path):
     assert score(results, target)["answer"].tolist() == ["right", "wrong", "missed"]
     assert main([str(results), str(target)]) == 0
     assert read_table(target / "score.csv")["verdict"].tolist()[2] == "failed"
-    write_json(target / "planted.json", {"experiments": []})
+    write_json(target / "ground_truth.json", {"experiments": []})
     with pytest.raises(InputError, match="not the ground truth that was withheld"):
         score(results, target)
 
 
-def test_without_a_verdict_nothing_can_be_planted(results, tmp_path, capsys):
+def test_without_a_verdict_nothing_can_be_added(results, tmp_path, capsys):
     (results / "set/loop/A/verdict.json").unlink()
-    assert main([str(results), str(tmp_path / "planted"), "set"]) == 1
+    assert main([str(results), str(tmp_path / "known"), "set"]) == 1
     assert "run `make measured` first" in capsys.readouterr().err

@@ -18,13 +18,12 @@ Written by `benchmarks/blind_page.py` from `softsample.blindlab`; edit the files
 
     make blind        # every effect at its nominal size, design B: results/blind/
     make blind-full   # four sizes, designs A, B and C, fewer of each: results/blind-full/
+    make blind-foreign  # floors of other families, sizes not told: results/blind-*/
 
 The laboratory makes records with undeclared effects and asks the diagnosis for the cause. Its
-formulas, clock, mesh, loading time and modulus fractions are its own: the makers of records import
-nothing of `softsample.loop`, and the score nothing of the effects (test). The ground truth is drawn
+formulas, clock, mesh, loading time and modulus fractions are its own (test). The ground truth is drawn
 from seeds, written to `planted.json` and hashed into `seal.json` before the first record is judged;
-scoring refuses another. Answers are frozen in `answers/`. Seeds from `first_seed` on serve the
-score alone.
+scoring refuses another. Answers are frozen in `answers/`.
 
 - Specimens: cuboids of many proportions; for `real_geometry` phantoms of imperfect shape, whose
   cuboid is the model. Modulus {MU_PA[0]:g} to {MU_PA[1]:g} Pa, drawn for every experiment.

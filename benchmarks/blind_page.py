@@ -21,9 +21,9 @@ Written by `benchmarks/blind_page.py` from `softsample.blindlab`; edit the files
     make blind-foreign  # floors of other families, sizes not told: results/blind-*/
 
 The laboratory makes records with undeclared effects and asks the diagnosis for the cause. Its
-formulas, clock, mesh, loading time and modulus fractions are its own (test). The ground truth is drawn
-from seeds, written to `planted.json` and hashed into `seal.json` before the first record is judged;
-scoring refuses another. Answers are frozen in `answers/`.
+formulas, clock, mesh, loading time and modulus fractions are its own (test). The ground truth is
+drawn from seeds, written to `planted.json` and hashed into `seal.json` before the first record is
+judged; scoring refuses another. Answers are frozen in `answers/`.
 
 - Specimens: cuboids of many proportions; for `real_geometry` phantoms of imperfect shape, whose
   cuboid is the model. Modulus {MU_PA[0]:g} to {MU_PA[1]:g} Pa, drawn for every experiment.

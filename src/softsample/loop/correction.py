@@ -22,7 +22,6 @@ from softsample.loop.discrepancy import averaging
 from softsample.loop.effects.base import Effect, Values
 from softsample.loop.errors import Fold, fold_errors
 from softsample.loop.fit import Fit, Problem
-from softsample.loop.noise import observed_scale
 from softsample.loop.scale import Scales, by_specimen, most_likely, scale_of
 from softsample.loop.specimen import FORCE, Specimen
 
@@ -160,8 +159,7 @@ class Confirmed:
         if self.learned.size["smooth"] >= self.learned.size["scale"]:
             return "elastic_form"
         modes = [s.mode for s in self.problem.specimens]
-        once = len(set(modes)) == len(modes)
-        return "mode_ratio" if once or _within(self.learned.scale) else "specimen_stiffness"
+        return "mode_ratio" if len(set(modes)) == len(modes) else "specimen_stiffness"
 
     def report(self) -> dict[str, Any]:
         """What `verdict.json` holds."""
@@ -179,15 +177,6 @@ class Confirmed:
             "left_out_after_percent": self.error_after,
             "separating_experiment": EXPERIMENTS[self.kind],
         }
-
-
-def _within(scales: Scales) -> bool:
-    """Whether scales differ more between the tests of one specimen than between specimens."""
-    of: dict[str, list[float]] = {}
-    for (piece, *_), error in scales.items():
-        of.setdefault(piece, []).append(error)
-    between = np.var([np.mean(errors) for errors in of.values()])
-    return bool(np.mean([np.var(errors) for errors in of.values()]) > between)
 
 
 def _stage(effect: Effect) -> str:
@@ -307,8 +296,8 @@ def learned(problem: Problem, fit: Fit) -> Correction:
     squares = {"smooth": 0.0, "scale": 0.0}
     for kind, members in kinds.items():
         tests = [_Test.of(problem, fit, k) for k in members]
-        strain[kind], variance, weights = _conditional(tests)
-        weight[kind] = variance * weights * np.concatenate([t.force for t in tests])
+        strain[kind], weights = _conditional(tests)
+        weight[kind] = weights * np.concatenate([t.force for t in tests])
         parts = np.split(weights, np.cumsum([len(t.strain) for t in tests])[:-1])
         for k, test, part in zip(members, tests, parts, strict=True):
             specimen = problem.specimens[k]
@@ -342,7 +331,6 @@ class _Test:
         """Of one test of a problem."""
         specimen, w = problem.specimens[k], problem.whiteners[k]
         force = fit.model.predict(specimen, fit.state)
-        measured = observed_scale(w.blocks(specimen.force), w.blocks(force))
         double = fit.model.with_effect(_effect(lambda s, force, travel, values: 2.0 * force))
         state = replace(fit.state, values={**fit.state.values, NAME: {}})
         x = w.blocks(specimen.travel) / specimen.reach
@@ -357,15 +345,12 @@ class _Test:
             to @ w.blocks(double.predict(specimen, state) - force),
             to @ apart @ to.T,
             to @ (np.outer(spread, spread) * near) @ to.T,
-            w.variances["scale"] * (0.01 * problem.settings.scale_percent * measured) ** 2,
+            w.variances["scale"] * (0.01 * problem.settings.scale_percent) ** 2,
         )
 
 
-def _conditional(tests: list[_Test]) -> tuple[Array, float, Array]:
-    """Strains (n,) of all tests of one kind, variance of the smooth part, and weights (n,).
-
-    The weights [1/N] times a covariance with the residuals are the most likely value.
-    """
+def _conditional(tests: list[_Test]) -> tuple[Array, Array]:
+    """Strains (n,) of all tests of one kind, and weights (n,) of the smooth part there."""
     x = np.concatenate([t.strain for t in tests])
     residual = np.concatenate([t.residual for t in tests])
     force = np.concatenate([t.force for t in tests])
@@ -374,13 +359,13 @@ def _conditional(tests: list[_Test]) -> tuple[Array, float, Array]:
     apart = block_diag(*(t.noise for t in tests)) + scale
     local = block_diag(*(t.local for t in tests))
 
-    ends, best = tuple(2.0 * np.log(SIZES)), (np.inf, 0.0, residual)
+    ends, best = tuple(2.0 * np.log(SIZES)), (np.inf, residual)
     for part in LOCAL:
         likelihood = _Likelihood.of(shared, apart + part * local, residual)
         found = minimize_scalar(likelihood.unlikely, bounds=ends, method="bounded")
         if found.fun < best[0]:
-            best = float(found.fun), float(np.exp(found.x)), likelihood.weights(found.x)
-    return x, *best[1:]
+            best = float(found.fun), likelihood.weights(found.x)
+    return x, best[1]
 
 
 @dataclass(frozen=True)
@@ -408,9 +393,11 @@ class _Likelihood:
         return float(self.constant + np.log(grown).sum() + (self.projected**2 / grown).sum())
 
     def weights(self, log_variance: float) -> Array:
-        """Residual (n,) over its covariance with the shared part."""
-        grown = 1.0 + np.exp(log_variance) * self.values
-        return np.asarray(self.vectors @ (self.projected / grown))
+        """Weights (n,) of the covariance with the shared part in its most likely values."""
+        variance = np.exp(log_variance)
+        return np.asarray(
+            variance * self.vectors @ (self.projected / (1.0 + variance * self.values))
+        )
 
 
 def _strain(specimen: Specimen, travel: Array) -> Array:

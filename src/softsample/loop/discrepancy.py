@@ -19,7 +19,7 @@ from scipy.optimize import minimize
 
 from softsample.loop.fit import Fit, Problem
 from softsample.loop.model import CONTACT_ZERO, Packing
-from softsample.loop.noise import FORM, FURTHEST, observed_scale
+from softsample.loop.noise import FORM, FURTHEST
 from softsample.loop.specimen import blocks
 
 Array = NDArray[np.float64]
@@ -32,10 +32,6 @@ MOST_GROUPS = 150
 
 SHORTEST = 0.02
 """Part of the stroke over which blocks are averaged at least: where the platen rests, into one."""
-
-MOST_SCALE = 3.0
-"""Error of scale over that of the settings, at most: tests whose scales differ by more lack an
-effect, and a model that may have any scale in any test is none."""
 
 FIXED_THERE = 1e12
 """Precision of a parameter at the end of its range: the fit takes nothing away with it."""
@@ -67,7 +63,7 @@ def estimated(problem: Problem, fit: Fit) -> Problem:
     names = list(problem.whiteners[0].discrepancy)
     if not names or problem.settings.spread <= 1.0:
         return problem
-    problem = with_scale_of(problem, fit)
+    problem = _scaled(problem, fit)
     tests = _tests(problem, fit, names)
     prior = np.full(fit.jacobian.shape[1] + 1, NOTHING)
     prior[CONTACT_ZERO] += problem.settings.contact_zero_mm**-2
@@ -76,8 +72,7 @@ def estimated(problem: Problem, fit: Fit) -> Problem:
     width = np.log(problem.settings.spread)
     here = problem.whiteners[0].variances
     starts = [np.zeros(len(names)), np.array([0.5 * np.log(here[name]) for name in names])]
-    most = {FORM: 0.0, "scale": np.log(MOST_SCALE)}
-    bounds = [(-width * FURTHEST, most.get(name, width * FURTHEST)) for name in names]
+    bounds = [(-width * FURTHEST, width * FURTHEST * (name != FORM)) for name in names]
     found = min(
         (
             minimize(
@@ -92,16 +87,13 @@ def estimated(problem: Problem, fit: Fit) -> Problem:
     return problem.with_variances(variances)
 
 
-def with_scale_of(problem: Problem, fit: Fit) -> Problem:
-    """The same with an error of scale of the form of a fit."""
-    whiteners = []
-    for specimen, w, force in zip(
-        problem.specimens, problem.whiteners, problem.predicted(fit.model, fit.state), strict=True
-    ):
-        measured = observed_scale(w.blocks(specimen.force), w.blocks(force))
-        one = 0.01 * problem.settings.scale_percent * measured
-        whiteners.append(w.with_scale(one * blocks(force, w.size)))
-    return problem.with_whiteners(whiteners)
+def _scaled(problem: Problem, fit: Fit) -> Problem:
+    """The same with an error of scale that goes with the force of a fit."""
+    forces = problem.predicted(fit.model, fit.state)
+    return problem.with_whiteners([
+        w.with_scale(0.01 * problem.settings.scale_percent * blocks(force, w.size))
+        for w, force in zip(problem.whiteners, forces, strict=True)
+    ])  # fmt: skip
 
 
 def settled(problem: Problem, fit: Fit, rounds: int = ROUNDS) -> tuple[Problem, Fit]:

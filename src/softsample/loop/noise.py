@@ -28,9 +28,6 @@ GEOMETRY = ("smooth", "history")
 FURTHEST = 4.0
 """Standard deviations of its prior that a size is sought from its median."""
 
-SCALES = (0.05, 20.0)
-"""A record's scale over that of what a model predicts lies between these."""
-
 GRAIN_LENGTH = 0.01
 """Correlation length of discretisation noise, a part of the largest displacement: points of a curve
 are 1/60 of it apart."""
@@ -215,17 +212,6 @@ def shared(noises: Sequence[Noise], cells: Sequence[bool] | None = None) -> list
     ]
 
 
-def observed_scale(measured: Array, predicted: Array) -> float:
-    """Scale of measured forces (n,) over that of predicted ones, by least squares.
-
-    An error of scale is a part of what was measured: a part of what is predicted would let a model
-    exceed any record by as much as it likes. The form is that of the model, as else the error
-    could explain the record.
-    """
-    square = float(predicted @ predicted)
-    return float(np.clip(measured @ predicted / square, *SCALES)) if square > 0.0 else 1.0
-
-
 def covariances(
     specimen: Specimen, noise: Noise, model: Array, settings: NoiseSettings, size: int
 ) -> tuple[Array, dict[str, Array]]:
@@ -265,9 +251,8 @@ def covariances(
     known = noise.white**2 / noise.size * np.eye(len(time))
     known += noise.slow**2 * np.exp(-lag / settings.correlation_s)
     known += along(100.0 * specimen.elastic.grain, np.exp(-0.5 * (apart / GRAIN_LENGTH) ** 2))
+    scale = 0.01 * settings.scale_percent * model
     fitted = blocks(specimen.held_out.astype(float), size) == 0.0
-    measured = observed_scale(blocks(specimen.force, size)[fitted], model[fitted])
-    scale = 0.01 * settings.scale_percent * measured * model
     course = max(float(np.ptp(time[fitted])), 1e-9) if fitted.any() else 1.0
     steps = np.sqrt(3.0) * np.abs(apart) / settings.floor_length
     smooth = (1.0 + steps) * np.exp(-steps)  # has a slope, but need not bend smoothly

@@ -6,7 +6,6 @@ import numpy as np
 from numpy.typing import NDArray
 
 from softsample.loop.fit import Fit, Problem
-from softsample.loop.noise import SCALES, observed_scale
 from softsample.loop.specimen import Specimen
 
 Array = NDArray[np.float64]
@@ -16,6 +15,9 @@ ROUNDS = 3
 
 ALIKE = 1.25
 """Ratio of displacements, and of speeds, up to which tests are the same."""
+
+RANGE = (0.05, 20.0)
+"""Of the stiffness of a specimen over that of the group."""
 
 Key = tuple[str, str, str]
 Scales = Mapping[Key, float]
@@ -74,7 +76,7 @@ def _relative(problem: Problem, fit: Fit) -> dict[str, float]:
     logs: dict[str, list[float]] = {}
     for sums in (of for of in asked.values() if len(of) > 1):
         own = {
-            piece: np.log(np.clip(top / bottom, *SCALES)) for piece, (top, bottom) in sums.items()
+            piece: np.log(np.clip(top / bottom, *RANGE)) for piece, (top, bottom) in sums.items()
         }
         mean = float(np.mean(list(own.values())))
         for piece, log in own.items():
@@ -119,8 +121,7 @@ def most_likely(problem: Problem, fit: Fit) -> dict[Key, float]:
     forces = problem.predicted(fit.model, fit.state)
     errors = []
     for specimen, w, force in zip(problem.specimens, problem.whiteners, forces, strict=True):
-        measured = observed_scale(w.blocks(specimen.force), w.blocks(force))
-        size = 0.01 * problem.settings.sizes(w.variances).get("scale", 0.0) * measured
+        size = 0.01 * problem.settings.sizes(w.variances).get("scale", 0.0)
         errors.append((specimen, size**2 * float(w(force) @ w(specimen.force - force))))
     return by_specimen(errors)
 

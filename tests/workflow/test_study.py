@@ -336,7 +336,7 @@ def test_the_sample_in_the_report_turns_moves_and_becomes_the_cuboid(study, tmp_
         browser.drag(box, (box[0] + 120, box[1] + 40))
         seen.append(browser.run(PIXELS))
         for script in (
-            "slider => { slider.value = 0; slider.dispatchEvent(new Event('input')); }",
+            "slider => { slider.value = slider.max; slider.dispatchEvent(new Event('input')); }",
             "(_, figure) => figure.querySelector('[value=ideal]').click()",
         ):
             figure = "document.querySelector('.viewer[data-sample=B]')"

@@ -300,6 +300,11 @@ PIXELS = """(() => {
     const canvas = document.querySelector('.viewer[data-sample=B] canvas');
     return canvas.toDataURL();
 })()"""
+UNFOLDED = """new Promise(drawn => {
+    const then = () => requestAnimationFrame(drawn);
+    document.addEventListener("toggle", then, { once: true, capture: true });
+    document.querySelector("#sample-B > summary").click();
+})"""
 SUM_OF_WHITE = """[...document.querySelectorAll('.viewer canvas')].map(canvas => {
     const seen = canvas.getContext('2d').getImageData(0, 0, canvas.width, canvas.height).data;
     return seen.filter(part => part < 200).length / seen.length;
@@ -327,6 +332,7 @@ def test_the_sample_in_the_report_turns_moves_and_becomes_the_cuboid(study, tmp_
     results, _ = study
     with Browser(tmp_path) as browser:
         browser.open(results / "report.html")
+        browser.run(UNFOLDED)
         browser.run("document.getElementById('sample-B').scrollIntoView()")
         box = browser.run(
             "(r => [r.x + r.width / 2, r.y + r.height / 2])"
@@ -336,7 +342,7 @@ def test_the_sample_in_the_report_turns_moves_and_becomes_the_cuboid(study, tmp_
         browser.drag(box, (box[0] + 120, box[1] + 40))
         seen.append(browser.run(PIXELS))
         for script in (
-            "slider => { slider.value = slider.max; slider.dispatchEvent(new Event('input')); }",
+            "slider => { slider.value = 0; slider.dispatchEvent(new Event('input')); }",
             "(_, figure) => figure.querySelector('[value=ideal]').click()",
         ):
             figure = "document.querySelector('.viewer[data-sample=B]')"

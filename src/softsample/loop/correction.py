@@ -296,8 +296,8 @@ def learned(problem: Problem, fit: Fit) -> Correction:
     squares = {"smooth": 0.0, "scale": 0.0}
     for kind, members in kinds.items():
         tests = [_Test.of(problem, fit, k) for k in members]
-        strain[kind], weights = _conditional(tests)
-        weight[kind] = weights * np.concatenate([t.force for t in tests])
+        strain[kind], variance, weights = _conditional(tests)
+        weight[kind] = variance * weights * np.concatenate([t.force for t in tests])
         parts = np.split(weights, np.cumsum([len(t.strain) for t in tests])[:-1])
         for k, test, part in zip(members, tests, parts, strict=True):
             specimen = problem.specimens[k]
@@ -349,8 +349,11 @@ class _Test:
         )
 
 
-def _conditional(tests: list[_Test]) -> tuple[Array, Array]:
-    """Strains (n,) of all tests of one kind, and weights (n,) of the smooth part there."""
+def _conditional(tests: list[_Test]) -> tuple[Array, float, Array]:
+    """Strains (n,) of all tests of one kind, variance of the smooth part, and weights (n,).
+
+    The weights [1/N] times a covariance with the residuals are the most likely value.
+    """
     x = np.concatenate([t.strain for t in tests])
     residual = np.concatenate([t.residual for t in tests])
     force = np.concatenate([t.force for t in tests])
@@ -359,13 +362,13 @@ def _conditional(tests: list[_Test]) -> tuple[Array, Array]:
     apart = block_diag(*(t.noise for t in tests)) + scale
     local = block_diag(*(t.local for t in tests))
 
-    ends, best = tuple(2.0 * np.log(SIZES)), (np.inf, residual)
+    ends, best = tuple(2.0 * np.log(SIZES)), (np.inf, 0.0, residual)
     for part in LOCAL:
         likelihood = _Likelihood.of(shared, apart + part * local, residual)
         found = minimize_scalar(likelihood.unlikely, bounds=ends, method="bounded")
         if found.fun < best[0]:
-            best = float(found.fun), likelihood.weights(found.x)
-    return x, best[1]
+            best = float(found.fun), float(np.exp(found.x)), likelihood.weights(found.x)
+    return x, *best[1:]
 
 
 @dataclass(frozen=True)
@@ -393,11 +396,9 @@ class _Likelihood:
         return float(self.constant + np.log(grown).sum() + (self.projected**2 / grown).sum())
 
     def weights(self, log_variance: float) -> Array:
-        """Weights (n,) of the covariance with the shared part in its most likely values."""
-        variance = np.exp(log_variance)
-        return np.asarray(
-            variance * self.vectors @ (self.projected / (1.0 + variance * self.values))
-        )
+        """Residual (n,) over its covariance with the shared part."""
+        grown = 1.0 + np.exp(log_variance) * self.values
+        return np.asarray(self.vectors @ (self.projected / grown))
 
 
 def _strain(specimen: Specimen, travel: Array) -> Array:

@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from softsample.loop.accept import Judged, objection_to
-from softsample.loop.correction import Confirmed, confirmed
+from softsample.loop.correction import Confirmed, confirmed, learned
 from softsample.loop.effects import library, specimen_stiffness
 from softsample.loop.effects.base import Effect
 from softsample.loop.errors import (
@@ -43,6 +43,9 @@ HELD_OUT = "held_out"
 
 STIFFNESS = specimen_stiffness.EFFECT.name
 """Effect that stands for what scattered specimens differ in."""
+
+SHOWN = 0.005
+"""Change of the modulus, as a part, from which on it is named."""
 
 NINETY = 1.6449
 """Standard deviations of a two-sided 90 % interval."""
@@ -122,6 +125,19 @@ class Diagnosis:
     def predicting(self) -> Fit:
         """What predicts best what is not measured: `final`, with a correction that holds."""
         return self.correction.whole if self.correction else self.final
+
+    @property
+    def rest(self) -> Mapping[str, float]:
+        """By mode, the modulus at small strain that what is left asks for, over that of `final`.
+
+        What folds confirm of it or, where they confirm nothing, what is likeliest; empty where
+        what is left is no objection.
+        """
+        if not self.objection:
+            return {}
+        plain = self.selection.plain, self.selection.base
+        found = self.correction.learned if self.correction else learned(*plain)
+        return found.of_modulus if found else {}
 
     @property
     def scales_before(self) -> Scales:
@@ -256,7 +272,7 @@ def report(diagnosis: Diagnosis, settings: LoopSettings) -> dict[str, Any]:
     unseen = {e.name for e in diagnosis.selection.library if law.admits(e)} - set(limits)
     return {
         **found,
-        "recommended": _recommended(found, limits),
+        "recommended": _recommended(found, limits, diagnosis.rest),
         "not_identifiable": sorted({*found["not_identifiable"], *unseen}),
         "detection_limits": {
             e.name: {
@@ -269,25 +285,26 @@ def report(diagnosis: Diagnosis, settings: LoopSettings) -> dict[str, Any]:
     }
 
 
-def _recommended(found: Mapping[str, Any], limits: Mapping[str, Limit]) -> dict[str, Any]:
-    """The modulus to quote, with what unseen effects, or a correction without cause, leave open."""
+def _recommended(
+    found: Mapping[str, Any], limits: Mapping[str, Limit], rest: Mapping[str, float]
+) -> dict[str, Any]:
+    """The modulus to quote, with what unseen effects, or an error without cause, leave open."""
     mu, named = found["theta_after"]["mu"], {effect["name"] for effect in found["effects"]}
     factors = {name: limit.modulus for name, limit in limits.items() if name not in named}
     low = min(factors, key=lambda name: -factors[name], default=None)
     high = min(factors, key=lambda name: factors[name], default=None)
-    worst = {name for name in (low, high) if name and abs(factors[name] - 1.0) > 0.005}
+    worst = {name for name in (low, high) if name and abs(factors[name] - 1.0) > SHOWN}
     estimate = "with the effects that were found" if named else "of the plain model"
-    # where effects are named, the correction is what they leave, and not part of the estimate
-    corrected = {} if named else (found["correction"] or {}).get("modulus_factors", {})
     return {
         "mu": {
             **mu,
-            "low": mu["low"] * min([1.0 / max([1.0, *factors.values()]), *corrected.values()]),
-            "high": mu["high"] * max([1.0 / min([1.0, *factors.values()]), *corrected.values()]),
+            "low": mu["low"] * min([1.0 / max([1.0, *factors.values()]), *rest.values()]),
+            "high": mu["high"] * max([1.0 / min([1.0, *factors.values()]), *rest.values()]),
         },
         "estimate": estimate,
         "why": f"verdict {found['verdict']}",
         "widened_by": sorted(worst),
+        "widened_by_rest": any(abs(factor - 1.0) > SHOWN for factor in rest.values()),
     }
 
 

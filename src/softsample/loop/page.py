@@ -55,6 +55,8 @@ def _recommended(found: Mapping[str, Any]) -> str:
     if found["widened_by"]:
         named = " and ".join(f"`{name}`" for name in found["widened_by"])
         text += f" The interval allows for {named} at sizes that these records would not show."
+    if found["widened_by_rest"]:
+        text += " It allows for what the error that is left makes of the modulus at small strain."
     return text
 
 

@@ -8,7 +8,7 @@ import pytest
 
 import laboratory
 from softsample.figures.loop import loop_figure
-from softsample.loop.correction import NAME, _can_tell, confirmed, learned
+from softsample.loop.correction import NAME, _can_tell, _within, confirmed, learned
 from softsample.loop.diagnose import diagnose, judgement, report
 from softsample.loop.discrepancy import settled
 from softsample.loop.effects import library
@@ -127,6 +127,12 @@ def test_scales_of_tests_are_learned_beside_what_they_share(ratio):
     for s in problem.specimens:
         left = s.force - whole.model.predict(s, whole.state)
         assert np.sqrt(np.mean(left**2)) < 0.02 * s.peak
+
+
+def test_scales_that_differ_within_specimens_are_no_stiffness_of_specimens():
+    keys = [(piece, mode, "force") for piece in "ab" for mode in ("tension", "shear")]
+    assert _within(dict(zip(keys, [0.3, -0.2, 0.25, -0.3], strict=True)))
+    assert not _within(dict(zip(keys, [0.3, 0.25, -0.2, -0.3], strict=True)))
 
 
 def fitted(tests):

@@ -159,7 +159,8 @@ class Confirmed:
         if self.learned.size["smooth"] >= self.learned.size["scale"]:
             return "elastic_form"
         modes = [s.mode for s in self.problem.specimens]
-        return "mode_ratio" if len(set(modes)) == len(modes) else "specimen_stiffness"
+        once = len(set(modes)) == len(modes)
+        return "mode_ratio" if once or _within(self.learned.scale) else "specimen_stiffness"
 
     def report(self) -> dict[str, Any]:
         """What `verdict.json` holds."""
@@ -177,6 +178,15 @@ class Confirmed:
             "left_out_after_percent": self.error_after,
             "separating_experiment": EXPERIMENTS[self.kind],
         }
+
+
+def _within(scales: Scales) -> bool:
+    """Whether scales differ more between the tests of one specimen than between specimens."""
+    of: dict[str, list[float]] = {}
+    for (piece, *_), error in scales.items():
+        of.setdefault(piece, []).append(error)
+    between = np.var([np.mean(errors) for errors in of.values()])
+    return bool(np.mean([np.var(errors) for errors in of.values()]) > between)
 
 
 def _stage(effect: Effect) -> str:

@@ -187,7 +187,8 @@ def diagnose(
         known = [effect for effect in known if effect.name != STIFFNESS]
     selection, told = select(problem, known, settings.selection), None
     if others:
-        told = pooled(Group.of(posed, posed, known), others, settings.selection)
+        own = Group.of(posed, posed, known)
+        told = pooled(own, others, selection.asked, settings.selection)
         selection = _told(selection, told) if told else selection
     judged = _Judge(posed.specimens, noises)
     plain, chosen = (selection.plain, selection.base), (selection.problem, selection.final)

@@ -90,6 +90,16 @@ class Group:
             found = joint_fit(problem, fit, signature, tie)
         return replace(self, whole=settled(problem, found))
 
+    def refitted(self, others: Sequence[Self]) -> Self:
+        """The same, its model of all records fitted from the values of other groups too.
+
+        What the first fit finds depends on the order in which effects were added.
+        """
+        problem, fit = self.whole
+        starts = [replace(fit.state, values=other.whole[1].state.values) for other in others]
+        best = min(problem.fits(fit.model, starts, found=[fit]), key=lambda one: one.cost)
+        return self if best is fit else replace(self, whole=settled(problem, best))
+
     def told(self) -> dict[str, dict[str, tuple[float, float]]]:
         """Parameters of the effects in the model of all records, with standard deviations."""
         _, fit = self.whole
@@ -231,7 +241,9 @@ class Pooled:
         }
 
 
-def pooled(own: Group, others: Others, rules: SelectionSettings) -> Pooled | None:
+def pooled(
+    own: Group, others: Others, asked: Collection[str], rules: SelectionSettings
+) -> Pooled | None:
     """Effects that predict the other groups better than their own diagnoses, if there are any.
 
     An effect is added if all records of the others ask for it, and it lowers the error on what is
@@ -243,6 +255,8 @@ def pooled(own: Group, others: Others, rules: SelectionSettings) -> Pooled | Non
         What is to be predicted.
     others : Others
         The others.
+    asked : collection of str
+        Effects that its own records, without what is held out, have asked for.
     rules : SelectionSettings
         As of the selection in one group.
     """
@@ -253,16 +267,16 @@ def pooled(own: Group, others: Others, rules: SelectionSettings) -> Pooled | Non
     while len(classes) < rules.most_effects:
         found = {
             name: added
-            for name in _open(own, others, classes)
+            for name in _open(own, others, asked, classes)
             if (added := _with_effect(groups, [*classes, name], rules.class_gain)) is not None
         }
-        asked = {name: _evidence(groups, added) for name, (added, _) in found.items()}
-        found = {name: found[name] for name, size in asked.items() if size >= rules.least_gain}
+        likelier = {name: _evidence(groups, added) for name, (added, _) in found.items()}
+        found = {name: found[name] for name, size in likelier.items() if size >= rules.least_gain}
         best = min(found, key=lambda name: float(np.nanmean(found[name][1])), default=None)
         if best is None or not _lower(found[best][1], left):
             break
         alike = [n for n in found if n != best and not _lower(found[best][1], found[n][1])]
-        classes[best], evidence[best] = [best, *alike], asked[best]
+        classes[best], evidence[best] = [best, *alike], likelier[best]
         groups, left = found[best]
     if not classes or np.nanmean(left) >= np.nanmean(alone):
         return None
@@ -272,13 +286,13 @@ def pooled(own: Group, others: Others, rules: SelectionSettings) -> Pooled | Non
     return Pooled(problem, fit, classes, evidence, len(groups), *means)
 
 
-def _open(own: Group, others: Others, chosen: Collection[str]) -> list[str]:
-    """Effects that may be added: those that all groups may have, one law among them."""
+def _open(own: Group, others: Others, asked: Collection[str], chosen: Collection[str]) -> list[str]:
+    """Effects that may be added: asked for by some group, open to all, one law among them."""
     model = Model(tuple(own.library[name] for name in chosen))
     return [
         name
         for name, effect in own.library.items()
-        if name in others.names
+        if (name in others.names or name in asked)
         and model.admits(effect)
         and all(name in group.library for group in others.groups)
     ]
@@ -291,7 +305,8 @@ def _with_effect(
 
     None if it explains nothing in most of them.
     """
-    found = [group.with_effect(names[-1], tie) for group in groups]
+    alone = [group.with_effect(names[-1], tie) for group in groups]
+    found = [group.refitted([*alone[:k], *alone[k + 1 :]]) for k, group in enumerate(alone)]
     if sum(bool(unusable(fit)) for _, fit in (g.whole for g in found)) > MOST_UNUSABLE * len(found):
         return None
     told = [group.told() for group in found]

@@ -176,6 +176,11 @@ class Selection:
     weak: list[str]
     strongest: dict[str, Signature]
 
+    @property
+    def asked(self) -> set[str]:
+        """Effects that passed the threshold in a round."""
+        return {c.name for s in self.steps for c in s.candidates if c.evidence >= s.threshold}
+
 
 def select(problem: Problem, effects: Sequence[Effect], settings: SelectionSettings) -> Selection:
     """Find the effects that the records ask for."""

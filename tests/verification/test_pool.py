@@ -14,8 +14,8 @@ from softsample.loop.diagnose import diagnose, judgement
 from softsample.loop.effects import library
 from softsample.loop.effects.base import SOLID
 from softsample.loop.errors import held_out_errors
-from softsample.loop.pool import Others
-from softsample.loop.posed import LoopSettings
+from softsample.loop.pool import Group, Others
+from softsample.loop.posed import LoopSettings, Posed
 from softsample.shapes import IdealShape
 
 PLUG = IdealShape("cylinder", 15e-3, 15e-3, 10e-3)
@@ -111,3 +111,21 @@ def test_forces_that_are_held_out_of_the_group_change_nothing(found, verdicts):
 
 def test_two_other_groups_are_too_few(verdicts):
     assert others(verdicts, 2) is None
+
+
+def test_a_model_that_ended_in_another_minimum_is_fitted_from_the_values_of_others():
+    """As after effects that were added in an unlucky order."""
+    groups = []
+    for test in WHOLE[:2]:
+        posed = Posed.of([test], SETTINGS)
+        group = Group.of(posed, posed, effects(test))
+        groups.append(group.with_effect("compressible_foam", SETTINGS.selection.class_gain))
+    good, guide = groups
+    problem, fit = good.whole
+    far = replace(fit.state, values={"compressible_foam": {"alpha": -25.0, "nu": 0.45, "share": 1}})
+    stuck = replace(good, whole=(problem, problem.at(fit.model, far)))
+    again = stuck.refitted([guide]).whole[1].state
+    for name in ("alpha", "nu"):
+        own, found = (s.values["compressible_foam"][name] for s in (fit.state, again))
+        assert found == pytest.approx(own, abs=0.02 * abs(own) + 0.01)
+    assert good.refitted([]) is good

@@ -206,10 +206,15 @@ def log_density(problem: Problem, fit: Fit, found: Mapping[str, Fold]) -> float:
     """Logarithm of the predictive density of what the folds leave out, summed over them.
 
     Of what is left out given the rest: the evidence of all over that of the rest, each by
-    Laplace's approximation. Parameters of effects have flat priors over their ranges.
+    Laplace's approximation. Parameters of effects have flat priors over their ranges. Where
+    compression begins is measured too, by the height of the sample: it is left out in its turn.
     """
+    rests = [(fold.problem, fold.fit) for fold in found.values()]
+    if any(specimen.elastic.contact for specimen in problem.specimens):
+        rest = problem.with_open_contact()
+        rests.append((rest, rest.fit(fit.model, fit.state)))
     every = _evidence(problem, fit)
-    return sum(every - _evidence(fold.problem, fold.fit) for fold in found.values())
+    return sum(every - _evidence(*rest) for rest in rests)
 
 
 def _evidence(problem: Problem, fit: Fit) -> float:

@@ -180,6 +180,13 @@ class Problem:
         """The same tests with other noise of each, or without some of their blocks."""
         return self._changed(self.specimens, whiteners)
 
+    def with_open_contact(self) -> "Problem":
+        """The same if the height of the samples did not say where compression begins."""
+        settings = replace(self.settings, contact_zero_mm=np.inf)
+        return Problem(
+            self.specimens, self.whiteners, settings, self.start, self.common, self.unseen
+        )
+
     def _changed(self, specimens: Sequence[Specimen], whiteners: Sequence[Whitener]) -> "Problem":
         return Problem(specimens, whiteners, self.settings, self.start, self.common, self.unseen)
 

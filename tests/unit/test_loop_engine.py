@@ -592,6 +592,18 @@ def test_what_folds_leave_out_is_as_likely_as_the_normal_distribution_says(probl
     assert found == pytest.approx(density(np.ones(len(out), bool)) - density(~out), rel=1e-3)
 
 
+def test_the_height_of_the_sample_tells_of_a_gap_what_no_part_of_the_records_does():
+    """A contact-point offset of the same size predicts the same forces, and is not likely."""
+    late = laboratory.Lab(seed=3, gap=0.5).specimens(["tension", "compression"])
+    problem, _ = pose(late, SETTINGS)
+    plain, effect = problem.fit_material(), library()["late_contact"]
+    start = replace(plain.state, values={effect.name: {"gap_mm": 0.3}})
+    fit = problem.fit(Model((effect,)), start)
+    assert fit.state.values[effect.name]["gap_mm"] == pytest.approx(0.5, abs=0.1)
+    before, after = (log_density(problem, of, {}) for of in (plain, fit))
+    assert after > before + 20.0
+
+
 def test_an_effect_that_was_exchanged_does_not_come_back(monkeypatch):
     """A, B and C were chosen, D is better than A."""
 

@@ -42,7 +42,9 @@ from softsample.loop.screen import Signature, family_wise, null_threshold, penal
 from softsample.loop.select import (
     WITHIN_DOUBT,
     Candidate,
+    SelectionSettings,
     Step,
+    _members,
     _Search,
     explained_alike,
     select,
@@ -602,6 +604,27 @@ def test_the_height_of_the_sample_tells_of_a_gap_what_no_part_of_the_records_doe
     assert fit.state.values[effect.name]["gap_mm"] == pytest.approx(0.5, abs=0.1)
     before, after = (log_density(problem, of, {}) for of in (plain, fit))
     assert after > before + 20.0
+
+
+@pytest.mark.parametrize(
+    ("rival", "left_out", "told"),
+    [
+        (150.0, [-31.0, -18.0, -26.0], False),  # as likely as the best, fold by fold or in sum
+        (150.0, [-45.0, -44.0, -46.0], True),  # less likely in every fold
+        (90.0, [-31.0, -18.0, -26.0], True),  # of less than half of the evidence: not asked
+        (8.0, [-31.0, -18.0, -26.0], True),  # no evidence of its own
+    ],
+)
+def test_a_class_holds_what_folds_do_not_tell_from_the_best(rival, left_out, told, monkeypatch):
+    found = {"a": [-20.0, -25.0, -30.0], "b": left_out}
+    densities = "softsample.loop.select._densities"
+    monkeypatch.setattr(densities, lambda one: np.array(found[one.name]))
+    a, b = (
+        SimpleNamespace(name=name, evidence=evidence, gain=evidence, cosine=0.0)
+        for name, evidence in (("a", 200.0), ("b", rival))
+    )
+    members = _members([a, b], a, 12.0, SelectionSettings())
+    assert members == (["a"] if told else ["a", "b"])
 
 
 def test_an_effect_that_was_exchanged_does_not_come_back(monkeypatch):

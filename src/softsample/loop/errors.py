@@ -202,19 +202,24 @@ def fold_errors(
     return report
 
 
-def log_density(problem: Problem, fit: Fit, found: Mapping[str, Fold]) -> float:
-    """Logarithm of the predictive density of what the folds leave out, summed over them.
+def log_densities(problem: Problem, fit: Fit, found: Mapping[str, Fold]) -> Array:
+    """Logarithm of the predictive density of what each fold leaves out.
 
     Of what is left out given the rest: the evidence of all over that of the rest, each by
     Laplace's approximation. Parameters of effects have flat priors over their ranges. Where
-    compression begins is measured too, by the height of the sample: it is left out in its turn.
+    compression begins is measured too, by the height of the sample: it is left out last.
     """
     rests = [(fold.problem, fold.fit) for fold in found.values()]
     if any(specimen.elastic.contact for specimen in problem.specimens):
         rest = problem.with_open_contact()
         rests.append((rest, rest.fit(fit.model, fit.state)))
     every = _evidence(problem, fit)
-    return sum(every - _evidence(*rest) for rest in rests)
+    return np.array([every - _evidence(*rest) for rest in rests])
+
+
+def log_density(problem: Problem, fit: Fit, found: Mapping[str, Fold]) -> float:
+    """Sum of `log_densities`."""
+    return float(log_densities(problem, fit, found).sum())
 
 
 def _evidence(problem: Problem, fit: Fit) -> float:

@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 
 from softsample.loop.discrepancy import settled
 from softsample.loop.effects.base import Effect
-from softsample.loop.errors import cross_validated, log_density, touched
+from softsample.loop.errors import cross_validated, log_densities, log_density, touched
 from softsample.loop.fit import Fit, Problem
 from softsample.loop.joint import joint_fit, law_fit, nearest
 from softsample.loop.model import FIXED, Model
@@ -39,6 +39,9 @@ EARNED = float(np.log(20.0))
 
 OPEN_MODULUS = float(np.log(2.0))
 """Standard deviation of ln(mu) above which a fit leaves the modulus open: a factor of two."""
+
+RIVAL = 0.5
+"""Part of the best one's evidence from which on folds are asked whether they tell a candidate."""
 
 PROMISING = 0.1
 """Candidates whose linear gain is below this part of the best one's, or of the threshold, are not
@@ -437,7 +440,8 @@ def _round(
     if not _earned(here, best):
         return Step(threshold, _one_of_each(candidates), None, refused=best, why=NOT_EARNED)
     candidates = _compared(here, _one_of_each([best, *candidates]), best)
-    return Step(threshold, candidates, best, _members(candidates, best, settings), refused, why)
+    members = _members(candidates, best, threshold, settings)
+    return Step(threshold, candidates, best, members, refused, why)
 
 
 def _fitted(
@@ -530,11 +534,32 @@ def _in_class(candidate: Candidate, best: Candidate, settings: SelectionSettings
 
 
 def _members(
-    candidates: Sequence[Candidate], best: Candidate, settings: SelectionSettings
+    candidates: Sequence[Candidate],
+    best: Candidate,
+    threshold: float,
+    settings: SelectionSettings,
 ) -> list[str]:
     """The class of the best candidate, itself first."""
-    others = [c for c in candidates if c.name != best.name and _in_class(c, best, settings)]
-    return [best.name, *(c.name for c in others)]
+    others = [c for c in candidates if c.name != best.name]
+    members = {c.name for c in others if _in_class(c, best, settings)}
+    least = max(threshold, RIVAL * best.evidence)
+    rivals = [c for c in others if c.name not in members and c.evidence >= least]
+    if rivals:
+        most = _densities(best)
+        members |= {c.name for c in rivals if _as_likely(_densities(c), most)}
+    return [best.name, *(c.name for c in others if c.name in members)]
+
+
+def _densities(candidate: Candidate) -> Array:
+    """Logarithm of the predictive density of what each fold leaves out."""
+    model = candidate.posed, candidate.settled
+    return log_densities(*model, cross_validated(*model))
+
+
+def _as_likely(one: Array, most: Array) -> bool:
+    """Whether what folds leave out tells one model from another by no standard error."""
+    apart = most - one
+    return len(apart) > 1 and bool(apart.sum() <= np.sqrt(len(apart)) * np.std(apart, ddof=1))
 
 
 def _comes_later(candidate: Candidate) -> bool:

@@ -22,7 +22,7 @@ export NUMBA_CACHE_DIR ?= $(CURDIR)/.numba/$(shell cat src/softsample/fem/*.py s
 unexport VIRTUAL_ENV
 
 .PHONY: help env run quick new-study add-sample check-study study extended docs site test test-study test-long check bench bench-solver bench-imaging bench-laws bench-scale verify undeclared blind blind-foreign blind-full \
-	measured measured-docs format clean clean-env
+	measured known-effects measured-docs format clean clean-env
 
 help:
 	@echo "make run        the study: every sample at 0.5 mm, tables, figures, results/report.html"
@@ -49,6 +49,7 @@ help:
 	echo "make blind-foreign the same with errors of other families, sizes not told: results/blind-*/"
 	echo "make blind-full the same at four sizes and three designs, fewer of each: results/blind-full/"
 	echo "make measured   studies of public measured sets, if their files are there: results/measured/ (SETS=\"...\": only these)"
+	echo "make known-effects  known effects on top of their records, scored: results/known/score.csv"
 	echo "make measured-docs  the same, and docs/measured.md as it came out"
 	echo "make format     let ruff and snakefmt rewrite the sources"
 	echo "make clean      remove results (clean-env: the environment)"
@@ -165,6 +166,16 @@ measured: $(stamp)
 	done <<< "$$studies"
 	$(bin)/python -m softsample.measured.summary results/measured
 	if [ -n "$$failed" ]; then echo "Did not come through:$$failed" >&2; exit 1; fi
+
+# effects that are known, on top of records of the measured sets, whose results are there
+KNOWN := ecoflex-phantoms-sliding cmc-cryogel-sliding blood-clot-direction-sliding
+known-effects: $(stamp)
+	@$(bin)/python -m softsample.measured.known results/measured results/known $(or $(SETS),$(KNOWN)) |
+	while IFS= read -r study; do
+	  $(bin)/python -m softsample run "$$study" --results "results/known/results/$${study##*/}" \
+	    --cores $(CORES) --target verdicts < /dev/null || true
+	done
+	$(bin)/python -m softsample.measured.known results/measured results/known
 
 measured-docs: measured
 	rm -rf docs/data/measured docs/figures/measured

@@ -64,6 +64,8 @@ def _rows(effect: Effect) -> Iterator[str]:
         unit = "" if p.unit == "1" else f" {p.unit}"
         null = f", null {p.neutral:g}" if p.neutral else ""
         kind = null if p.is_size else ", shape"
+        if p.known:
+            kind += f"; known: {p.known[0]:g} ± {p.known[1]:g}"
         about += [f"`{p.name}`", f"{p.low:g} to {p.high:g}{unit}{kind}", f"{p.nominal:g}"]
         yield f"| {' | '.join(about)} |"
         about = ["", ""]

@@ -467,10 +467,10 @@ def test_draws_of_noise_decide_only_where_a_bound_does_not(problem):
     assert drawn < 12.0
 
 
-def real_shapes():
+def real_shapes(share=1.0, **lab):
     """Tension and compression of an imperfect sample, of which the model has the cuboid alone."""
     found = []
-    for specimen in laboratory.Lab(seed=8).specimens(("tension", "compression")):
+    for specimen in laboratory.Lab(seed=8, **lab).specimens(("tension", "compression")):
         curves = specimen.elastic.curves
         way = curves.displacement / curves.displacement[-1]
         part = -0.15 if specimen.mode == "tension" else -0.35 - 0.6 * np.exp(-3.0 * way)
@@ -484,7 +484,7 @@ def real_shapes():
             perturbations={**specimen.elastic.perturbations, "real_geometry": change},
         )
         lost = elastic.change_per_mu("real_geometry", laboratory.FRACTION, specimen.travel)
-        force = specimen.force + laboratory.MU * lost
+        force = specimen.force + share * laboratory.MU * lost
         found.append(replace(specimen, elastic=elastic, force=force))
     return found
 
@@ -500,6 +500,37 @@ def test_the_real_geometry_is_named_mends_the_modulus_and_holds_in_another_mode(
         found.before.folds, found.selected.folds
     ))  # fmt: skip
     assert now.structured < 0.2 * was.structured
+
+
+@pytest.mark.parametrize("share", [0.85, 1.0, 1.15])
+def test_the_size_of_the_real_geometry_has_a_prior_and_no_end(share):
+    """Another effect beside it may shift what it seems to be."""
+    found = diagnose(real_shapes(share), LoopSettings())
+    assert found.objection == ""
+    assert next(iter(found.selection.classes)) == "real_geometry"
+    told = found.final.state.values["real_geometry"]["share"]
+    assert min(share, 1.0) - 0.03 < told < max(share, 1.0) + 0.03
+
+
+def test_what_the_model_is_known_to_leave_out_opens_a_search_of_its_own(monkeypatch):
+    """Alone it explains nothing, and neither does what else is there; together they do."""
+    names = (
+        "real_geometry",
+        "poisson_ratio",
+        "machine_compliance",
+        "tension_compression_asymmetry",
+    )
+    effects, made = [library()[name] for name in names], []
+    for specimen in real_shapes():
+        curves, fewer = specimen.elastic.curves, specimen.elastic.perturbations["poisson_0.02_less"]
+        lost = np.interp(specimen.travel, curves.displacement, fewer)
+        made.append(replace(specimen, force=specimen.force + 2.0 * laboratory.MU * lost))
+    problem, rules = pose(made, SETTINGS)[0], LoopSettings().selection
+    found = select(problem, effects, rules)
+    assert set(found.classes) == {"real_geometry", "poisson_ratio"}
+    assert found.final.state.material.mu == pytest.approx(laboratory.MU, rel=0.03)
+    monkeypatch.setattr(_Search, "left_out_first", lambda search, opening: None)
+    assert select(problem, effects, rules).classes == {}
 
 
 def test_what_the_model_is_known_to_leave_out_comes_before_what_fits_better():

@@ -198,15 +198,15 @@ def select(problem: Problem, effects: Sequence[Effect], settings: SelectionSetti
         found, len(first.current.white), settings.null_draws, settings.seed, settings.least_gain
     )
     search = _Search(problem, library, settings, threshold, problem, first.current)
-    rival = replace(search, steps=[], classes={}, doubted={}, visited=[])
+    fresh = search.anew()
     search.complete()
-    if (law := rival.law_first(search.steps[0])) is not None:
-        rival.begin(law)
-        rival.complete()
-    search, best = min(
-        ((one, one.likeliest) for one in (search, rival) if one.steps),
-        key=lambda pair: pair[1].left,
-    )
+    searches, opening = [search], search.steps[0]
+    for other in (fresh.law_first(opening), fresh.left_out_first(opening)):
+        if other is not None:
+            searches.append(fresh.anew())
+            searches[-1].begin(other)
+            searches[-1].complete()
+    search, best = min(((one, one.likeliest) for one in searches), key=lambda pair: pair[1].left)
     return Selection(
         best.problem,
         first.settled,
@@ -287,6 +287,10 @@ class _Search:
     doubted: dict[str, bool] = field(default_factory=dict)
     visited: list[_Visited] = field(default_factory=list)
 
+    def anew(self) -> Self:
+        """Another search from the same start."""
+        return replace(self, steps=[], classes={}, doubted={}, visited=[])
+
     def complete(self) -> None:
         """Add effects until no more are asked for, and exchange one that was a wrong choice."""
         if not self.visited:
@@ -307,6 +311,19 @@ class _Search:
         here = _Round.of(self.problem, self.current)
         step = _round(here, list(laws.values()), self.threshold, self.settings)
         return step if step.chosen else None
+
+    def left_out_first(self, opening: Step) -> Step | None:
+        """A first step to what the model is known to leave out, if records ask for something else.
+
+        Alone it may explain little that another effect does not, which is plain beside it.
+        """
+        known = [effect for effect in self.library if effect.idealised]
+        if opening.chosen and opening.chosen.name in [effect.name for effect in known]:
+            return None
+        here = _Round.of(self.problem, self.current)
+        found = _fitted(here, known, self.threshold, self.settings)
+        usable = [c for c in found if not unusable(c.settled)]
+        return Step(self.threshold, usable, usable[0], [usable[0].name]) if usable else None
 
     def begin(self, step: Step) -> None:
         """Set out from a step."""
@@ -643,7 +660,8 @@ def _compared(here: _Round, candidates: Sequence[Candidate], best: Candidate) ->
 
 def explained_alike(current: Fit, one: Fit, other: Fit) -> float:
     """Cosine between two explanations of the same residual; 0 if one of them explains nothing."""
-    a, b = current.white - one.white, current.white - other.white
+    n = len(current.white)  # what is known of sizes that `current` does not have comes after
+    a, b = (current.white - explanation.white[:n] for explanation in (one, other))
     lengths = np.sqrt((a @ a) * (b @ b))
     return float(a @ b / lengths) if lengths > 0.0 else 0.0
 

@@ -11,7 +11,7 @@ def _elastic(specimen: Specimen, fraction: float, travel: Array, values: Values)
 EFFECT = Effect(
     name="real_geometry",
     title="Real geometry instead of the cuboid",
-    parameters=(Parameter("share", "1", 0.95, 1.05, 1.0),),
+    parameters=(Parameter("share", "1", 0.5, 1.5, 1.0, known=(1.0, 0.05)),),
     tier="M",
     source="Arzemanzadeh, Miller, Wittek: the study; own runs on both geometries",
     signature="compression: late and growing contact; all modes: smaller bonded area",

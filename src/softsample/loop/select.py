@@ -197,16 +197,14 @@ def select(problem: Problem, effects: Sequence[Effect], settings: SelectionSetti
     threshold = family_wise(
         found, len(first.current.white), settings.null_draws, settings.seed, settings.least_gain
     )
-    search = _Search(problem, library, settings, threshold, problem, first.current)
-    fresh = search.anew()
-    search.complete()
-    searches, opening = [search], search.steps[0]
-    for other in (fresh.law_first(opening), fresh.left_out_first(opening)):
-        if other is not None:
-            searches.append(fresh.anew())
-            searches[-1].begin(other)
-            searches[-1].complete()
-    search, best = min(((one, one.likeliest) for one in searches), key=lambda pair: pair[1].left)
+    fresh = _Search(problem, library, settings, threshold, problem, first.current)
+    search = fresh.completed()
+    opening, plain = search.steps[0], search.visited[0]
+    others = (fresh.law_first(opening), fresh.left_out_first(opening))
+    rivals = [fresh.completed(step) for step in others if step is not None]
+    asked = [one for one in rivals if one.likeliest.left < plain.left - threshold]
+    search = min([search, *asked], key=lambda one: one.likeliest.left)
+    best = search.likeliest
     return Selection(
         best.problem,
         first.settled,
@@ -287,17 +285,20 @@ class _Search:
     doubted: dict[str, bool] = field(default_factory=dict)
     visited: list[_Visited] = field(default_factory=list)
 
-    def anew(self) -> Self:
-        """Another search from the same start."""
-        return replace(self, steps=[], classes={}, doubted={}, visited=[])
+    def completed(self, step: Step | None = None) -> Self:
+        """Another search from here, that sets out from a step, or from nothing.
 
-    def complete(self) -> None:
-        """Add effects until no more are asked for, and exchange one that was a wrong choice."""
-        if not self.visited:
-            self._visit()
-        self.forward()
-        if self.exchange():
-            self.forward()
+        It adds effects until no more are asked for, and exchanges one that was a wrong choice.
+        """
+        other = replace(self, steps=[], classes={}, doubted={}, visited=[])
+        if step is None:
+            other._visit()
+        else:
+            other.begin(step)
+        other.forward()
+        if other.exchange():
+            other.forward()
+        return other
 
     def law_first(self, opening: Step) -> Step | None:
         """A first step to another law, if the records ask for one but for something else more.

@@ -49,8 +49,9 @@ def test_headings_carry_the_unit(column, shown):
 @pytest.mark.parametrize(
     ("value", "shown"),
     [
-        (-5.94211, "−5.942"),
-        (123456.7, "123457"),
+        (-5.94211, "−5.94"),
+        (123456.7, "123000"),
+        (0.00123456, "0.00123"),
         (float("nan"), "–"),
         (None, "–"),
         (3, "3"),
@@ -267,7 +268,7 @@ def test_the_end_of_a_run_has_a_line_for_each_group_and_each_finding():
     }  # fmt: skip
     assert in_brief({"groups": groups}).splitlines() == [
         "group  modulus to quote [Pa]  calibrated [Pa]      ideal shape [Pa]  bias     verdict",
-        "S1     1130 (1001 to 1300)    1128 (1098 to 1157)  1061              -6.0 %   none",
+        "S1     1130 (1000 to 1300)    1130 (1100 to 1160)  1060              -6.0 %   none",
         "TC1    870 (860 to 880)       900                  450               -50.0 %  "
         "explained: gain|backlash",
         "TC1, ideal geometry, ogden2: no",

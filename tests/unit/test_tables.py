@@ -16,6 +16,7 @@ from softsample.report.tables import (
     direct_table,
     geometry_table,
     loading,
+    moduli_shown,
     moduli_table,
     summary_table,
 )
@@ -375,3 +376,41 @@ def test_captions_quote_only_numbers_and_settings_that_exist(path, tmp_path):
     html = caption(path, {**config, "results": str(tmp_path)}, sample="C3")
     assert "virtual cohort" in html
     assert "|" not in html
+
+
+def intervals_of(*groups):
+    rows = [
+        {"group": group, "geometry": geometry, "model": "ogden1", "modulus": "mu",
+         "low_pa": 0.9 * value, "high_pa": 1.1 * value}
+        for group, geometry, value in groups
+    ]  # fmt: skip
+    return pd.DataFrame(rows)
+
+
+def test_the_report_shows_seven_columns_of_the_moduli():
+    saved = pd.DataFrame(
+        {
+            "group": ["C1", "C2"],
+            "mode": "compression",
+            "mu_real_pa": [1234.0, np.nan],
+            "mu_ideal_pa": [617.0, 500.0],
+            "difference_percent": [-50.0, np.nan],
+            "paper_mu_real_pa": [1314.0, 1675.0],
+            "paper_difference_percent": [-54.4, -54.8],
+            "note": ["", "bias not known"],
+        }
+    )
+    intervals = intervals_of(
+        ("TC1", "real", 1234.0), ("TC1", "ideal", 1.0), ("TC2", "ideal", 500.0)
+    )
+    groups = {"C1": "TC1", "C2": "TC2"}
+    shown = moduli_shown("table2", saved, intervals, groups)
+    assert list(shown) == [
+        "group", "mu_with_90_%_interval_pa", "trusted", "mode", "mu_ideal_pa",
+        "difference_percent", "paper_difference_percent",
+    ]  # fmt: skip
+    assert shown["mu_with_90_%_interval_pa"].tolist() == ["1230 (1110 to 1360)", "500 (450 to 550)"]
+    assert shown["trusted"].tolist() == ["yes", "bias not known"]
+    ideal = moduli_shown("table2", saved.assign(mu_real_pa=np.nan), intervals, groups)
+    assert list(ideal) == list(shown)[:4]
+    assert moduli_shown("geometry", saved, intervals, groups) is saved

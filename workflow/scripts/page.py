@@ -20,6 +20,7 @@ from softsample.report.html import (
 )
 from softsample.report.results import brief
 from softsample.report.scene import scene
+from softsample.report.tables import moduli_shown
 from softsample.workflow import logged_to, provenance
 
 PICTURES = {"samples": "sample", "response": "response", "strain": "strain"}
@@ -27,6 +28,7 @@ PICTURES = {"samples": "sample", "response": "response", "strain": "strain"}
 with logged_to(snakemake):
     given, shown = snakemake.input, snakemake.params
     parts, config = Path(given.template).parent, shown.config
+    group_of = {name: row["group"] for name, row in shown.samples.items()}
     samples, scenes, reports, inputs = {}, {}, [], {}
     kinds = ("segmentation", "cuboid")
     owners = (shown.segmented, dict.fromkeys(shown.piece_of.values()))
@@ -114,7 +116,7 @@ with logged_to(snakemake):
         tables=[
             {
                 "name": Path(name).stem,
-                "frame": read_table(name),
+                "frame": moduli_shown(Path(name).stem, read_table(name), intervals, group_of),
                 "caption": caption(parts / f"{Path(name).stem}.rst", config),
                 "download": download(Path(name)),
             }

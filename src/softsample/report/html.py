@@ -16,13 +16,16 @@ from markdown_it import MarkdownIt
 from markupsafe import Markup, escape
 from PIL import Image
 
-from softsample.report.page import MISSING
+from softsample.report.page import DIGITS, MISSING, significant
 
 WEBP_QUALITY = 86
 """Of embedded pictures: at a fifth of a PNG's size, text and contours stay crisp."""
 
 WIDE = 10
 """A table of more columns is printed on a page of its own across."""
+
+EXACT = 12
+"""Digits of a setting, as it is in its file."""
 
 UNITS = {
     "pa": "Pa", "mm": "mm", "mm2": "mm²", "mm3": "mm³", "N": "N", "s": "s", "hz": "Hz",
@@ -101,7 +104,7 @@ def picture(path: Path | BinaryIO, description: str) -> Markup:
 
 
 def table(frame: pd.DataFrame) -> Markup:
-    """A table as HTML: units in the head, four digits, columns without any value left out."""
+    """A table as HTML: units in the head, columns without any value left out."""
     if frame.empty:
         return Markup("<p>No rows: nothing of this is known of the samples.</p>")
     frame = frame.dropna(axis="columns", how="all")
@@ -135,17 +138,17 @@ def heading(column: str) -> str:
     return column.replace("_", " ")
 
 
-def written(value: Any) -> str:
-    """A value for people: four significant digits, a true minus sign, a dash for none."""
+def written(value: Any, digits: int = DIGITS) -> str:
+    """A value for people: rounded to significant digits, a true minus sign, a dash for none."""
     if value is None or (isinstance(value, float) and value != value):
         return MISSING
     if isinstance(value, float):
-        text = f"{value:.4g}" if abs(value) < 1e4 else f"{value:.0f}"
-        return text.replace("-", "−")
+        return significant(value, digits).replace("-", "−")
     if isinstance(value, list | tuple):
-        return ", ".join(map(written, value))
+        return ", ".join(written(item, digits) for item in value)
     if isinstance(value, Mapping):
-        return "; ".join(f"{key}: {written(item)}" for key, item in value.items()) or MISSING
+        parts = (f"{key}: {written(item, digits)}" for key, item in value.items())
+        return "; ".join(parts) or MISSING
     return str(value)
 
 
@@ -165,4 +168,4 @@ def parameters(
         if isinstance(value, Mapping) and part.get("properties"):
             yield from parameters(value, part, f"{place}: ")
         else:
-            yield place, written(value), part.get("description", "")
+            yield place, written(value, EXACT), part.get("description", "")

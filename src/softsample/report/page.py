@@ -12,6 +12,9 @@ from softsample.report.geometry_effects import spoken
 
 MISSING = "–"
 
+DIGITS = 3
+"""Significant digits of a result."""
+
 
 def render_page(template: Path, tables: Mapping[str, pd.DataFrame]) -> str:
     """A page of Markdown.
@@ -49,6 +52,20 @@ def fixed(value: Any, digits: int = 1) -> str:
 def signed(value: Any, digits: int = 1) -> str:
     """The same with its sign."""
     return _written(value, f"+.{digits}f")
+
+
+def significant(value: float, digits: int = DIGITS) -> str:
+    """A number rounded to significant digits, without an exponent unless it is tiny."""
+    rounded = float(f"{value:.{digits}g}")
+    return f"{rounded:.0f}" if abs(rounded) >= 10.0**digits else f"{rounded:.{digits}g}"
+
+
+def with_interval(value: float, low: float | None, high: float | None) -> str:
+    """A number and, if they are known, the ends of its interval."""
+    text = significant(value)
+    if low is None or high is None or not np.isfinite([low, high]).all():
+        return text
+    return f"{text} ({significant(low)} to {significant(high)})"
 
 
 def mean(rows: list[dict[str, Any]], column: str) -> float:

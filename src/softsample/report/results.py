@@ -5,6 +5,8 @@ from typing import Any
 
 import pandas as pd
 
+from softsample.report.page import significant, with_interval
+
 VERSION = 2
 """Of the form of the document; it grows when a reader of the last one could be misled."""
 
@@ -163,18 +165,15 @@ def _line(name: str, group: Mapping[str, Any]) -> tuple[str, ...]:
         name,
         _with_ends(group["verdict"]["modulus_to_quote"]),
         _with_ends(best),
-        f"{ideal['value_pa']:.0f}",
+        significant(ideal["value_pa"]),
         "not known" if bias is None else f"{bias:+.1f} %",
         f"{verdict}: {effects}" if effects else verdict,
     )
 
 
-def _with_ends(modulus: Mapping[str, float | None]) -> str:
+def _with_ends(modulus: Mapping[str, Any]) -> str:
     """A modulus, and its interval if that is known."""
-    text = f"{modulus['value_pa']:.0f}"
-    if modulus["low_pa"] is None:
-        return text
-    return f"{text} ({modulus['low_pa']:.0f} to {modulus['high_pa']:.0f})"
+    return with_interval(modulus["value_pa"], modulus["low_pa"], modulus["high_pa"])
 
 
 def _findings(groups: Mapping[str, Any]) -> list[str]:

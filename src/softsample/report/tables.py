@@ -14,6 +14,7 @@ import pandas as pd
 from scipy.stats import t as student_t
 
 from softsample.errors import InputError
+from softsample.report.page import with_interval
 
 GEOMETRIES = ("real", "ideal")
 TWO_TERM, ONE_TERM = "ogden2", "ogden1"
@@ -148,6 +149,51 @@ def loading(modes: Iterable[str]) -> str:
         "torsion",
     )  # fmt: skip
     return "+".join(sorted(set(modes), key=order.index))
+
+
+def moduli_shown(
+    name: str, table: pd.DataFrame, intervals: pd.DataFrame, groups: Mapping[str, str]
+) -> pd.DataFrame:
+    """What the report shows of a table: of those of moduli seven columns, of others all.
+
+    Parameters
+    ----------
+    name
+        `table1`, `table2` or another.
+    table
+        As saved, see `moduli_table`.
+    intervals
+        `intervals.csv`: 90 % intervals by group, geometry, model and modulus.
+    groups
+        Group of each sample, by which a row may be named.
+
+    Returns
+    -------
+    DataFrame
+        Group, modulus of the best known geometry with its interval, what to know of it, mode,
+        modulus of the ideal shape, difference, and the paper's.
+    """
+    model = {f"table{number}": model for model, number in PAPER_TABLE.items()}.get(name)
+    if model is None:
+        return table
+    of = intervals.query("model == @model and modulus == 'mu'").set_index(["group", "geometry"])
+    real = bool(table["mu_real_pa"].notna().any())
+    best = []
+    for row in table.to_dict("records"):
+        geometry = "real" if pd.notna(row["mu_real_pa"]) else "ideal"
+        key = groups.get(row["group"], row["group"]), geometry
+        ends = of.loc[key, ["low_pa", "high_pa"]] if key in of.index else (None, None)
+        best.append(with_interval(row[f"mu_{geometry}_pa"], *ends))
+    shown = pd.DataFrame(
+        {
+            "group": table["group"],
+            "mu_with_90_%_interval_pa": best,
+            "trusted": table["note"].fillna("").replace("", "yes"),
+            "mode": table["mode"],
+        }
+    )
+    more = ["mu_ideal_pa", "difference_percent", "paper_difference_percent"] if real else []
+    return shown.join(table[more])
 
 
 def _beside_paper(table: pd.DataFrame, model: str, paper: pd.DataFrame | None) -> pd.DataFrame:

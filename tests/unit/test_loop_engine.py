@@ -529,6 +529,8 @@ def test_what_the_model_is_known_to_leave_out_opens_a_search_of_its_own(monkeypa
     found = select(problem, effects, rules)
     assert set(found.classes) == {"real_geometry", "poisson_ratio"}
     assert found.final.state.material.mu == pytest.approx(laboratory.MU, rel=0.03)
+    opening = found.steps[0]  # alone in its candidates, beside the other in what was chosen
+    assert opening.candidates[0].evidence < opening.threshold < opening.chosen.evidence
     monkeypatch.setattr(_Search, "left_out_first", lambda search, opening: None)
     assert select(problem, effects, rules).classes == {}
 

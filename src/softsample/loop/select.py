@@ -298,7 +298,24 @@ class _Search:
         other.forward()
         if other.exchange():
             other.forward()
+        if step is not None:
+            other._tell_beside_others()
         return other
+
+    def _tell_beside_others(self) -> None:
+        """Evidence of the first step beside what came later, if it had too little alone."""
+        first, best = self.steps[0], self.likeliest
+        assert first.chosen is not None
+        name, effects = first.chosen.name, {e.name: e for e in best.fit.model.effects}
+        if name not in effects or first.chosen.evidence >= self.threshold:
+            return
+        known = {e: values for e, values in best.fit.state.values.items() if e != name}
+        less = best.problem.fit(best.fit.model.without(name), replace(best.fit.state, values=known))
+        posed, less = settled(best.problem, less)
+        gain = posed.misfit(less) - best.problem.misfit(best.fit)
+        gain -= penalty(effects[name], len(best.fit.white))
+        told = replace(first.chosen, evidence=gain)
+        self.steps[0] = replace(first, chosen=told)
 
     def law_first(self, opening: Step) -> Step | None:
         """A first step to another law, if the records ask for one but for something else more.

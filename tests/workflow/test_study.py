@@ -248,7 +248,9 @@ def test_the_run_told_of_each_job_and_of_the_results(study):
     for group, fit in load(results, "results.json")["groups"].items():
         verdict, fitted = fit["verdict"], fit["calibration"]["real"]["ogden2"]["moduli"]["mu"]
         said = "".join(
-            rf" +{mu['value_pa']:.0f} \({mu['low_pa']:.0f} to {mu['high_pa']:.0f}\)"
+            " +{} \\({} to {}\\)".format(
+                *(f"{float(f'{mu[end]:.2e}'):.0f}" for end in ("value_pa", "low_pa", "high_pa"))
+            )
             for mu in (verdict["modulus_to_quote"], fitted)
         )
         assert re.search(rf"^{group}{said} .* % +{verdict['verdict']}", printed, re.M)

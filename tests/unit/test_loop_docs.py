@@ -48,6 +48,18 @@ def test_held_out_errors_of_the_cuboid_are_those_of_the_table():
     assert f"to {after.min():.1f} to {after.max():.0f} %" in PAGE
 
 
+def test_second_effects_and_moduli_of_the_cuboid_are_those_of_the_table():
+    by = {kind: rows.set_index("group") for kind, rows in LOOP.groupby("geometry")}
+    seen = SCORE[(SCORE["truth"] != "") & SCORE["right"]]
+    named = [
+        all(effect in by["ideal"].loc[row.group, "classes"] for effect in row.truth.split("; "))
+        for row in seen.itertuples()
+    ]
+    assert f"the second effect or its class in {sum(named)} of {len(named)}" in PAGE
+    ratio = by["ideal"]["mu_after_pa"].astype(float) / by["real"]["mu_after_pa"].astype(float)
+    assert f"within {100.0 * (ratio - 1.0).abs().max():.0f} % of those on the real" in PAGE
+
+
 def test_the_cohort_is_that_of_its_tables():
     cohort = pd.read_csv(DOCS / "data/loop/cohort.csv", keep_default_na=False)
     ideal = cohort[(cohort["geometry"] == "ideal") & cohort["group"].str.startswith("TC")]

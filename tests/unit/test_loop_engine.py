@@ -467,10 +467,10 @@ def test_draws_of_noise_decide_only_where_a_bound_does_not(problem):
     assert drawn < 12.0
 
 
-def real_shapes(share=1.0, **lab):
+def real_shapes(share=1.0):
     """Tension and compression of an imperfect sample, of which the model has the cuboid alone."""
     found = []
-    for specimen in laboratory.Lab(seed=8, **lab).specimens(("tension", "compression")):
+    for specimen in laboratory.Lab(seed=8).specimens(("tension", "compression")):
         curves = specimen.elastic.curves
         way = curves.displacement / curves.displacement[-1]
         part = -0.15 if specimen.mode == "tension" else -0.35 - 0.6 * np.exp(-3.0 * way)

@@ -331,7 +331,7 @@ class _Search:
         return step if step.chosen else None
 
     def left_out_first(self, opening: Step) -> Step | None:
-        """A first step to what the model is known to leave out, if records ask for something else.
+        """A first step to what the model is known to leave out, unless it came first anyway.
 
         Alone it may explain little that another effect does not, which is plain beside it.
         """

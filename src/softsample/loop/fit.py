@@ -27,8 +27,9 @@ CORNER, CORNER_TIME = 0.2, 0.05
 """Part of an error of form that is brief, as where a ramp ends, and its time over the other's."""
 
 
-STARTS = tuple(Material(1000.0, r) for r in (0.2, 0.5, 0.8, 0.95))
-"""Materials from which fits set out that know nothing."""
+FRACTIONS = (0.0, 0.2, 0.5, 0.8, 0.95, 1.0)
+"""Modulus fractions from which fits set out that know nothing, each with its own modulus: a far
+end of the range may be a minimum of its own."""
 
 FLAT = 12.0
 """Information of a flat prior over a range of length one."""
@@ -378,8 +379,24 @@ class Problem:
             tuple(name for name, end in zip(names, ends, strict=True) if end),
         )
 
+    def of_own_modulus(self, model: Model, state: State) -> State:
+        """A state with the modulus that the records ask for, all else as it is."""
+        predicted = self.white(self.predicted(model, state))
+        measured = self.white([specimen.force for specimen in self.specimens])
+        factor = float(predicted @ measured) / max(float(predicted @ predicted), 1e-300)
+        mu = float(np.clip(state.material.mu * factor, SOFTEST, STIFFEST))
+        return replace(state, material=replace(state.material, mu=mu))
+
+    def of_each_fraction(self, model: Model, state: State) -> list[State]:
+        """A state with each of `FRACTIONS` and the modulus that goes with it."""
+        low, high = self.fractions
+        materials = [
+            replace(state.material, mu1_fraction=min(max(r, low), high)) for r in FRACTIONS
+        ]
+        return [self.of_own_modulus(model, replace(state, material=m)) for m in materials]
+
     def fit_material(self) -> Fit:
         """The plain model, from all starts: what only finds a better one explains nothing."""
-        known = [self.start] if self.start else []
-        first, *others = map(State, [*known, *STARTS])
-        return self.fit(Model(), first, others)
+        known = [State(self.start)] if self.start else []
+        states = known + self.of_each_fraction(Model(), State(Material(1.0, 0.5)))
+        return self.fit(Model(), states[0], states[1:])

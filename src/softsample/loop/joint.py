@@ -7,8 +7,8 @@ from itertools import product
 import numpy as np
 
 from softsample.loop.effects.base import Effect
-from softsample.loop.fit import STARTS, Fit, Problem
-from softsample.loop.model import SOFTEST, STIFFEST, Model, State
+from softsample.loop.fit import Fit, Problem
+from softsample.loop.model import Model, State
 from softsample.loop.screen import Signature, nominal_step
 
 FAR_MORE = 2.0
@@ -53,7 +53,7 @@ def joint_fit(problem: Problem, current: Fit, signature: Signature, tie: float) 
     ]
     own = _own_starts(problem, model, current.state, effect.starts)
     if effect.idealised:  # a change so large that the material found without it says little
-        states = [replace(states[0], material=m) for m in (current.state.material, *STARTS)]
+        states = [states[0], *problem.of_each_fraction(model, states[0])]
         promised = -np.inf
     fits = problem.fits(model, states, tie, promised)
     return _likeliest(problem, current, problem.fits(model, own, tie, found=fits), tie)
@@ -116,16 +116,7 @@ def _own_starts(
         replace(state, material=material, values={**state.values, effect.name: {**start}})
         for start in starts
     ]
-    return [_of_own_modulus(problem, model, x) for x in states] if effect.is_law else states
-
-
-def _of_own_modulus(problem: Problem, model: Model, state: State) -> State:
-    """A state with the modulus that the records ask for, all else as it is."""
-    predicted = problem.white(problem.predicted(model, state))
-    measured = problem.white([specimen.force for specimen in problem.specimens])
-    factor = float(predicted @ measured) / max(float(predicted @ predicted), 1e-300)
-    mu = float(np.clip(state.material.mu * factor, SOFTEST, STIFFEST))
-    return replace(state, material=replace(state.material, mu=mu))
+    return [problem.of_own_modulus(model, x) for x in states] if effect.is_law else states
 
 
 def _small(effect: Effect) -> dict[str, float]:

@@ -59,7 +59,7 @@ SETTINGS = NoiseSettings()
 
 def covariance(specimen, noise, model, settings):
     known, discrepancy = covariances(
-        specimen, noise, model, settings, block_size(specimen.time, settings)
+        specimen, noise, model, settings, block_size(specimen, settings)
     )
     return known + sum(discrepancy.values())
 

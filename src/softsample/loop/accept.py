@@ -26,6 +26,8 @@ class Judged:
         Logarithm of the predictive density of what the folds leave out, summed over them.
     form : float
         Error of the form of the records, whatever their scale [% of peak].
+    repeats : float
+        Difference in scale of tests of one piece [%].
     """
 
     fitted: Errors
@@ -33,6 +35,7 @@ class Judged:
     held_out: Mapping[str, Error]
     density: float
     form: float
+    repeats: float
 
 
 def fold_ratio(before: Errors, after: Errors) -> float:
@@ -65,7 +68,7 @@ def objection_to(
     last, named = selection.steps[-1], bool(selection.final.model.effects)
     if last.refused and last.why != WITHIN_DOUBT and not named:
         return last.why
-    scale = noise.sizes(selection.problem.variances)["scale"]
+    scale = max(after.repeats, noise.sizes(selection.problem.variances)["scale"])
     enough = named and fold_ratio(before.folds, after.folds) <= rules.unknown_share
     if not enough and far_off(after, rules, noise):
         return f"an error of {after.form:.3g} % of the peak is left that no effect explains"

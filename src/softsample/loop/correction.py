@@ -339,7 +339,7 @@ class _Test:
     @classmethod
     def of(cls, problem: Problem, fit: Fit, k: int) -> "_Test":
         """Of one test of a problem."""
-        specimen, w = problem.specimens[k], problem.whiteners[k]
+        specimen, w = problem.specimens[k], problem.whiteners[k].alone
         force = fit.model.predict(specimen, fit.state)
         double = fit.model.with_effect(_effect(lambda s, force, travel, values: 2.0 * force))
         state = replace(fit.state, values={**fit.state.values, NAME: {}})

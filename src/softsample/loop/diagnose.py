@@ -20,6 +20,7 @@ from softsample.loop.errors import (
     form_error,
     held_out_errors,
     log_density,
+    repeat_error,
 )
 from softsample.loop.fit import Fit, Problem
 from softsample.loop.limits import Limit, detection_limits
@@ -262,6 +263,7 @@ class _Judge:
             held_out_errors(fit, tests, self.noises[0].white, scales),
             log_density(posed, fit, found),
             form_error(posed, fit, self.spread),
+            repeat_error(posed, fit),
         )
 
 

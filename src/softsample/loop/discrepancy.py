@@ -9,7 +9,7 @@ References
 H. D. Patterson, R. Thompson, Biometrika 58 (1971) 545, doi:10.1093/biomet/58.3.545.
 """
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -42,7 +42,10 @@ NOTHING = 1e-12
 
 @dataclass(frozen=True)
 class _Test:
-    """Means of one test: residual (n,) [N], slopes (n, p), covariances (n, n), (k, n, n) [N2]."""
+    """Means of one test: residual (n,) [N], slopes (n, p), covariances (n, n), (k, n, n) [N2].
+
+    The last slopes are by what tests have in common, in the order of the parts.
+    """
 
     residual: Array
     slopes: Array
@@ -65,10 +68,14 @@ def estimated(problem: Problem, fit: Fit) -> Problem:
         return problem
     problem = _scaled(problem, fit)
     tests = _tests(problem, fit, names)
-    prior = np.full(fit.jacobian.shape[1] + 1, NOTHING)
+    count = fit.jacobian.shape[1]
+    shared, end = {}, count + 1
+    for name, columns in problem.whiteners[0].shared.items():
+        shared[names.index(name)] = slice(end, end := end + columns.shape[1])
+    prior = np.full(end, NOTHING)
     prior[CONTACT_ZERO] += problem.settings.contact_zero_mm**-2
-    prior[-1] = 1.0  # of what the tests share
-    prior[:-1][Packing(fit.model, problem.fractions).at_end(fit.state)] = FIXED_THERE
+    prior[count] = 1.0  # of what all tests share
+    prior[:count][Packing(fit.model, problem.fractions).at_end(fit.state)] = FIXED_THERE
     width = np.log(problem.settings.spread)
     here = problem.whiteners[0].variances
     starts = [np.zeros(len(names)), np.array([0.5 * np.log(here[name]) for name in names])]
@@ -76,7 +83,7 @@ def estimated(problem: Problem, fit: Fit) -> Problem:
     found = min(
         (
             minimize(
-                _restricted, start, (tests, prior, width), jac=True, method="L-BFGS-B",
+                _restricted, start, (tests, prior, shared, width), jac=True, method="L-BFGS-B",
                 bounds=bounds, options={"maxiter": 30, "ftol": 1e-6},
             )
             for start in starts[: 2 if starts[1].any() else 1]
@@ -116,7 +123,7 @@ def _tests(problem: Problem, fit: Fit, names: Sequence[str]) -> list[_Test]:
             continue
         to = averaging(w.blocks(specimen.travel) / specimen.reach)
         parts = np.stack([to @ w.kept(w.discrepancy[name]) @ to.T for name in names])
-        columns = np.column_stack([j, w.blocks(common)])
+        columns = np.column_stack([j, w.blocks(common), *(c[w.keep] for c in w.shared.values())])
         found.append(_Test(to @ r, to @ columns, to @ w.kept(w.known) @ to.T, parts))
     return found
 
@@ -130,10 +137,16 @@ def averaging(travel: Array) -> Array:
 
 
 def _restricted(
-    x: Array, tests: Sequence[_Test], prior: Array, width: float
+    x: Array, tests: Sequence[_Test], prior: Array, shared: Mapping[int, slice], width: float
 ) -> tuple[float, Array]:
-    """Negative logarithm of the restricted posterior of log sizes (k,), and its slope."""
+    """Negative logarithm of the restricted posterior of log sizes (k,), and its slope.
+
+    `shared` are the entries of the prior (p,) whose variance is that of a size.
+    """
     variances = np.exp(2.0 * x)
+    prior = prior.copy()
+    for k, entries in shared.items():
+        prior[entries] = 1.0 / variances[k]
     value, information, score = 0.0, np.diag(prior), np.zeros(len(prior))
     inverses, weighted = [], []
     for test in tests:
@@ -161,5 +174,9 @@ def _restricted(
         left, taken = inverse @ test.residual - own @ moved, own @ root.T
         felt = inverse - taken @ taken.T - np.outer(left, left)
         slope += variances * (test.parts.reshape(len(x), -1) @ felt.ravel())
+    for k, entries in shared.items():
+        felt = np.sum(root[:, entries] ** 2, axis=0) + moved[entries] ** 2
+        value += x[k] * len(felt)
+        slope[k] += len(felt) - float(felt.sum()) / variances[k]
     prior_part = x / width
     return value + 0.5 * float(prior_part @ prior_part), slope + prior_part / width

@@ -8,6 +8,7 @@ from numpy.typing import NDArray
 
 from softsample.loop.fit import Fit, Problem, labels
 from softsample.loop.model import FIXED, State, residuals
+from softsample.loop.same_piece import same_piece
 from softsample.loop.scale import Scales, scale_of
 from softsample.loop.screen import LEAST_SIGNATURE
 from softsample.loop.specimen import Specimen, blocks
@@ -93,6 +94,21 @@ def form_error(problem: Problem, fit: Fit, noises: Sequence[float]) -> float:
         left = left - model * (left @ model) / max(float(model @ model), 1e-300)
         squares.append(error_of(left, noise, specimen.peak).structured ** 2 / specimen.peak**2)
     return float(100.0 * np.sqrt(np.mean(squares)))
+
+
+def repeat_error(problem: Problem, fit: Fit) -> float:
+    """Difference in scale of tests of one piece [%]: RMS about their means, 0 without repeats."""
+    pieces = same_piece(problem.specimens)
+    factors: dict[int | None, list[float]] = {}
+    forces = problem.predicted(fit.model, fit.state)
+    for specimen, w, force, piece in zip(
+        problem.specimens, problem.whiteners, forces, pieces, strict=True
+    ):
+        model, measured = w.blocks(force), w.blocks(specimen.force)
+        factor = float(measured @ model) / max(float(model @ model), 1e-300)
+        factors.setdefault(piece, []).append(factor)
+    apart = [np.var(of) / np.mean(of) ** 2 for piece, of in factors.items() if piece is not None]
+    return float(100.0 * np.sqrt(np.mean(apart))) if apart else 0.0
 
 
 def folds(problem: Problem) -> dict[str, list[Mask]]:

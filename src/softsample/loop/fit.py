@@ -2,6 +2,7 @@
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
+from functools import cached_property
 
 import numpy as np
 from numpy.typing import NDArray
@@ -152,8 +153,15 @@ class Problem:
         self.start = start
         self.unseen = list(unseen)
         self.common = list(common) or [np.zeros_like(s.force) for s in self.specimens]
-        self._shared = self._own_white(self.common)
-        self._variance = 1.0 + float(self._shared @ self._shared)
+
+    @cached_property
+    def _joint(self) -> tuple[Array, Array]:
+        """Orthonormal directions (n, k) in which tests share errors, and their variance (k,)."""
+        columns = np.column_stack([
+            self._own_white(self.common), np.concatenate([w.in_common for w in self.whiteners])
+        ])  # fmt: skip
+        directions, sizes, _ = np.linalg.svd(columns, full_matrices=False)
+        return directions, 1.0 + sizes**2
 
     @property
     def labels(self) -> list[str]:
@@ -197,14 +205,14 @@ class Problem:
 
     def white(self, parts: Sequence[Array]) -> Array:
         """White residual (n, ...) of all tests from one (n_samples, ...) per test."""
-        own = self._own_white(parts)
-        less = self._shared / (self._variance + np.sqrt(self._variance))
-        return np.asarray(own - np.multiply.outer(self._shared, less @ own))
+        own, (directions, variance) = self._own_white(parts), self._joint
+        less = (1.0 - 1.0 / np.sqrt(variance)) * directions
+        return np.asarray(own - less @ (directions.T @ own))
 
     def coloured(self, white: Array) -> list[Array]:
         """Block means [N] of every test with this noise from independent unit noise (n, ...)."""
-        more = self._shared / (1.0 + np.sqrt(self._variance))
-        own = white + np.multiply.outer(self._shared, more @ white)
+        directions, variance = self._joint
+        own = white + (np.sqrt(variance) - 1.0) * directions @ (directions.T @ white)
         return [w.coloured(part) for w, part in zip(self.whiteners, self.by_test(own), strict=True)]
 
     @property
@@ -255,7 +263,8 @@ class Problem:
         """
         white = self.residual(fit.model, fit.state)
         own = sum(w.log_determinant for w in self.whiteners)
-        return float(white @ white + own + np.log(self._variance) + self._unlikely_sizes)
+        shared = np.log(self._joint[1]).sum()
+        return float(white @ white + own + shared + self._unlikely_sizes)
 
     @property
     def _unlikely_sizes(self) -> float:

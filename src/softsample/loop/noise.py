@@ -3,6 +3,7 @@
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -137,10 +138,20 @@ def most_blocks(tests: int) -> int:
     return min(MOST_BLOCKS, max(FEWEST, MOST_OF_GROUP // tests))
 
 
-def block_size(time: Array, settings: NoiseSettings, most: int = MOST_BLOCKS) -> int:
-    """Samples in a block, and no more blocks than `most`."""
-    enough = -(-len(time) // most)
-    return max(1, enough, round(settings.block_s / float(np.median(np.diff(time)))))
+def block_size(specimen: Specimen, settings: NoiseSettings, most: int = MOST_BLOCKS) -> int:
+    """Samples in a block, and no more blocks than `most`.
+
+    In a fast ramp a block is no longer than what is rough along the travel.
+    """
+    enough = -(-len(specimen.time) // most)
+    usual = round(settings.block_s / float(np.median(np.diff(specimen.time))))
+    ramps = [
+        part.stop - part.start
+        for part in specimen.stretches
+        if specimen.phase[part.start] == "ramp" and not specimen.held_out[part.start]
+    ]
+    fine = round(settings.fine_length * max(ramps)) if ramps else usual
+    return max(1, enough, min(usual, fine))
 
 
 def measure_noise(specimen: Specimen, settings: NoiseSettings, most: int = MOST_BLOCKS) -> Noise:
@@ -152,7 +163,7 @@ def measure_noise(specimen: Specimen, settings: NoiseSettings, most: int = MOST_
     corner of the record. Where a reading's last digit is coarser than its noise, the error of
     rounding is noise too, and one that goes on from sample to sample. What is held out is not read.
     """
-    size, fitted = block_size(specimen.time, settings, most), ~specimen.held_out
+    size, fitted = block_size(specimen, settings, most), ~specimen.held_out
     second = np.diff(specimen.force, 2)[fitted[:-2] & fitted[1:-1] & fitted[2:]]
     white = 0.0
     if len(second):
@@ -212,6 +223,18 @@ def shared(noises: Sequence[Noise], cells: Sequence[bool] | None = None) -> list
     ]
 
 
+def bending(apart: Array, length: float) -> Array:
+    """Matern's correlation 3/2: it has a slope, but need not bend smoothly."""
+    steps = np.sqrt(3.0) * np.abs(apart) / length
+    return np.asarray((1.0 + steps) * np.exp(-steps))
+
+
+def moved(specimen: Specimen, size: int) -> Array:
+    """A percent of the peak at every block (n,) [N], nothing before the platen moves."""
+    onset = np.clip(np.abs(specimen.travel) / (0.02 * specimen.reach), 0.0, 1.0)
+    return np.asarray(0.01 * specimen.peak * blocks(onset, size))
+
+
 def covariances(
     specimen: Specimen, noise: Noise, model: Array, settings: NoiseSettings, size: int
 ) -> tuple[Array, dict[str, Array]]:
@@ -242,11 +265,10 @@ def covariances(
     time, travel = blocks(specimen.time, size), blocks(specimen.travel, size)
     lag = np.abs(np.subtract.outer(time, time))
     apart = np.subtract.outer(travel, travel) / specimen.reach
-    onset = np.clip(np.abs(specimen.travel) / (0.02 * specimen.reach), 0.0, 1.0)
-    moved = 0.01 * specimen.peak * blocks(onset, size)
+    percents = moved(specimen, size)
 
     def along(percent: float, alike: Array) -> Array:
-        return np.asarray(percent**2 * np.outer(moved, moved) * alike)
+        return np.asarray(percent**2 * np.outer(percents, percents) * alike)
 
     known = noise.white**2 / noise.size * np.eye(len(time))
     known += noise.slow**2 * np.exp(-lag / settings.correlation_s)
@@ -254,8 +276,7 @@ def covariances(
     scale = 0.01 * settings.scale_percent * model
     fitted = blocks(specimen.held_out.astype(float), size) == 0.0
     course = max(float(np.ptp(time[fitted])), 1e-9) if fitted.any() else 1.0
-    steps = np.sqrt(3.0) * np.abs(apart) / settings.floor_length
-    smooth = (1.0 + steps) * np.exp(-steps)  # has a slope, but need not bend smoothly
+    smooth = bending(apart, settings.floor_length)
     return known, {
         "smooth": along(settings.floor_percent, smooth),
         "rough": along(settings.fine_percent, np.exp(-np.abs(apart) / settings.fine_length)),
@@ -276,9 +297,14 @@ class Whitener:
     keep : (n,) bool, optional
         Blocks that count; the others are left out (folds).
     discrepancy : mapping of (n, n) float64, optional
-        Covariances [N2] of what the model does not resolve, by part.
+        Covariances [N2] of what the model does not resolve, by part, that are the test's own.
     variances : mapping of float, optional
         Factors of these; 1 by default.
+    shared : mapping of (n, k) float64, optional
+        Of parts in which other tests have a share: what each of k variates that tests have in
+        common adds, one standard deviation [N].
+    slot : int, optional
+        Which of those of the scale is that of this test.
     """
 
     def __init__(
@@ -288,15 +314,18 @@ class Whitener:
         keep: NDArray[np.bool_] | None = None,
         discrepancy: Mapping[str, Array] | None = None,
         variances: Mapping[str, float] | None = None,
+        shared: Mapping[str, Array] | None = None,
+        slot: int | None = None,
     ) -> None:
         self.size = size
         self.keep = np.ones(len(known), bool) if keep is None else keep
         self.known, self.discrepancy = known, dict(discrepancy or {})
         self.variances = dict.fromkeys(self.discrepancy, 1.0) | dict(variances or {})
+        self.shared, self.slot = dict(shared or {}), slot
 
     @cached_property
     def _factor(self) -> Array:
-        """Cholesky factor of the covariance of the blocks that count."""
+        """Cholesky factor of the test's own covariance of the blocks that count."""
         part = self.kept(self.known)
         for name, matrix in self.discrepancy.items():
             part += self.variances[name] * self.kept(matrix)
@@ -310,7 +339,7 @@ class Whitener:
 
     @property
     def log_determinant(self) -> float:
-        """Of the covariance of the blocks that count."""
+        """Of the test's own covariance of the blocks that count."""
         return float(2.0 * np.log(np.diag(self._factor)).sum())
 
     def blocks(self, residual: Array) -> Array:
@@ -319,9 +348,26 @@ class Whitener:
 
     def __call__(self, residual: Array) -> Array:
         """White residual of the blocks that count, from one per sample (n_samples,) [N]."""
-        return np.asarray(
-            solve_triangular(self._factor, self.blocks(residual), lower=True, check_finite=False)
-        )
+        return self._whitened(self.blocks(residual))
+
+    def _whitened(self, means: Array) -> Array:
+        return np.asarray(solve_triangular(self._factor, means, lower=True, check_finite=False))
+
+    @property
+    def in_common(self) -> Array:
+        """White columns (n_blocks, k) of what other tests have a share in."""
+        sizes = [np.sqrt(self.variances[name]) * part for name, part in self.shared.items()]
+        every = np.hstack([np.zeros((len(self.keep), 0)), *sizes])
+        return self._whitened(every[self.keep])
+
+    @cached_property
+    def alone(self) -> "Whitener":
+        """The same if there were no other test."""
+        if not self.shared:
+            return self
+        whole = {n: m + (p @ p.T if (p := self.shared.get(n)) is not None else 0.0)
+                 for n, m in self.discrepancy.items()}  # fmt: skip
+        return Whitener(self.known, self.size, self.keep, whole, self.variances)
 
     def coloured(self, white: Array) -> Array:
         """Block means with this covariance from independent unit noise (n_blocks, ...) [N]."""
@@ -329,18 +375,30 @@ class Whitener:
 
     def with_form(self, covariance: Array) -> "Whitener":
         """The same with more error in the form of effects [N2], as part `FORM`."""
-        changed = {**self.discrepancy, FORM: self.discrepancy.get(FORM, 0.0) + covariance}
-        return Whitener(self.known, self.size, self.keep, changed, self.variances)
+        return self._but(
+            discrepancy={**self.discrepancy, FORM: self.discrepancy.get(FORM, 0.0) + covariance}
+        )
 
     def with_scale(self, error: Array) -> "Whitener":
         """The same with another error of scale, one standard deviation of it (n,) [N]."""
-        changed = {**self.discrepancy, "scale": np.outer(error, error)}
-        return Whitener(self.known, self.size, self.keep, changed, self.variances)
+        if self.slot is None:
+            return self._but(discrepancy={**self.discrepancy, "scale": np.outer(error, error)})
+        columns = np.zeros_like(self.shared["scale"])
+        columns[:, self.slot] = error
+        return self._but(shared={**self.shared, "scale": columns})
 
     def with_variances(self, variances: Mapping[str, float]) -> "Whitener":
         """The same with other sizes of the discrepancy."""
-        return Whitener(self.known, self.size, self.keep, self.discrepancy, variances)
+        return self._but(variances=variances)
 
     def on(self, keep: NDArray[np.bool_]) -> "Whitener":
         """The same with other blocks."""
-        return Whitener(self.known, self.size, keep, self.discrepancy, self.variances)
+        return self._but(keep=keep)
+
+    def _but(self, **changed: Any) -> "Whitener":
+        """The same with some parts changed."""
+        parts = {
+            "known": self.known, "size": self.size, "keep": self.keep, "shared": self.shared,
+            "discrepancy": self.discrepancy, "variances": self.variances, "slot": self.slot,
+        }  # fmt: skip
+        return Whitener(**{**parts, **changed})

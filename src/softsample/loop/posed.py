@@ -18,6 +18,7 @@ from softsample.loop.noise import (
     most_blocks,
     shared,
 )
+from softsample.loop.same_piece import in_common
 from softsample.loop.scale import relative_stiffness, scatter
 from softsample.loop.select import SelectionSettings, plain_model
 from softsample.loop.specimen import Specimen, blocks
@@ -123,7 +124,7 @@ def pose(every: Sequence[Specimen], settings: NoiseSettings) -> tuple[Problem, l
 
 def _is_fitted(specimen: Specimen, settings: NoiseSettings, most: int) -> bool:
     """Whether a block of the test, of which there are `most`, is left that is not held out."""
-    size = block_size(specimen.time, settings, most)
+    size = block_size(specimen, settings, most)
     return bool(np.any(blocks(specimen.held_out.astype(float), size) == 0.0))
 
 
@@ -135,13 +136,13 @@ def _whiteners(
 ) -> list[Whitener]:
     """Whitener of every test, its scale by what a model predicts per sample [N]."""
     most = most_blocks(len(specimens))
-    sizes = [block_size(s.time, settings, most) for s in specimens]
+    sizes = [block_size(s, settings, most) for s in specimens]
     found = []
     for s, noise, model, size in zip(specimens, noises, models, sizes, strict=True):
         known, discrepancy = covariances(s, noise, blocks(model, size), settings, size)
         kept = blocks(s.held_out.astype(float), size) == 0.0
         found.append(Whitener(known, size, kept, discrepancy))
-    return found
+    return in_common(specimens, found, settings)
 
 
 def _fitted(specimens: Sequence[Specimen], settings: NoiseSettings) -> list[Specimen]:

@@ -6,15 +6,13 @@ import numpy as np
 from numpy.typing import NDArray
 
 from softsample.loop.fit import Fit, Problem
+from softsample.loop.same_piece import ALIKE, same_piece
 from softsample.loop.specimen import Specimen
 
 Array = NDArray[np.float64]
 
 ROUNDS = 3
 """Of fitting the group's material and the stiffness of each specimen in turn."""
-
-ALIKE = 1.25
-"""Ratio of displacements, and of speeds, up to which tests are the same."""
 
 RANGE = (0.05, 20.0)
 """Of the stiffness of a specimen over that of the group."""
@@ -68,7 +66,7 @@ def _relative(problem: Problem, fit: Fit) -> dict[str, float]:
     for specimen, w, force, test in zip(
         problem.specimens, problem.whiteners, forces, same_tests(problem.specimens), strict=True
     ):
-        apart = w.with_variances({**w.variances, "scale": 0.0})
+        apart = w.alone.with_variances({**w.variances, "scale": 0.0})
         one, measured = apart(force), apart(specimen.force)
         more = np.array([one @ measured, one @ one / specimen.stiffness])
         sums = asked.setdefault(test, {})
@@ -119,10 +117,16 @@ def most_likely(problem: Problem, fit: Fit) -> dict[Key, float]:
     model without a correction.
     """
     forces = problem.predicted(fit.model, fit.state)
+    variance = (0.01 * problem.settings.sizes(problem.variances).get("scale", 0.0)) ** 2
+    left = problem.white([s.force - f for s, f in zip(problem.specimens, forces, strict=True)])
+    pieces = same_piece(problem.specimens)
     errors = []
-    for specimen, w, force in zip(problem.specimens, problem.whiteners, forces, strict=True):
-        size = 0.01 * problem.settings.sizes(w.variances).get("scale", 0.0)
-        errors.append((specimen, size**2 * float(w(force) @ w(specimen.force - force))))
+    for k, (specimen, piece) in enumerate(zip(problem.specimens, pieces, strict=True)):
+        with_it = [
+            j == k or (piece is not None and piece == other) for j, other in enumerate(pieces)
+        ]
+        column = problem.white([f * of for f, of in zip(forces, with_it, strict=True)])
+        errors.append((specimen, variance * float(column @ left)))
     return by_specimen(errors)
 
 

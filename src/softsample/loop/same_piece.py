@@ -1,0 +1,96 @@
+"""Errors of geometry, which tests of one piece in one mode have in common.
+
+Shape, mesh and glued area are the same in each of them, so that what differs between such tests
+shows far more sharply than the error of any one of them would allow.
+"""
+
+from collections import Counter
+from collections.abc import Sequence
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.linalg import cholesky, solve_triangular
+
+from softsample.loop.noise import NoiseSettings, Whitener, bending, moved
+from softsample.loop.specimen import Specimen, blocks
+
+Array = NDArray[np.float64]
+
+ALIKE = 1.25
+"""Ratio of displacements up to which tests go about as far, and of speeds of one speed."""
+
+KNOTS = 33
+"""Travels at which the error that goes with the travel is a variate: between them it is smooth."""
+
+
+def same_piece(specimens: Sequence[Specimen]) -> list[int | None]:
+    """A number for each test, the same for those of one piece; none if it is the only one.
+
+    They are of one mode and channel, and go about as far.
+    """
+    firsts: list[Specimen] = []
+    found = []
+    for specimen in specimens:
+        alike = [_alike(specimen, first) for first in firsts]
+        found.append(alike.index(True) if any(alike) else len(firsts))
+        firsts += [] if any(alike) else [specimen]
+    several = [place for place, count in Counter(found).items() if count > 1]
+    return [several.index(place) if place in several else None for place in found]
+
+
+def _alike(one: Specimen, other: Specimen) -> bool:
+    near = 1.0 / ALIKE < one.reach / other.reach < ALIKE
+    return near and (one.piece, one.mode, one.channel) == (other.piece, other.mode, other.channel)
+
+
+def in_common(
+    specimens: Sequence[Specimen], whiteners: Sequence[Whitener], settings: NoiseSettings
+) -> list[Whitener]:
+    """Whiteners whose smooth errors and scales are those of a piece, not of each of its tests.
+
+    Parameters
+    ----------
+    specimens : sequence of Specimen
+        Tests of a group.
+    whiteners : sequence of Whitener
+        One for each, as if it were the only test.
+    settings : NoiseSettings
+        Sizes of the errors.
+    """
+    slots = same_piece(specimens)
+    count = len({slot for slot in slots if slot is not None})
+    if not count:
+        return list(whiteners)
+    found = []
+    for specimen, w, slot in zip(specimens, whiteners, slots, strict=True):
+        own, shape = dict(w.discrepancy), w.known.shape
+        smooth, scale = np.zeros((len(w.known), count, KNOTS)), np.zeros((len(w.known), count))
+        if slot is not None:
+            tests = [s for s, of in zip(specimens, slots, strict=True) if of == slot]
+            smooth[:, slot] = _smooth(specimen, w.size, tests, settings)
+            scale[:, slot] = np.sqrt(np.diag(own["scale"]))
+            own |= {"smooth": np.zeros(shape), "scale": np.zeros(shape)}
+        shared = {"smooth": smooth.reshape(len(smooth), -1), "scale": scale}
+        found.append(Whitener(w.known, w.size, w.keep, own, w.variances, shared, slot))
+    return found
+
+
+def _smooth(
+    specimen: Specimen, size: int, tests: Sequence[Specimen], settings: NoiseSettings
+) -> Array:
+    """What each variate of the smooth error of a piece adds to the blocks of a test (n, m) [N].
+
+    It is the same force in each of its tests: one that went with their peaks would be a scale.
+    """
+    reach = max(test.reach for test in tests)
+    peak = float(np.mean([test.peak for test in tests]))
+    low = min(float(test.travel.min()) for test in tests)
+    high = max(float(test.travel.max()) for test in tests)
+    knots = np.linspace(low, high, KNOTS) / reach
+    apart = np.subtract.outer(knots, knots)
+    factor = cholesky(bending(apart, settings.floor_length) + 1e-9 * np.eye(KNOTS), lower=True)
+    way = blocks(specimen.travel, size) / reach
+    alike = bending(np.subtract.outer(knots, way), settings.floor_length)
+    variates = solve_triangular(factor, alike, lower=True).T
+    percents = moved(specimen, size) * peak / specimen.peak
+    return np.asarray(settings.floor_percent * percents[:, None] * variates)

@@ -16,9 +16,9 @@ SETTINGS = NoiseSettings()
 
 
 def repeats():
-    """Two tests of one piece in shear, the second a little faster, and one of another piece."""
+    """Two tests of one piece in shear, the second twice as fast, and one of another piece."""
     (one,) = laboratory.Lab(seed=7).specimens(["shear"])
-    faster = replace(one, name="again", time=0.9 * one.time, piece=one.piece)
+    faster = replace(one, name="again", time=0.5 * one.time, piece=one.piece)
     return [one, faster, replace(one, name="other", piece="other")]
 
 
@@ -41,11 +41,13 @@ def by_hand(problem, sizes):
     return joint
 
 
-def test_tests_of_one_piece_that_go_as_far_share_their_errors():
+def test_tests_of_one_piece_that_go_as_far_at_several_speeds_share_their_errors():
     one, again, other = repeats()
     assert same_piece([one, other, again]) == [0, None, 0]
     assert same_piece([one, replace(again, travel=2.0 * again.travel)]) == [None, None]
     assert same_piece([one, replace(again, mode="tension")]) == [None, None]
+    assert same_piece([one, replace(one, name="across")]) == [None, None]  # of one speed
+    assert same_piece([one, replace(again, timed=False)]) == [None, None]
 
 
 def test_residuals_are_whitened_and_judged_by_the_joint_covariance():
@@ -93,11 +95,11 @@ def test_the_slope_of_the_restricted_likelihood_is_its_derivative(monkeypatch):
 def test_what_tests_of_one_piece_share_is_told_from_what_is_their_own(shared, larger):
     """Five tests of one piece with a wave of 4 % along the travel, the same in each or not."""
     (one,) = laboratory.Lab(seed=7).specimens(["shear"])
-    tests = [
-        replace(one, name=str(k), piece="A", force=one.force + 0.04 * one.peak * np.sin(
-            12.0 * one.travel / one.reach + (0.0 if shared else k)))
-        for k in range(5)
-    ]  # fmt: skip
+    tests = []
+    for k in range(5):
+        wave = np.sin(12.0 * one.travel / one.reach + (0.0 if shared else k))
+        force, time = one.force + 0.04 * one.peak * wave, (1.0 + k) * one.time
+        tests.append(replace(one, name=str(k), piece="A", time=time, force=force))
     problem, _ = pose(tests, SETTINGS)
     of_shared, _ = discrepancy.settled(problem, problem.fit_material())
     sizes = SETTINGS.sizes(of_shared.variances)

@@ -1,10 +1,10 @@
-"""Errors of geometry, which tests of one piece in one mode have in common.
+"""Errors of geometry, which tests of one piece at several speeds have in common.
 
-Shape, mesh and glued area are the same in each of them, so that what differs between such tests
-shows far more sharply than the error of any one of them would allow.
+Shape, mesh and glued area are the same in each of them, so that what goes with the speed shows far
+more sharply than the error of any one of them would allow. Of tests at one speed nothing says
+whether they were made in one direction.
 """
 
-from collections import Counter
 from collections.abc import Sequence
 
 import numpy as np
@@ -24,7 +24,7 @@ KNOTS = 33
 
 
 def same_piece(specimens: Sequence[Specimen]) -> list[int | None]:
-    """A number for each test, the same for those of one piece; none if it is the only one.
+    """A number for each test, the same for those of one piece at several speeds; none for others.
 
     They are of one mode and channel, and go about as far.
     """
@@ -34,13 +34,22 @@ def same_piece(specimens: Sequence[Specimen]) -> list[int | None]:
         alike = [_alike(specimen, first) for first in firsts]
         found.append(alike.index(True) if any(alike) else len(firsts))
         firsts += [] if any(alike) else [specimen]
-    several = [place for place, count in Counter(found).items() if count > 1]
+    of = [
+        [s for s, place in zip(specimens, found, strict=True) if place == k]
+        for k in range(len(firsts))
+    ]
+    several = [k for k, tests in enumerate(of) if _speeds_differ(tests)]
     return [several.index(place) if place in several else None for place in found]
 
 
 def _alike(one: Specimen, other: Specimen) -> bool:
     near = 1.0 / ALIKE < one.reach / other.reach < ALIKE
     return near and (one.piece, one.mode, one.channel) == (other.piece, other.mode, other.channel)
+
+
+def _speeds_differ(tests: Sequence[Specimen]) -> bool:
+    times = [test.loading_time for test in tests if test.timed]
+    return len(times) == len(tests) > 1 and max(times) > ALIKE * min(times)
 
 
 def in_common(

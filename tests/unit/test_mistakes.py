@@ -22,7 +22,7 @@ from softsample.validation import overlaid
 AFFINE = np.diag([0.5, 0.5, 0.5, 1.0])
 COLUMNS = (
     *("sample", "group", "mode", "image", "record", "shape", "length_mm", "width_mm", "height_mm"),
-    *("diameter_mm", "loading_axis", "cycle", "format"),
+    *("diameter_mm", "loading_axis", "cycle", "format", "specimen"),
 )
 FOUND = "Time (s),Extension (mm),Force (N)"
 OURS = "time_s,displacement_mm,force_N"
@@ -335,6 +335,11 @@ MISTAKES = {
         lambda s: s.cells("B", image="A.nii.gz"),
         r"row 3 \(B\), column 'image': A.nii.gz stands in the row of A already; .*column specimen",
         False,
+    ),
+    "one piece at two speeds": (
+        lambda s: (s.cells("D", group="C"), s.record("D.csv", 2.0 * time_s, travel, force)),
+        r"row 5 \(D\), column 'specimen': .*those of C, .*write C into column specimen",
+        True,
     ),
     "a force that was not tared": (
         lambda s: s.record("C.csv", time_s, travel, force + 0.4),

@@ -17,6 +17,9 @@ Array = NDArray[np.float64]
 
 MM = 1e-3
 
+SPEEDS_DIFFER = 1.25
+"""Ratio of speeds from which on they are two."""
+
 FEWEST = 2
 """Samples of other groups that one is compared with."""
 
@@ -70,6 +73,7 @@ class Seen:
 def compared(seen: Sequence[Seen], limits: Limits) -> Iterator[str]:
     """What tells a sample from all others of its group, or of the study if it is alone there."""
     yield from _same_file(seen)
+    yield from _several_speeds(seen)
     for one in seen:
         others = [other for other in seen if other is not one]
         yield from _volume(one, others, limits.volume_ratio)
@@ -153,6 +157,28 @@ def _same_file(seen: Sequence[Seen]) -> Iterator[str]:
                 f"{one.where}, column {column!r}: {name} stands in the row of "
                 f"{other.row.get('sample', '?')} already; {cure}"
             )
+
+
+def _several_speeds(seen: Sequence[Seen]) -> Iterator[str]:
+    """Tests at several speeds of what may be one piece, and is not said to be."""
+    tests: dict[Any, list[Seen]] = {}
+    for one in seen:
+        if one.row.get("shape") and one.size is not None and one.facts and _piece_is_open(one):
+            key = one.row.get("group"), one.row.get("mode"), one.size
+            tests.setdefault(key, []).append(one)
+    for first, *others in tests.values():
+        speeds = [one.facts["ramp_speed_mm_s"] or 0.0 for one in (first, *others) if one.facts]
+        for one in others if max(speeds) > SPEEDS_DIFFER * min(speeds) > 0.0 else ():
+            name = first.row.get("sample", "?")
+            yield (
+                f"{one.where}, column 'specimen': the dimensions are those of {name}, and speeds "
+                f"differ; if it is the same piece, write {name} into column specimen: what goes "
+                "with the speed then shows far better"
+            )
+
+
+def _piece_is_open(one: Seen) -> bool:
+    return one.row.get("specimen", "") in ("", one.row.get("sample"))
 
 
 def _piece(one: Seen) -> str:

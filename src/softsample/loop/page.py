@@ -47,10 +47,18 @@ def page(group: str, verdict: Mapping[str, Any]) -> str:
     return "\n".join(parts)
 
 
+def _shown(value: float) -> str:
+    """Three significant digits, without an exponent up to a million."""
+    return f"{float(f'{value:.3g}'):g}"
+
+
 def _recommended(found: Mapping[str, Any]) -> str:
     """One sentence on the modulus to quote."""
     mu = found["mu"]
-    value, ends = f"{mu['value']:.4g} {mu['unit']}", f"{mu['low']:.4g} to {mu['high']:.4g}, 90 %"
+    value, ends = (
+        f"{_shown(mu['value'])} {mu['unit']}",
+        f"{_shown(mu['low'])} to {_shown(mu['high'])}, 90 %",
+    )
     text = f"Modulus to quote: **{value}** ({ends}), {found['estimate']}."
     if found["widened_by"]:
         named = " and ".join(f"`{name}`" for name in found["widened_by"])
@@ -93,7 +101,7 @@ def _effect(effect: Mapping[str, Any]) -> list[str]:
     lines += _table(
         ["parameter", "value", "90 % interval", "unit"],
         [
-            [name, f"{p['value']:.4g}", f"{p['low']:.4g} to {p['high']:.4g}", p["unit"]]
+            [name, _shown(p["value"]), f"{_shown(p['low'])} to {_shown(p['high'])}", p["unit"]]
             for name, p in effect["parameters"].items()
         ],
     )
@@ -125,7 +133,7 @@ def _correction(found: Mapping[str, Any]) -> str:
 def _withheld(effect: Mapping[str, Any]) -> str:
     """One sentence on an effect that was selected and is not given."""
     sizes = ", ".join(
-        f"{name} {p['value']:.3g} {p['unit']}".removesuffix(" 1")
+        f"{name} {_shown(p['value'])} {p['unit']}".removesuffix(" 1")
         for name, p in effect["parameters"].items()
     )
     return f"Not reported: `{effect['name']}` ({sizes}), since {effect['reason']}."
@@ -138,9 +146,9 @@ def _moduli(verdict: Mapping[str, Any]) -> list[str]:
         [
             [
                 name,
-                f"{before[name]['value']:.4g}",
-                f"{after[name]['value']:.4g}",
-                f"{after[name]['low']:.4g} to {after[name]['high']:.4g}",
+                _shown(before[name]["value"]),
+                _shown(after[name]["value"]),
+                f"{_shown(after[name]['low'])} to {_shown(after[name]['high'])}",
                 after[name]["unit"],
             ]
             for name in before
@@ -172,10 +180,10 @@ def _held_out(verdict: Mapping[str, Any]) -> list[str]:
 
 def _before_after(before: Mapping[str, float], after: Mapping[str, float]) -> list[str]:
     return [
-        f"{1e3 * before['rms_N']:.2f}",
-        f"{1e3 * after['rms_N']:.2f}",
-        f"{before['rms_percent']:.2f}",
-        f"{after['rms_percent']:.2f}",
+        _shown(1e3 * before["rms_N"]),
+        _shown(1e3 * after["rms_N"]),
+        _shown(before["rms_percent"]),
+        _shown(after["rms_percent"]),
     ]
 
 

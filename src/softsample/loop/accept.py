@@ -39,12 +39,18 @@ class Judged:
 
 
 def fold_ratio(before: Errors, after: Errors) -> float:
-    """Cross-validated error with effects over that without: RMS over folds and tests."""
-    squares = [
-        sum((e.structured / e.peak) ** 2 for tests in found.values() for e in tests.values())
-        for found in (after, before)
-    ]
-    return float(np.sqrt(squares[0] / squares[1])) if squares[1] > 0.0 else 1.0
+    """Cross-validated error with effects over that without: the geometric mean over folds.
+
+    One fold whose rest tells nothing of what it leaves out does not decide alone.
+    """
+    logs = []
+    for name, tests in before.items():
+        squares = [
+            sum((e.structured / e.peak) ** 2 for e in of.values()) for of in (after[name], tests)
+        ]
+        if min(squares) > 0.0:
+            logs.append(0.5 * np.log(squares[0] / squares[1]))
+    return float(np.exp(np.mean(logs))) if logs else 1.0
 
 
 def far_off(judged: Judged, rules: SelectionSettings, noise: NoiseSettings) -> bool:

@@ -31,8 +31,8 @@ def summary_table(found: Iterable[tuple[str, str, Verdict | None]]) -> pd.DataFr
     Returns
     -------
     DataFrame
-        Columns `SUMMARY`: names that cannot be told apart joined by ``|``, effects by ``; ``;
-        errors are root mean squares over tests [% of peak], those of held-out parts over the
+        Columns `SUMMARY`: names that cannot be told apart joined by ``|``, effects by ``; ``,
+        after a class those that its correction is given with; errors are root mean squares over tests [% of peak], those of held-out parts over the
         tests of all declared folds; NaN where there are none.
     """
     rows = [
@@ -47,7 +47,8 @@ def summary_table(found: Iterable[tuple[str, str, Verdict | None]]) -> pd.DataFr
 def _cells(group: str, verdict: Verdict) -> tuple[Any, ...]:
     effects = "; ".join("|".join(effect["class"]) for effect in verdict["effects"])
     if verdict["verdict"] == "explained_class":
-        effects = f"class: {verdict['correction']['class']}"
+        correction = verdict["correction"]
+        effects = "; ".join([f"class: {correction['class']}", *correction["with"]])
     errors = (
         *(root_mean_square(held_out(verdict[f"held_out_{when}"])) for when in WHEN),
         *(root_mean_square(fitted(verdict[f"error_{when}"])) for when in WHEN),

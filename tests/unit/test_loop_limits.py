@@ -93,4 +93,4 @@ def test_the_modulus_to_quote_allows_for_what_would_not_have_been_seen(nothing):
     assert "poisson_ratio" in quoted["widened_by"]
     assert quoted["mu"]["low"] <= mu["low"] / max(1.0, factor) * (1.0 + 1e-9)
     assert quoted["mu"]["high"] >= mu["high"] / min(1.0, factor) * (1.0 - 1e-9)
-    assert f"Modulus to quote: **{mu['value']:.4g} Pa**" in page("A1", verdict)
+    assert f"Modulus to quote: **{float(format(mu['value'], '.3g')):g} Pa**" in page("A1", verdict)

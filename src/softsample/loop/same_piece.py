@@ -77,11 +77,17 @@ def in_common(
         if slot is not None:
             tests = [s for s, of in zip(specimens, slots, strict=True) if of == slot]
             smooth[:, slot] = _smooth(specimen, w.size, tests, settings)
-            scale[:, slot] = np.sqrt(np.diag(own["scale"]))
+            scale[:, slot] = _column(own["scale"])
             own |= {"smooth": np.zeros(shape), "scale": np.zeros(shape)}
         shared = {"smooth": smooth.reshape(len(smooth), -1), "scale": scale}
         found.append(Whitener(w.known, w.size, w.keep, own, w.variances, shared, slot))
     return found
+
+
+def _column(covariance: Array) -> Array:
+    """What one variate adds (n,) [N], of a covariance (n, n) of rank one; its sign is open."""
+    largest = int(np.argmax(np.diag(covariance)))
+    return np.asarray(covariance[largest] / np.sqrt(max(covariance[largest, largest], 1e-300)))
 
 
 def _smooth(

@@ -32,8 +32,9 @@ def summary_table(found: Iterable[tuple[str, str, Verdict | None]]) -> pd.DataFr
     -------
     DataFrame
         Columns `SUMMARY`: names that cannot be told apart joined by ``|``, effects by ``; ``,
-        after a class those that its correction is given with; errors are root mean squares over tests [% of peak], those of held-out parts over the
-        tests of all declared folds; NaN where there are none.
+        after a class those that its correction is given with. Errors are root mean squares over
+        tests [% of peak], those of held-out parts over the tests of all declared folds; NaN where
+        there are none.
     """
     rows = [
         (study, *_cells(group, verdict))

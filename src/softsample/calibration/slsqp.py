@@ -39,8 +39,8 @@ class CalibrationSettings:
         `family`: forces come from curve families; `direct`: a simulation per evaluation.
     """
 
-    mu_pa_min: float = 50.0
-    mu_pa_max: float = 20000.0
+    mu_pa_min: float = 1.0
+    mu_pa_max: float = 1.0e6
     method: str = "family"
 
 

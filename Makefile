@@ -21,7 +21,7 @@ export PYTHONPATH := src
 export NUMBA_CACHE_DIR ?= $(CURDIR)/.numba/$(shell cat src/softsample/fem/*.py src/softsample/constitutive/*.py src/softsample/constitutive/laws/*.py | sha256sum | cut -c1-16)
 unexport VIRTUAL_ENV
 
-.PHONY: help env run quick new-study add-sample check-study study extended docs site test test-study test-long check bench bench-solver bench-imaging bench-laws bench-scale verify undeclared blind blind-foreign blind-full \
+.PHONY: help env run quick new-study add-sample check-study study extended docs site test test-study test-long check bench bench-solver bench-imaging bench-laws bench-scale verify undeclared second-cohort second-cohort-records blind blind-foreign blind-full \
 	measured known-effects measured-docs format clean clean-env
 
 help:
@@ -45,6 +45,8 @@ help:
 	echo "make bench-imaging  accuracy of segmentation and mesh on made-up images: docs/accuracy.md"
 	echo "make bench-laws  elastic laws recovered from records that CalculiX made: docs/law_recovery.md"
 	echo "make undeclared records with undeclared effects, from image to scored verdict: results/undeclared/"
+	echo "make second-cohort  the second virtual cohort, from image to score, and docs/second_cohort.md: results/second-cohort/"
+	echo "make second-cohort-records  its images, records and truth anew (CalculiX): resources/second-cohort/"
 	echo "make blind      the loop on records with undeclared effects, scored: results/blind/"
 	echo "make blind-foreign the same with errors of other families, sizes not told: results/blind-*/"
 	echo "make blind-full the same at four sizes and three designs, fewer of each: results/blind-full/"
@@ -144,6 +146,16 @@ undeclared: $(stamp)
 	$(bin)/snakemake --cores $(CORES) verdicts results/undeclared/scoring/verdicts.csv \
 	  --configfile config/undeclared.yaml
 	$(bin)/python -c "import pandas as pd; print(pd.read_csv('results/undeclared/scoring/verdicts.csv').to_string())"
+
+# the page compares it with the first
+second-cohort: $(stamp)
+	$(bin)/snakemake --cores $(CORES) score results/tables/loop.csv
+	$(bin)/snakemake --cores $(CORES) score laws results/second-cohort/tables/loop.csv \
+	  --configfile config/second_cohort.yaml
+	$(bin)/python benchmarks/second_cohort_page.py
+
+second-cohort-records: $(stamp)
+	CORES=$(CORES) $(bin)/python benchmarks/second_cohort.py
 
 blind: $(stamp)
 	$(bin)/snakemake --cores $(CORES) blind --configfile config/blind.yaml

@@ -108,14 +108,16 @@ def curve_of(group: str, shape: str, law: str, mode: str) -> tuple[Array, Array]
     return 1e-3 * TRAVEL_MM * time, np.abs(force[:, axis])
 
 
-def noisy_record(way: Array, force: Array, mode: str, seed: int) -> pd.DataFrame:
-    """Record of a ramp with the noise of the cohort: sign by mode, mm, N, s."""
+def noisy_record(
+    way: Array, force: Array, mode: str, seed: int, hz: float = HZ, rest_s: float = 0.0
+) -> pd.DataFrame:
+    """Record of a rest and a ramp with the noise of the cohort: sign by mode, mm, N, s."""
     sign = -1.0 if mode == "compression" else 1.0
-    time = np.arange(0.0, 1e3 * way[-1] / SPEED_MM_S, 1.0 / HZ)
-    travel = SPEED_MM_S * time
+    time = np.arange(0.0, rest_s + 1e3 * way[-1] / SPEED_MM_S, 1.0 / hz)
+    travel = SPEED_MM_S * np.maximum(time - rest_s, 0.0)
     clean = PchipInterpolator(way, force)(1e-3 * travel)
     random = np.random.default_rng(seed)
-    kept = np.exp(-1.0 / HZ)
+    kept = np.exp(-1.0 / hz)
     steps = random.normal(0.0, 0.5e-3 * np.sqrt(1.0 - kept**2), len(time))
     slow = lfilter([1.0], [1.0, -kept], steps)
     white = random.normal(0.0, 1e-3, len(time))

@@ -27,8 +27,9 @@ def score_table(
     groups: Mapping[str, Sequence[str]],
     fits: Mapping[tuple[str, str], Mapping[str, Any]],
     intervals: pd.DataFrame,
+    recommended: Mapping[str, Mapping[str, float]],
 ) -> pd.DataFrame:
-    """One row a sample: geometry and modulus against the truth.
+    """One row a sample: geometry and moduli against the truth.
 
     Parameters
     ----------
@@ -40,6 +41,8 @@ def score_table(
         Two-term calibration by group and geometry.
     intervals
         `softsample.report.intervals.interval_table`; the ones of mu on the real geometry count.
+    recommended
+        By group, `value`, `low` and `high` [Pa] of the modulus to quote on the real geometry.
     """
     ends = _interval_ends(intervals)
     rows = []
@@ -48,6 +51,7 @@ def score_table(
             shape = truths[sample]["shape"]["statistics"]
             material, measured = truths[sample]["material"], cuboids[sample]
             mu = material["mu1_Pa"] + material["mu2_Pa"]
+            quoted = recommended[group]
             rows.append(
                 {
                     "sample": sample,
@@ -74,6 +78,11 @@ def score_table(
                         f"inside{which}": low <= mu <= high
                         for which, (low, high) in ends[group].items()
                     },
+                    "mu_recommended_pa": quoted["value"],
+                    "mu_recommended_error_percent": percent(quoted["value"], mu),
+                    "recommended_low_pa": quoted["low"],
+                    "recommended_high_pa": quoted["high"],
+                    "inside_recommended": quoted["low"] <= mu <= quoted["high"],
                     "bias_percent": percent(
                         fits[group, "ideal"]["mu_pa"], fits[group, "real"]["mu_pa"]
                     ),
@@ -99,6 +108,7 @@ def score_summary(table: pd.DataFrame) -> dict[str, Any]:
     """Medians and worst cases of a score table."""
     groups = table.drop_duplicates("group").set_index("group")
     error = groups["mu_real_error_percent"].abs()
+    quoted = groups["mu_recommended_error_percent"].abs()
     return {
         "samples": len(table),
         "groups": len(groups),
@@ -108,6 +118,9 @@ def score_summary(table: pd.DataFrame) -> dict[str, Any]:
         "worst_group": str(error.idxmax()),
         "groups_inside_interval": int(groups["inside"].sum()),
         "groups_inside_interval_without_floor": int(groups["inside_without_floor"].sum()),
+        "recommended_error_percent_median": float(np.median(quoted)),
+        "recommended_error_percent_worst": float(quoted.max()),
+        "groups_inside_recommended": int(groups["inside_recommended"].sum()),
         "groups_biased_low": int((groups["bias_percent"] < 0).sum()),
     }
 

@@ -216,14 +216,19 @@ def test_scores_are_signed_percent_of_the_truth():
     ours |= {"low_without_floor_pa": 1010.0, "high_without_floor_pa": 1090.0}
     others = [{**ours, key: "other", "high_pa": 0.0} for key in ("geometry", "model", "modulus")]
     intervals = pd.DataFrame([others[0], ours, *others[1:]])
-    table = score_table({"A": truth}, {"A": cuboid}, {"G": ["A"]}, fits, intervals)
+    quoted = {"G": {"value": 990.0, "low": 1001.0, "high": 1200.0}}
+    table = score_table({"A": truth}, {"A": cuboid}, {"G": ["A"]}, fits, intervals, quoted)
     assert table["volume_error_percent"][0] == pytest.approx(2.0)
     assert table["top_area_error_percent"][0] == pytest.approx(-10.0)
     assert table["mu_real_error_percent"][0] == pytest.approx(5.0)
     assert table["bias_percent"][0] == pytest.approx(-50.0)
     assert (table["inside"][0], table["inside_without_floor"][0]) == (True, False)
+    assert table["mu_recommended_error_percent"][0] == pytest.approx(-1.0)
+    assert not table["inside_recommended"][0]
     summary = score_summary(table)
     assert summary["groups_inside_interval"] == 1
     assert summary["groups_inside_interval_without_floor"] == 0
+    assert summary["groups_inside_recommended"] == 0
+    assert summary["recommended_error_percent_worst"] == pytest.approx(1.0)
     assert summary["groups_biased_low"] == 1
     assert summary["worst_group"] == "G"

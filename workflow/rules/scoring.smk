@@ -24,6 +24,7 @@ rule compare_with_truth:
             geometry=GEOMETRIES,
         ),
         intervals="<results>/tables/intervals.csv",
+        verdicts=expand("<results>/loop/{group}/verdict.json", group=GROUPS),
         code=library("workflow/scripts/score.py"),
     output:
         table="<results>/scoring/score.csv",

@@ -15,9 +15,8 @@ COHORTS = {"first": ("cohort", "results"), "second": ("second-cohort", "results/
 """Folder below resources/, and results, by name."""
 
 ROWS = (
-    ("groups", "groups", ""),
-    ("recommended μ in its 90 % interval", "groups_inside_recommended", ""),
-    ("calibrated μ in its 90 % interval", "groups_inside_interval", ""),
+    ("recommended μ in its 90 % interval, groups of 10", "groups_inside_recommended", ""),
+    ("calibrated μ in its 90 % interval, groups of 10", "groups_inside_interval", ""),
     ("error of the recommended μ, median", "recommended_error_percent_median", " %"),
     ("error of the recommended μ, largest", "recommended_error_percent_worst", " %"),
     ("error of the calibrated μ, median", "mu_error_percent_median", " %"),
@@ -49,17 +48,16 @@ def law_of(name: str, group: Mapping[str, Any]) -> dict[str, Any]:
     choice = read_json(laws / "choice.json")["groups"][group["group"]]
     free = read_json(laws / f"{group['group']}.json")["laws"][FREE]
     truth = read_json(ROOT / "resources" / folder / "truth" / f"{group['sample']}.json")
+    fitted = sorted(
+        (free["shape"][key], *(free["intervals"][key][end] for end in ("low", "high")))
+        for key in ("alpha1", "alpha2")
+    )
     return {
-        "laws": ", ".join(choice["equal"]),
+        "chosen": FREE in choice["equal"],
         "free_error_percent": percent(free["mu_pa"], group["mu_true_pa"]),
-        "alphas": [
-            (
-                alpha,
-                free["shape"][key],
-                free["intervals"][key]["low"],
-                free["intervals"][key]["high"],
-            )
-            for alpha, key in zip(truth["material"]["alpha"], ("alpha1", "alpha2"), strict=True)
+        "exponents": [
+            f"{exact:.2f}, {value:.2f} ({low:.2f} to {high:.2f})"
+            for exact, (value, low, high) in zip(truth["material"]["alpha"], fitted, strict=True)
         ],
     }
 
@@ -82,11 +80,12 @@ def main() -> None:
         undefined=jinja2.StrictUndefined,
     )
     groups = {name: groups_of(name) for name in COHORTS}
-    second = groups["second"].to_dict("records")
+    second = [{**group, **law_of("second", group)} for group in groups["second"].to_dict("records")]
     text = template.render(
         rows=ROWS,
         cohorts=[summary_of(name, found) for name, found in groups.items()],
-        groups=[{**group, **law_of("second", group)} for group in second],
+        groups=second,
+        axial=[group for group in second if group["group"].startswith("TC")],
     )
     write_text(ROOT / "docs" / "second_cohort.md", text)
 

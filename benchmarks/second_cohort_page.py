@@ -19,7 +19,6 @@ ROWS = (
     ("calibrated μ in its 90 % interval, groups of 10", "groups_inside_interval", ""),
     ("error of the recommended μ, median", "recommended_error_percent_median", " %"),
     ("error of the recommended μ, largest", "recommended_error_percent_worst", " %"),
-    ("error of the calibrated μ, median", "mu_error_percent_median", " %"),
     ("error of the calibrated μ, largest", "mu_error_percent_worst", " %"),
     ("bias in shear, mean", "bias_shear", " %"),
     ("bias in tension and compression, mean", "bias_axial", " %"),

@@ -14,7 +14,6 @@ from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
 from typing import Any
 
-import jinja2
 import numpy as np
 import pandas as pd
 import yaml
@@ -22,6 +21,7 @@ from numpy.typing import NDArray
 from scipy.interpolate import PchipInterpolator
 from scipy.signal import lfilter
 
+import templates
 from peers import versions_of_peers
 from softsample.constitutive.material import Material, Term
 from softsample.export.abaqus import read_calculix_forces, write_abaqus
@@ -29,6 +29,7 @@ from softsample.fem.boundary import Boundary, ContactSettings, mode_boundary
 from softsample.fem.explicit import ExplicitModel, SolverSettings
 from softsample.io import read_mesh, write_json, write_text
 from softsample.meshing.mesh import HexMesh
+from templates import recovered
 
 Array = NDArray[np.float64]
 ROOT = Path(__file__).parents[1]
@@ -227,15 +228,10 @@ def main() -> None:
 
 def write_page(found: dict[str, Any]) -> None:
     """docs/law_recovery.md."""
-    template = jinja2.Template(
-        (ROOT / "benchmarks" / "law_recovery.md.j2").read_text(),
-        trim_blocks=True,
-        keep_trailing_newline=True,
-        undefined=jinja2.StrictUndefined,
-    )
     groups = [{**g, "words": words(g["parameters"])} for g in found["groups"]]
     parameters = [p for g in groups for p in g["parameters"].values()]
-    text = template.render(
+    templates.write_page(
+        "law_recovery",
         peers=found["peers"],
         groups=groups,
         shapes=SHAPES,
@@ -247,17 +243,12 @@ def write_page(found: dict[str, Any]) -> None:
         inside=sum(p["inside"] for p in parameters),
         parameters=len(parameters),
     )
-    write_text(ROOT / "docs" / "law_recovery.md", text)
 
 
 def words(parameters: dict[str, dict[str, Any]]) -> str:
     """Shape parameters in words."""
-
-    def end(value: float | None) -> str:
-        return "open" if value is None else f"{value:.3g}"
-
     return "; ".join(
-        f"{name}: {p['true']:g}, {p['fitted']:.3g} ({end(p['low'])} to {end(p['high'])})"
+        f"{name}: {recovered(p['true'], p['fitted'], p['low'], p['high'])}"
         for name, p in parameters.items()
     )
 

@@ -225,10 +225,11 @@ def curve_of(sample: Sample) -> tuple[Array, Array]:
         mesh, highest = mesh_of(sample.shape), measured(sample.shape, 0.2).highest
         lines = [*solid(mesh, sample.material), *test_of(sample, mesh, highest)]
         write_text(folder / "test.inp", "\n".join(lines) + "\n")
-        subprocess.run(
-            ["ccx", "test"], cwd=folder, check=False, stdout=(folder / "log").open("w"),
-            env={**os.environ, "OMP_NUM_THREADS": "1"},
-        )  # fmt: skip
+        with (folder / "log").open("w") as log:
+            subprocess.run(
+                ["ccx", "test"], cwd=folder, check=False, stdout=log,
+                env={**os.environ, "OMP_NUM_THREADS": "1"},
+            )  # fmt: skip
     time, force = read_calculix_forces(folder / "test.dat")
     size = np.abs(force[:, 0 if sample.mode == "shear" else 2])
     if time[-1] < LEAST:

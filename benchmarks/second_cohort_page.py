@@ -4,10 +4,10 @@ from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 
-import jinja2
 import pandas as pd
 
-from softsample.io import read_json, write_text
+import templates
+from softsample.io import read_json
 from softsample.scoring import percent
 
 ROOT = Path(__file__).parents[1]
@@ -15,16 +15,15 @@ COHORTS = {"first": ("cohort", "results"), "second": ("second-cohort", "results/
 """Folder below resources/, and results, by name."""
 
 ROWS = (
-    ("recommended μ in its 90 % interval, groups of 10", "groups_inside_recommended", ""),
-    ("calibrated μ in its 90 % interval, groups of 10", "groups_inside_interval", ""),
+    ("recommended μ in its 90 % interval", "groups_inside_recommended", " of {groups}"),
+    ("calibrated μ in its 90 % interval", "groups_inside_interval", " of {groups}"),
     ("error of the recommended μ, median", "recommended_error_percent_median", " %"),
     ("error of the recommended μ, largest", "recommended_error_percent_worst", " %"),
     ("error of the calibrated μ, largest", "mu_error_percent_worst", " %"),
     ("bias in shear, mean", "bias_shear", " %"),
     ("bias in tension and compression, mean", "bias_axial", " %"),
 )
-"""Label, key of a cohort's summary, unit."""
-
+"""Label, key of a cohort's summary, what follows the number."""
 
 FREE = "ogden+ogden"
 """The law of the truth, with exponents that are fitted."""
@@ -47,16 +46,14 @@ def law_of(name: str, group: Mapping[str, Any]) -> dict[str, Any]:
     choice = read_json(laws / "choice.json")["groups"][group["group"]]
     free = read_json(laws / f"{group['group']}.json")["laws"][FREE]
     truth = read_json(ROOT / "resources" / folder / "truth" / f"{group['sample']}.json")
-    fitted = sorted(
-        (free["shape"][key], *(free["intervals"][key][end] for end in ("low", "high")))
-        for key in ("alpha1", "alpha2")
-    )
+    by_name = ((free["shape"][key], free["intervals"][key]) for key in ("alpha1", "alpha2"))
+    fitted = sorted(by_name, key=lambda pair: pair[0])
     return {
         "chosen": FREE in choice["equal"],
         "free_error_percent": percent(free["mu_pa"], group["mu_true_pa"]),
         "exponents": [
-            f"{exact:.2f}, {value:.2f} ({low:.2f} to {high:.2f})"
-            for exact, (value, low, high) in zip(truth["material"]["alpha"], fitted, strict=True)
+            templates.recovered(exact, value, interval["low"], interval["high"])
+            for exact, (value, interval) in zip(truth["material"]["alpha"], fitted, strict=True)
         ],
     }
 
@@ -72,21 +69,18 @@ def summary_of(name: str, groups: pd.DataFrame) -> dict[str, Any]:
 
 def main() -> None:
     """Write the page."""
-    template = jinja2.Template(
-        (ROOT / "benchmarks" / "second_cohort.md.j2").read_text(encoding="utf-8"),
-        trim_blocks=True,
-        keep_trailing_newline=True,
-        undefined=jinja2.StrictUndefined,
-    )
     groups = {name: groups_of(name) for name in COHORTS}
+    summaries = [summary_of(name, found) for name, found in groups.items()]
     second = [{**group, **law_of("second", group)} for group in groups["second"].to_dict("records")]
-    text = template.render(
-        rows=ROWS,
-        cohorts=[summary_of(name, found) for name, found in groups.items()],
+    templates.write_page(
+        "second_cohort",
+        rows=[
+            (label, *(f"{found[key]}{unit.format(**found)}" for found in summaries))
+            for label, key, unit in ROWS
+        ],
         groups=second,
         axial=[group for group in second if group["group"].startswith("TC")],
     )
-    write_text(ROOT / "docs" / "second_cohort.md", text)
 
 
 if __name__ == "__main__":

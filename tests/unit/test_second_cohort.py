@@ -9,6 +9,7 @@ import pytest
 
 import second_cohort
 from softsample.phantom.sizes import measured
+from templates import recovered
 
 COHORT = second_cohort.COHORT
 SAMPLES = {sample.name: sample for sample in second_cohort.samples()}
@@ -77,3 +78,7 @@ def test_a_closed_skin_projects_onto_its_base(mesh):
     everything = np.ones(len(mesh.points), dtype=bool)
     base = measured(SAMPLES["C1"].shape, 0.2).bottom_area
     assert second_cohort.projected_area(mesh, everything) == pytest.approx(base, rel=5e-3)
+
+
+def test_an_interval_may_be_open():
+    assert recovered(-7.26, -7.352, -7.461, None) == "-7.26, -7.35 (-7.46 to open)"

@@ -11,7 +11,9 @@ from scipy.signal import fftconvolve
 from scipy.special import erf
 
 from softsample.constitutive.ogden import unit_modulus
-from softsample.loop.specimen import Specimen
+from softsample.loop.model import Material, Model, State
+from softsample.loop.noise import Noise, covariances
+from softsample.loop.specimen import Specimen, blocks
 from softsample.records import Record
 from softsample.response.curves import ResponseCurves, before_zero
 from softsample.response.elastic import Elastic
@@ -256,3 +258,17 @@ def foam_force(shape, mu, alpha, strain):
     """Force [N] of that plug: its width stays, so that the nominal stress is of one stretch."""
     stretch = 1.0 - strain
     return shape.area * 2.0 * mu / alpha * (1.0 / stretch - stretch ** (alpha - 1.0))
+
+
+def drawn(specimens, settings, sizes, seed):
+    """The same with errors of the settings' forms and of other sizes, drawn for each test."""
+    rng, made = np.random.default_rng(seed), []
+    for specimen in specimens:
+        model = Model().predict(specimen, State(Material(MU, FRACTION)))
+        few = specimen.reduced(20)
+        _, parts = covariances(few, Noise(0.0, 0.0, 1), blocks(model, 20), settings, 1)
+        total = sum(sizes[name] ** 2 * part for name, part in parts.items())
+        error = np.linalg.cholesky(total + 1e-12 * np.eye(len(total))) @ rng.normal(size=len(total))
+        made.append(replace(specimen, force=specimen.force + np.interp(
+            specimen.time, few.time, error)))  # fmt: skip
+    return made

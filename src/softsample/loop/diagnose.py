@@ -8,6 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from softsample.loop.accept import Judged, objection_to
+from softsample.loop.average import Weighed, averaged, log_modulus_deviation, weighed
 from softsample.loop.correction import Confirmed, confirmed, learned
 from softsample.loop.effects import library, specimen_stiffness
 from softsample.loop.effects.base import Effect
@@ -23,7 +24,7 @@ from softsample.loop.errors import (
     repeat_error,
 )
 from softsample.loop.fit import Fit, Problem
-from softsample.loop.limits import Limit, detection_limits
+from softsample.loop.limits import detection_limits
 from softsample.loop.model import FIXED
 from softsample.loop.noise import (
     FORM,
@@ -33,7 +34,7 @@ from softsample.loop.noise import (
 from softsample.loop.pool import Group, Others, Pooled, pooled
 from softsample.loop.posed import LoopSettings, Posed
 from softsample.loop.resample import confidence
-from softsample.loop.scale import Scales, most_likely, scatter
+from softsample.loop.scale import Scales, most_likely
 from softsample.loop.select import Candidate, Selection, Step, select, unusable
 from softsample.loop.specimen import Specimen
 
@@ -46,7 +47,7 @@ STIFFNESS = specimen_stiffness.EFFECT.name
 """Effect that stands for what scattered specimens differ in."""
 
 SHOWN = 0.005
-"""Change of the modulus, as a part, from which on it is named."""
+"""Weight of a model, or change of the modulus, as a part, from which on it is named."""
 
 NINETY = 1.6449
 """Standard deviations of a two-sided 90 % interval."""
@@ -275,7 +276,7 @@ def report(diagnosis: Diagnosis, settings: LoopSettings) -> dict[str, Any]:
     unseen = {e.name for e in diagnosis.selection.library if law.admits(e)} - set(limits)
     return {
         **found,
-        "recommended": _recommended(found, limits, diagnosis.rest),
+        "recommended": _recommended(diagnosis, settings),
         "not_identifiable": sorted({*found["not_identifiable"], *unseen}),
         "detection_limits": {
             e.name: {
@@ -288,25 +289,32 @@ def report(diagnosis: Diagnosis, settings: LoopSettings) -> dict[str, Any]:
     }
 
 
-def _recommended(
-    found: Mapping[str, Any], limits: Mapping[str, Limit], rest: Mapping[str, float]
-) -> dict[str, Any]:
-    """The modulus to quote, with what unseen effects, or an error without cause, leave open."""
-    mu, named = found["theta_after"]["mu"], {effect["name"] for effect in found["effects"]}
-    factors = {name: limit.modulus for name, limit in limits.items() if name not in named}
-    low = min(factors, key=lambda name: -factors[name], default=None)
-    high = min(factors, key=lambda name: factors[name], default=None)
-    worst = {name for name in (low, high) if name and abs(factors[name] - 1.0) > SHOWN}
-    estimate = "with the effects that were found" if named else "of the plain model"
+def _recommended(diagnosis: Diagnosis, settings: LoopSettings) -> dict[str, Any]:
+    """The modulus to quote: averaged over the models that the records leave open.
+
+    Where the selected effects do not hold, or other groups chose them, it is that of what is
+    reported; what an error without cause makes of it widens the interval.
+    """
+    models, rest = [Weighed(diagnosis.final, 1.0)], diagnosis.rest
+    if not (diagnosis.objection or diagnosis.told):
+        models = weighed(diagnosis.selection)
+    mu, low, high = averaged(models, settings.noise, diagnosis.stiffness)
     return {
         "mu": {
-            **mu,
-            "low": mu["low"] * min([1.0 / max([1.0, *factors.values()]), *rest.values()]),
-            "high": mu["high"] * max([1.0 / min([1.0, *factors.values()]), *rest.values()]),
+            "value": mu,
+            "unit": "Pa",
+            "low": low * min([1.0, *rest.values()]),
+            "high": high * max([1.0, *rest.values()]),
         },
-        "estimate": estimate,
-        "why": f"verdict {found['verdict']}",
-        "widened_by": sorted(worst),
+        "models": [
+            {
+                "effects": list(one.fit.model.names),
+                "weight": one.weight,
+                "mu": one.fit.state.material.mu,
+            }
+            for one in models
+            if one.weight >= SHOWN
+        ],
         "widened_by_rest": any(abs(factor - 1.0) > SHOWN for factor in rest.values()),
     }
 
@@ -433,27 +441,22 @@ def _theta(
     fractions: tuple[float, float],
     stiffness: Mapping[str, float] | None = None,
 ) -> dict[str, dict[str, float | str]]:
-    """Material with 90 % intervals; the scale of a test can be that of all of them.
-
-    Where the stiffness of specimens scatters, the modulus is their geometric mean.
-    """
-    deviation = np.sqrt(np.diag(fit.covariance))
-    deviation[0] = np.hypot(deviation[0], 0.01 * noise.scale_percent)
-    if stiffness:
-        deviation[0] = np.hypot(deviation[0], scatter(stiffness) / np.sqrt(len(stiffness)))
+    """Material with 90 % intervals."""
+    of_modulus = log_modulus_deviation(fit, noise, stiffness or {})
+    of_fraction = float(np.sqrt(fit.covariance[1, 1]))
     mu, r = fit.state.material.mu, fit.state.material.mu1_fraction
     return {
         "mu": {
             "value": mu,
             "unit": "Pa",
-            "low": mu * float(np.exp(-NINETY * deviation[0])),
-            "high": mu * float(np.exp(NINETY * deviation[0])),
+            "low": mu * float(np.exp(-NINETY * of_modulus)),
+            "high": mu * float(np.exp(NINETY * of_modulus)),
         },
         "mu1_fraction": {
             "value": r,
             "unit": "1",
-            "low": max(fractions[0], r - NINETY * float(deviation[1])),
-            "high": min(fractions[1], r + NINETY * float(deviation[1])),
+            "low": max(fractions[0], r - NINETY * of_fraction),
+            "high": min(fractions[1], r + NINETY * of_fraction),
         },
     }
 

@@ -59,13 +59,21 @@ def _recommended(found: Mapping[str, Any]) -> str:
         f"{_shown(mu['value'])} {mu['unit']}",
         f"{_shown(mu['low'])} to {_shown(mu['high'])}, 90 %",
     )
-    text = f"Modulus to quote: **{value}** ({ends}), {found['estimate']}."
-    if found["widened_by"]:
-        named = " and ".join(f"`{name}`" for name in found["widened_by"])
-        text += f" The interval allows for {named} at sizes that these records would not show."
+    models = [_model(one) for one in found["models"]]
+    whose = "of" if len(models) == 1 else "averaged over"
+    text = f"Modulus to quote: **{value}** ({ends}), {whose} {', '.join(models)}."
     if found["widened_by_rest"]:
         text += " It allows for what the error that is left makes of the modulus at small strain."
     return text
+
+
+def _model(found: Mapping[str, Any]) -> str:
+    """A model whose modulus counts, with its modulus and weight unless it is the only one."""
+    names = " and ".join(f"`{name}`" for name in found["effects"])
+    text = f"the model with {names}" if names else "the plain model"
+    if round(found["weight"], 2) == 1.0:
+        return text
+    return f"{text} ({_shown(found['mu'])} Pa, weight {found['weight']:.2f})"
 
 
 def _pooled(found: Mapping[str, Any]) -> str:

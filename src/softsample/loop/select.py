@@ -1,6 +1,6 @@
 """Forward selection of effects with a backward check, and classes that data cannot split."""
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from typing import Self
 
@@ -13,6 +13,7 @@ from softsample.loop.errors import cross_validated, log_densities, log_density, 
 from softsample.loop.fit import Fit, Problem
 from softsample.loop.joint import joint_fit, law_fit, nearest
 from softsample.loop.model import FIXED, Model
+from softsample.loop.noise import GEOMETRY
 from softsample.loop.screen import (
     LEAST_SIGNATURE,
     Signature,
@@ -42,6 +43,9 @@ OPEN_MODULUS = float(np.log(2.0))
 
 RIVAL = 0.5
 """Part of the best one's evidence from which on folds are asked whether they tell a candidate."""
+
+STATED = dict.fromkeys(GEOMETRY, 1.0)
+"""Sizes of errors of geometry and mesh as in the settings, as factors of the variances."""
 
 PROMISING = 0.1
 """Candidates whose linear gain is below this part of the best one's, or of the threshold, are not
@@ -203,7 +207,7 @@ def select(problem: Problem, effects: Sequence[Effect], settings: SelectionSetti
     others = (fresh.law_first(opening), fresh.left_out_first(opening))
     rivals = [fresh.completed(step) for step in others if step is not None]
     asked = [one for one in rivals if one.likeliest.left < plain.left - threshold]
-    search = min([search, *asked], key=lambda one: one.likeliest.left)
+    search = min([search, *asked], key=lambda one: one.likeliest.doubted)
     best = search.likeliest
     return Selection(
         best.problem,
@@ -267,7 +271,14 @@ class _Visited:
         effects = self.fit.model.effects
         if effects and unusable(self.fit):
             return np.inf
-        return self.problem.misfit(self.fit) + sum(penalty(e, len(self.fit.white)) for e in effects)
+        return misfit_with_penalties(self.problem, self.fit)
+
+    @property
+    def doubted(self) -> float:
+        """The same with errors of geometry and mesh that no record may show."""
+        sizes = self.problem.settings.doubted(self.problem.variances, STATED)
+        posed = self.problem.with_variances(sizes)
+        return misfit_with_penalties(posed, posed.fit(self.fit.model, self.fit.state))
 
 
 @dataclass
@@ -412,6 +423,11 @@ class _Search:
             fit = problem.fit(model, replace(self.current.state, values=known))
             problem = self._doubting(problem, fit)
         return problem, problem.fit(model, fit.state)
+
+
+def misfit_with_penalties(problem: Problem, fit: Fit) -> float:
+    """Twice the negative logarithm of the likelihood, with the penalties for all effects."""
+    return problem.misfit(fit) + sum(penalty(e, len(fit.white)) for e in fit.model.effects)
 
 
 def driven_to_an_end(fit: Fit) -> str:
@@ -606,18 +622,24 @@ def _beyond_doubt(here: _Round, candidate: Candidate, threshold: float) -> bool:
     """Whether a candidate is more than errors along it may be that no record shows.
 
     Those of geometry, mesh and element type for some, those in the form of effects that were
-    chosen before for all.
+    chosen before for all. How large the first are is seen in what the candidate leaves; beside
+    others, whose errors of form hide that, it is taken from the settings.
     """
-    effect = candidate.fit.model.effects[-1]
-    alone = _without(here, candidate)
-    before = min(_doubted_misfit(*model, effect) for model in ((here.settled, here.base), alone))
-    after = _doubted_misfit(candidate.posed, candidate.settled, effect)
+    effect, alone = candidate.fit.model.effects[-1], _without(here, candidate)
+    left = STATED if here.base.model.effects else candidate.posed.variances
+    before = min(
+        _doubted_misfit(*model, effect, left) for model in ((here.settled, here.base), alone)
+    )
+    after = _doubted_misfit(candidate.posed, candidate.settled, effect, left)
     return before - after - penalty(effect, len(here.base.white)) >= threshold
 
 
-def _doubted_misfit(posed: Problem, fit: Fit, effect: Effect) -> float:
+def _doubted_misfit(
+    posed: Problem, fit: Fit, effect: Effect, left: Mapping[str, float] = STATED
+) -> float:
     """Misfit of a model with errors that no record may show, as far as they lie along an effect."""
-    posed = posed.with_variances(posed.settings.doubted(posed.variances, effect.like_floor))
+    sizes = posed.settings.doubted(posed.variances, left if effect.like_floor else None)
+    posed = posed.with_variances(sizes)
     return posed.misfit(posed.fit(fit.model, fit.state))
 
 

@@ -1,0 +1,99 @@
+"""The modulus averaged over the models that records leave open."""
+
+from dataclasses import replace
+from types import SimpleNamespace
+
+import numpy as np
+import pytest
+from scipy.stats import norm
+
+import laboratory
+from softsample.loop.average import Weighed, averaged, log_modulus_deviation, weighed
+from softsample.loop.diagnose import diagnose, report
+from softsample.loop.effects import library
+from softsample.loop.noise import NoiseSettings
+from softsample.loop.page import page
+from softsample.loop.posed import LoopSettings
+from softsample.loop.screen import penalty
+
+NOISE, SETTINGS = NoiseSettings(scale_percent=3.0), LoopSettings()
+
+
+def model_of(mu, deviation, weight):
+    """A model of which nothing counts but its modulus [Pa] and the deviation of its logarithm."""
+    state = SimpleNamespace(material=SimpleNamespace(mu=mu))
+    return Weighed(SimpleNamespace(state=state, covariance=np.diag([deviation**2, 1.0])), weight)
+
+
+def test_of_one_model_the_interval_is_that_of_its_fit_and_the_scale():
+    mu, low, high = averaged([model_of(1000.0, 0.04, 1.0)], NOISE, {})
+    assert mu == pytest.approx(1000.0)
+    assert np.log(high / mu) == pytest.approx(norm.ppf(0.95) * 0.05, rel=1e-6)
+    assert np.log(mu / low) == pytest.approx(norm.ppf(0.95) * 0.05, rel=1e-6)
+
+
+def test_of_two_models_far_apart_each_end_is_a_quantile_of_one():
+    """With weights of 1/4 and 3/4 the lower 5 % are a fifth of the first, the upper a fifteenth."""
+    models = [model_of(500.0, 0.04, 0.25), model_of(2000.0, 0.04, 0.75)]
+    mu, low, high = averaged(models, NOISE, {})
+    assert mu == pytest.approx(500.0**0.25 * 2000.0**0.75)
+    assert np.log(low / 500.0) == pytest.approx(norm.ppf(0.2) * 0.05, rel=1e-6)
+    assert np.log(high / 2000.0) == pytest.approx(norm.ppf(1.0 - 0.05 / 0.75) * 0.05, rel=1e-6)
+
+
+def test_specimens_that_scatter_widen_the_interval():
+    fit = model_of(1000.0, 0.04, 1.0).fit
+    scattered = {"A": 0.8, "B": 1.25}
+    expected = np.hypot(0.05, np.std(np.log([0.8, 1.25]), ddof=1) / np.sqrt(2.0))
+    assert log_modulus_deviation(fit, NOISE, scattered) == pytest.approx(expected)
+
+
+def softer(part, smooth):
+    """Records of a lower Poisson's ratio, by a part of 0.02, with smooth errors [% of peak]."""
+    records = []
+    for test in laboratory.Lab(seed=3).specimens():
+        curves, changes = test.elastic.curves, test.elastic.perturbations["poisson_0.02_less"]
+        lost = np.interp(test.travel, curves.displacement, changes)
+        records.append(replace(test, force=test.force + part * laboratory.MU * lost))
+    sizes = {"smooth": smooth, "rough": smooth, "history": smooth, "scale": 5.0 * smooth}
+    return laboratory.drawn(records, SETTINGS.noise, sizes, seed=1)
+
+
+@pytest.fixture(scope="module")
+def withheld():
+    known = [library()[name] for name in ("poisson_ratio", "force_drift")]
+    return diagnose(softer(0.5, 0.1), SETTINGS, known)
+
+
+def test_weights_are_odds_of_evidence_and_prior(withheld):
+    """Against the misfits of the path, put together by hand."""
+    selection, models = withheld.selection, weighed(withheld.selection)
+    assert sum(one.weight for one in models) == pytest.approx(1.0)
+    weights = {tuple(one.fit.model.names): one.weight for one in models}
+    (one,) = [c for c in selection.steps[0].candidates if c.name == "poisson_ratio"]
+    left = one.posed.misfit(one.settled) + penalty(library()["poisson_ratio"], len(one.fit.white))
+    nothing = min(selection.plain.misfit(selection.base), selection.problem.misfit(selection.final))
+    odds = 0.5 * np.exp(-0.5 * (left - nothing))
+    assert weights["poisson_ratio",] / weights[()] == pytest.approx(odds)
+
+
+def test_an_effect_that_is_withheld_counts_for_the_modulus_to_quote(withheld):
+    assert withheld.verdict == "none"
+    verdict = report(withheld, SETTINGS)
+    quoted, plain = verdict["recommended"], verdict["theta_after"]["mu"]
+    assert quoted["models"][0]["effects"] == ["poisson_ratio"]
+    off, before = (abs(mu["value"] / laboratory.MU - 1.0) for mu in (quoted["mu"], plain))
+    assert off < 0.5 * before
+    assert quoted["mu"]["low"] < laboratory.MU < quoted["mu"]["high"]
+    assert "90 %), of the model with `poisson_ratio`." in page("A1", verdict)
+
+
+def test_what_does_not_hold_has_no_weight():
+    """Of an objection the modulus is that of what is reported."""
+    records = [replace(test, force=test.force * factor) for test, factor in
+               zip(laboratory.Lab(seed=3).specimens(), (1.0, 1.6, 0.7), strict=False)]  # fmt: skip
+    found = diagnose(records, SETTINGS, [library()["force_drift"]])
+    assert found.objection
+    (model,) = report(found, SETTINGS)["recommended"]["models"]
+    assert model["effects"] == list(found.final.model.names)
+    assert model["mu"] == found.final.state.material.mu

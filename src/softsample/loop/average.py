@@ -49,8 +49,8 @@ class Weighed:
 def weighed(selection: Selection) -> list[Weighed]:
     """Models that the selection fitted, the likeliest first.
 
-    Each set of effects counts once. Half of the prior probability is that of no effect; each
-    further effect is one of the library, all of them equally probable.
+    Each set of effects counts once. Each effect makes a model less probable beforehand by the
+    number of effects in the library, so that no effect is as probable as any one of them.
     """
     likeliest: dict[frozenset[str], tuple[float, Fit]] = {}
     odds = 2.0 * np.log(len(selection.library) or 1)

@@ -47,6 +47,10 @@ def page(group: str, verdict: Mapping[str, Any]) -> str:
     return "\n".join(parts)
 
 
+WORTH_A_NAME = 0.05
+"""Weight of a model in the modulus to quote from which on the page names it."""
+
+
 def _shown(value: float) -> str:
     """Three significant digits, without an exponent up to a million."""
     return f"{float(f'{value:.3g}'):g}"
@@ -59,7 +63,7 @@ def _recommended(found: Mapping[str, Any]) -> str:
         f"{_shown(mu['value'])} {mu['unit']}",
         f"{_shown(mu['low'])} to {_shown(mu['high'])}, 90 %",
     )
-    models = [_model(one) for one in found["models"]]
+    models = [_model(one) for one in found["models"] if one["weight"] >= WORTH_A_NAME]
     whose = "of" if len(models) == 1 else "averaged over"
     text = f"Modulus to quote: **{value}** ({ends}), {whose} {', '.join(models)}."
     if found["widened_by_rest"]:

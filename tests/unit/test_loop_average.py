@@ -82,6 +82,7 @@ def test_an_effect_that_is_withheld_counts_for_the_modulus_to_quote(withheld):
     verdict = report(withheld, SETTINGS)
     quoted, plain = verdict["recommended"], verdict["theta_after"]["mu"]
     assert quoted["models"][0]["effects"] == ["poisson_ratio"]
+    assert quoted["estimate"] == "averaged over the models fitted"
     off, before = (abs(mu["value"] / laboratory.MU - 1.0) for mu in (quoted["mu"], plain))
     assert off < 0.5 * before
     assert quoted["mu"]["low"] < laboratory.MU < quoted["mu"]["high"]
@@ -94,6 +95,11 @@ def test_what_does_not_hold_has_no_weight():
                zip(laboratory.Lab(seed=3).specimens(), (1.0, 1.6, 0.7), strict=False)]  # fmt: skip
     found = diagnose(records, SETTINGS, [library()["force_drift"]])
     assert found.objection
-    (model,) = report(found, SETTINGS)["recommended"]["models"]
+    quoted = report(found, SETTINGS)["recommended"]
+    (model,) = quoted["models"]
+    assert (quoted["estimate"], quoted["why"]) == (
+        "of the model reported",
+        f"verdict {found.verdict}",
+    )
     assert model["effects"] == list(found.final.model.names)
     assert model["mu"] == found.final.state.material.mu

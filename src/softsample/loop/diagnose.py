@@ -295,9 +295,8 @@ def _recommended(diagnosis: Diagnosis, settings: LoopSettings) -> dict[str, Any]
     Where the selected effects do not hold, or other groups chose them, it is that of what is
     reported; what an error without cause makes of it widens the interval.
     """
-    models, rest = [Weighed(diagnosis.final, 1.0)], diagnosis.rest
-    if not (diagnosis.objection or diagnosis.told):
-        models = weighed(diagnosis.selection)
+    rest, several = diagnosis.rest, not (diagnosis.objection or diagnosis.told)
+    models = weighed(diagnosis.selection) if several else [Weighed(diagnosis.final, 1.0)]
     mu, low, high = averaged(models, settings.noise, diagnosis.stiffness)
     return {
         "mu": {
@@ -306,6 +305,8 @@ def _recommended(diagnosis: Diagnosis, settings: LoopSettings) -> dict[str, Any]
             "low": low * min([1.0, *rest.values()]),
             "high": high * max([1.0, *rest.values()]),
         },
+        "estimate": "averaged over the models fitted" if several else "of the model reported",
+        "why": f"verdict {diagnosis.verdict}",
         "models": [
             {
                 "effects": list(one.fit.model.names),

@@ -566,21 +566,14 @@ def test_without_spread_sizes_are_those_of_the_settings(perfect):
     assert estimated(problem, problem.fit_material()) is problem
 
 
-@pytest.mark.parametrize(
-    ("part", "smooth", "verdict"),
-    [(0.5, 0.1, "none"), (1.0, 0.1, "explained"), (0.5, 0.0, "explained")],
-)
-def test_a_change_of_the_law_within_the_errors_it_leaves_is_told_and_not_named(
-    part, smooth, verdict
-):
-    """A part of what 0.02 in Poisson's ratio does, and smooth errors [% of peak] beside it."""
+@pytest.mark.parametrize(("part", "verdict"), [(0.5, "none"), (1.5, "explained")])
+def test_a_change_of_the_law_within_the_floor_is_told_and_not_named(part, verdict):
+    """Half of what 0.02 in Poisson's ratio does, as meshes and segmentation err too."""
     records = []
     for specimen in laboratory.Lab(seed=3).specimens():
         model, name = specimen.elastic, "poisson_0.02_less"
         lost = np.interp(specimen.travel, model.curves.displacement, model.perturbations[name])
         records.append(replace(specimen, force=specimen.force + part * laboratory.MU * lost))
-    sizes = {"smooth": smooth, "rough": smooth, "history": smooth, "scale": 5.0 * smooth}
-    records = laboratory.drawn(records, SETTINGS, sizes, seed=1)
     known = [library()[name] for name in ("poisson_ratio", "force_drift")]
     told = judgement(diagnose(records, LoopSettings(), known), LoopSettings())
     assert told["verdict"] == verdict

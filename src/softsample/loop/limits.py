@@ -75,8 +75,7 @@ def _limit(
     problem: Problem, law: Model, plain: State, signature: Signature, need: float
 ) -> Limit | None:
     """Where as much is left as is needed, None beyond the range."""
-    sizes = problem.variances
-    sizes = problem.settings.doubted(sizes, sizes if signature.effect.like_floor else None)
+    sizes = problem.settings.doubted(problem.variances, signature.effect.like_floor)
     problem, highest = problem.with_variances(sizes), _highest(signature)
     size = min(float(np.sqrt(need)) / signature.strength, highest)
     for _ in range(ROUNDS):

@@ -100,23 +100,12 @@ class NoiseSettings:
         most = {FORM: self.spread ** (-2.0 * FURTHEST)}
         return {name: min(most.get(name, 1.0), v) for name, v in variances.items()}
 
-    def doubted(
-        self, variances: Mapping[str, float], left: Mapping[str, float] | None
-    ) -> dict[str, float]:
+    def doubted(self, variances: Mapping[str, float], floor: bool) -> dict[str, float]:
         """Factors of the variances that no record may show to be so large.
 
-        Parameters
-        ----------
-        variances : mapping of float
-            Factors that are likely.
-        left : mapping of float, optional
-            Those beside an effect that is like an error of geometry and mesh: these errors are
-            `spread` times as large, the others at least as large. Without it only errors of form
-            are doubted.
+        Of errors of form, and with `floor` of those of geometry and mesh.
         """
-        most = self.spread**2
-        least = {name: x * (most if name in GEOMETRY else 1.0) for name, x in (left or {}).items()}
-        least[FORM] = most
+        least = {name: self.spread**2 for name in (FORM, *(GEOMETRY if floor else ()))}
         return {name: max(least.get(name, 0.0), v) for name, v in variances.items()}
 
 

@@ -1,6 +1,6 @@
 """Forward selection of effects with a backward check, and classes that data cannot split."""
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass, field, replace
 from typing import Self
 
@@ -13,7 +13,6 @@ from softsample.loop.errors import cross_validated, log_densities, log_density, 
 from softsample.loop.fit import Fit, Problem
 from softsample.loop.joint import joint_fit, law_fit, nearest
 from softsample.loop.model import FIXED, Model
-from softsample.loop.noise import GEOMETRY
 from softsample.loop.screen import (
     LEAST_SIGNATURE,
     Signature,
@@ -43,9 +42,6 @@ OPEN_MODULUS = float(np.log(2.0))
 
 RIVAL = 0.5
 """Part of the best one's evidence from which on folds are asked whether they tell a candidate."""
-
-STATED = dict.fromkeys(GEOMETRY, 1.0)
-"""Sizes of errors of geometry and mesh as in the settings, as factors of the variances."""
 
 PROMISING = 0.1
 """Candidates whose linear gain is below this part of the best one's, or of the threshold, are not
@@ -276,7 +272,7 @@ class _Visited:
     @property
     def doubted(self) -> float:
         """The same with errors of geometry and mesh that no record may show."""
-        sizes = self.problem.settings.doubted(self.problem.variances, STATED)
+        sizes = self.problem.settings.doubted(self.problem.variances, floor=True)
         posed = self.problem.with_variances(sizes)
         return misfit_with_penalties(posed, posed.fit(self.fit.model, self.fit.state))
 
@@ -622,24 +618,18 @@ def _beyond_doubt(here: _Round, candidate: Candidate, threshold: float) -> bool:
     """Whether a candidate is more than errors along it may be that no record shows.
 
     Those of geometry, mesh and element type for some, those in the form of effects that were
-    chosen before for all. How large the first are is seen in what the candidate leaves; beside
-    others, whose errors of form hide that, it is taken from the settings.
+    chosen before for all.
     """
-    effect, alone = candidate.fit.model.effects[-1], _without(here, candidate)
-    left = STATED if here.base.model.effects else candidate.posed.variances
-    before = min(
-        _doubted_misfit(*model, effect, left) for model in ((here.settled, here.base), alone)
-    )
-    after = _doubted_misfit(candidate.posed, candidate.settled, effect, left)
+    effect = candidate.fit.model.effects[-1]
+    alone = _without(here, candidate)
+    before = min(_doubted_misfit(*model, effect) for model in ((here.settled, here.base), alone))
+    after = _doubted_misfit(candidate.posed, candidate.settled, effect)
     return before - after - penalty(effect, len(here.base.white)) >= threshold
 
 
-def _doubted_misfit(
-    posed: Problem, fit: Fit, effect: Effect, left: Mapping[str, float] = STATED
-) -> float:
+def _doubted_misfit(posed: Problem, fit: Fit, effect: Effect) -> float:
     """Misfit of a model with errors that no record may show, as far as they lie along an effect."""
-    sizes = posed.settings.doubted(posed.variances, left if effect.like_floor else None)
-    posed = posed.with_variances(sizes)
+    posed = posed.with_variances(posed.settings.doubted(posed.variances, effect.like_floor))
     return posed.misfit(posed.fit(fit.model, fit.state))
 
 

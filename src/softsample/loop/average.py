@@ -82,7 +82,7 @@ def _models(selection: Selection) -> Iterator[tuple[Problem, Fit]]:
 def averaged(
     models: Sequence[Weighed], noise: NoiseSettings, stiffness: Mapping[str, float]
 ) -> tuple[float, float, float]:
-    """Modulus and the ends of its 90 % interval [Pa], of the mixture of log-normal posteriors."""
+    """Modulus and the ends of its 90 % interval [Pa]: log-normal in each model, weighted."""
     weights = np.array([one.weight for one in models])
     means = np.log([one.fit.state.material.mu for one in models])
     deviations = np.array([log_modulus_deviation(one.fit, noise, stiffness) for one in models])

@@ -65,7 +65,7 @@ def _recommended(found: Mapping[str, Any]) -> str:
     )
     models = [_model(one) for one in found["models"] if one["weight"] >= WORTH_A_NAME]
     whose = "of" if len(models) == 1 else "averaged over"
-    text = f"Modulus to quote: **{value}** ({ends}), {whose} {', '.join(models)}."
+    text = f"Modulus to quote: **{value}** ({ends}), {whose} {', '.join(models) or 'many models'}."
     if found["widened_by_rest"]:
         text += " It allows for what the error that is left makes of the modulus at small strain."
     return text

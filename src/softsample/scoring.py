@@ -92,13 +92,13 @@ def score_table(
 
 
 def _interval_ends(intervals: pd.DataFrame) -> dict[str, dict[str, tuple[float, float]]]:
-    """By group, limits [Pa] of mu on the real geometry with (key "") and without the floor."""
+    """By group, limits [Pa] of mu on the real geometry: all terms (key ""), and without some."""
     chosen = {"geometry": "real", "model": "ogden2", "modulus": "mu"}
     rows = intervals[(intervals[list(chosen)] == list(chosen.values())).all(axis=1)]
     return {
         row["group"]: {
             which: (row[f"low{which}_pa"], row[f"high{which}_pa"])
-            for which in ("", "_without_floor")
+            for which in ("", "_without_floor", "_without_bond")
         }
         for row in rows.to_dict("records")
     }
@@ -118,6 +118,7 @@ def score_summary(table: pd.DataFrame) -> dict[str, Any]:
         "worst_group": str(error.idxmax()),
         "groups_inside_interval": int(groups["inside"].sum()),
         "groups_inside_interval_without_floor": int(groups["inside_without_floor"].sum()),
+        "groups_inside_interval_without_bond": int(groups["inside_without_bond"].sum()),
         "recommended_error_percent_median": float(np.median(quoted)),
         "recommended_error_percent_worst": float(quoted.max()),
         "groups_inside_recommended": int(groups["inside_recommended"].sum()),

@@ -214,6 +214,7 @@ def test_scores_are_signed_percent_of_the_truth():
     ours = {"group": "G", "geometry": "real", "model": "ogden2", "modulus": "mu"}
     ours |= {"low_pa": 980.0, "high_pa": 1120.0}
     ours |= {"low_without_floor_pa": 1010.0, "high_without_floor_pa": 1090.0}
+    ours |= {"low_without_bond_pa": 990.0, "high_without_bond_pa": 1110.0}
     others = [{**ours, key: "other", "high_pa": 0.0} for key in ("geometry", "model", "modulus")]
     intervals = pd.DataFrame([others[0], ours, *others[1:]])
     quoted = {"G": {"value": 990.0, "low": 1001.0, "high": 1200.0}}
@@ -228,6 +229,7 @@ def test_scores_are_signed_percent_of_the_truth():
     summary = score_summary(table)
     assert summary["groups_inside_interval"] == 1
     assert summary["groups_inside_interval_without_floor"] == 0
+    assert summary["groups_inside_interval_without_bond"] == 1
     assert summary["groups_inside_recommended"] == 0
     assert summary["recommended_error_percent_worst"] == pytest.approx(1.0)
     assert summary["groups_biased_low"] == 1

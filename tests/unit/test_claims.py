@@ -38,11 +38,9 @@ def test_a_mean_is_reproduced_if_it_is_not_told_from_the_papers(tables):
 
 def test_the_bias_in_shear_is_said_for_both_bonds(tables):
     row = of(claims_table(tables), "by 10 %")
-    effects = tables["geometry_effects"]
-    shear = effects[(effects["mode"] == "shear") & (effects["model_variant"] == "cuboid")]
-    bias = shear.set_index("sample_variant")["bias_percent"]
-    for bond in ("real", "bond_by_contact"):
-        assert f"{bias[bond]:+.1f}".replace("-", "−") in row["why"]
+    shear = tables["bond"][tables["bond"]["mode"] == "shear"]
+    for rule in ("within_depth", "contact"):
+        assert f"{shear[f'{rule}_bias_percent'].mean():+.1f}".replace("-", "−") in row["why"]
 
 
 def test_exponents_are_constant_if_all_are_close_and_none_is_open(tables):

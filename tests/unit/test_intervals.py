@@ -23,16 +23,23 @@ BAND = {"low_percent": -1.0, "high_percent": 3.0}
 CURVES = {"error_bound_percent": 0.5}
 
 
-def terms(mode="compression", size=0.5, settings=SETTINGS, band=BAND, curves=CURVES):
-    return force_terms(mode, band, CHANGES, curves, size, settings)
+def terms(mode="compression", size=0.5, settings=SETTINGS, band=BAND, curves=CURVES, bond=None):
+    return force_terms(mode, band, bond, CHANGES, curves, size, settings)
 
 
 def test_terms_by_hand():
     root = np.sqrt(3.0)
     assert terms() == pytest.approx(
         {"geometry": 2.0, "time": 0.5 / root, "mesh": -6.0 / root, "hourglass": 0.3 / root,
-         "element": 4.0 / root}
+         "element": 4.0 / root, "bond": 0.0}
     )  # fmt: skip
+
+
+@pytest.mark.parametrize(("rule", "sign"), [("within_depth", 1.0), ("contact", -1.0)])
+def test_the_other_rule_of_the_bond_is_a_limit_of_the_force(rule, sign):
+    found = terms(bond={"rule": rule, "force_percent": -20.0})["bond"]
+    assert found == pytest.approx(sign * 100.0 * np.log(0.8) / np.sqrt(3.0))
+    assert np.isnan(terms(bond={"rule": rule, "force_percent": None})["bond"])
 
 
 def test_a_second_order_mesh_leaves_a_third_of_the_difference():
@@ -63,7 +70,7 @@ def fit(model="ogden2"):
 
 
 def force(**terms):
-    return dict.fromkeys(("geometry", "time", *FLOOR), 0.0) | terms
+    return dict.fromkeys(("geometry", "time", "bond", *FLOOR), 0.0) | terms
 
 
 FORCES = {
@@ -91,7 +98,18 @@ def test_row_of_the_modulus_by_hand():
     assert 1000.0 - row["low_without_floor_pa"] == pytest.approx(measured, rel=1e-6)
     total = np.hypot(measured, 1.644854 * np.sqrt(42.0**2 + 144.0))
     assert row["high_pa"] - 1000.0 == pytest.approx(total, rel=1e-6)
+    assert row["high_without_bond_pa"] == row["high_pa"]
     assert table.loc["mu2", "statistics_percent"] == pytest.approx(2.5)
+
+
+def test_errors_of_the_bond_add_up_over_pieces():
+    forces = {key: {**of, "bond": 2.0} for key, of in FORCES.items()}
+    row = interval_table([fit()], forces, EACH).set_index("modulus").loc["mu"]
+    assert row["bond_percent"] == pytest.approx(0.1 * (12.0 + 24.0))
+    before = interval_table([fit()], FORCES, EACH).set_index("modulus").loc["mu"]
+    assert row["high_without_bond_pa"] == before["high_pa"]
+    wider = np.hypot(before["high_pa"] - 1000.0, 1.644854 * 36.0)
+    assert row["high_pa"] - 1000.0 == pytest.approx(wider, rel=1e-6)
 
 
 def test_a_term_at_its_bound_has_limits_and_no_percent():

@@ -95,6 +95,12 @@ def test_curves_are_those_of_pieces_on_their_geometries():
     assert plan.banded == ["T1", "C1"]  # a surface has no standard deviation
 
 
+def test_bonded_are_real_shapes_that_no_platen_presses_and_no_mask_marks():
+    assert mixed().bonded == ["T1", "S"]
+    masked = Plan({"S": row("S", "shear", image="s.nii", bond_mask="m.nii")})
+    assert masked.bonded == []
+
+
 def test_examples_are_pieces():
     plan = mixed()
     assert plan.examples({}) == {"shear": "S", "tension": "T1", "compression": "C1"}

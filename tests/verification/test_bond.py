@@ -1,14 +1,18 @@
 """What a pre-load bonds: the contact of Hertz, and what glue adds to it."""
 
+import dataclasses
+
 import numpy as np
 import pytest
 
+from softsample.constitutive.ogden import unit_modulus
+from softsample.errors import SimulationError
 from softsample.fem.boundary import ContactSettings
-from softsample.fem.explicit import SolverSettings
+from softsample.fem.explicit import ExplicitModel, SolverSettings
 from softsample.meshing.bond import bonded_area
 from softsample.meshing.mesh import HexMesh
 from softsample.meshing.sample import SampleMesh, ideal_hexes
-from softsample.response.bond import BondSettings, bonded_by_contact, touched_nodes
+from softsample.response.bond import BondSettings, bonded_by_contact, by_rule, touched_nodes
 from softsample.shapes import IdealShape
 
 LAW = (-8.0, 16.0), 0.49
@@ -28,7 +32,7 @@ def domed():
 
 
 def touched(mesh, fill=0.0):
-    return touched_nodes(mesh, PRELOAD, fill, *LAW, CONTACT, SOLVER)
+    return touched_nodes(ExplicitModel(mesh, SOLVER), PRELOAD, fill, *LAW, CONTACT)
 
 
 def test_a_dome_is_bonded_where_hertz_has_contact(domed):
@@ -55,3 +59,38 @@ def test_the_mesh_of_a_sample_gets_the_nodes(domed):
     found = bonded_by_contact(bare, PRELOAD, settings, *LAW, CONTACT, SOLVER)
     assert np.flatnonzero(found.point_data["glued"]).tolist() == touched(domed).tolist()
     assert not bare.point_data["glued"].any()
+
+
+SECTIONS = {
+    "solver": dataclasses.asdict(SOLVER),
+    "contact": {},
+    "material": {"alpha": LAW[0], "poisson_ratio": LAW[1], "region_stiffness": {}},
+    "ends": "bonded",
+}
+
+
+def compared(domed, scale_of, rule="within_depth"):
+    sample = domed, {"glued": np.ones(len(domed.points), np.uint8)}, {}
+    material, way = unit_modulus(0.5, *LAW, 1500.0), np.linspace(0.0, 1e-3, 20)
+    bond = BondSettings(rule)
+    return by_rule(sample, "tension", material, way, scale_of, 0.04, PRELOAD, bond, SECTIONS)
+
+
+def test_the_rules_are_compared_by_the_force_of_the_same_test(domed):
+    """Small pulls: between the bonded areas, as their roots would have it, and their squares."""
+    found = compared(domed, lambda force: 1.0 / force[-1])
+    areas = [bonded_area(domed, ids).sum() for ids in (touched(domed), domed.glued(PRELOAD))]
+    assert [found["contact_mm2"], found["within_depth_mm2"]] == pytest.approx(
+        [1e6 * area for area in areas]
+    )
+    part = areas[0] / areas[1]
+    assert part < 1.0 + 0.01 * found["force_percent"] < np.sqrt(part)
+
+
+def test_what_cannot_be_simulated_is_left_open(domed):
+    def refuse(force):
+        raise SimulationError("elements give way")
+
+    found = compared(domed, refuse)
+    assert found["force_percent"] is None
+    assert found["contact_mm2"] < found["within_depth_mm2"]

@@ -76,7 +76,7 @@ def checked_study():
 # Stages that the report rests on; an export, say, may have failed.
 REPORTED = {
     *("check_inputs", "segment", "measure", "mesh", "simulate", "calibrate", "confirm"),
-    *("one_term", "band", "sensitivity", "perturbations", "diagnose", "checks"),
+    *("one_term", "band", "bond", "sensitivity", "perturbations", "diagnose", "checks"),
     *("figure_sample", "figure_response", "figure_strain"),
 }
 
@@ -96,6 +96,7 @@ def finished(plan, failures):
             *(f"fields/{piece}/{name}.json" for piece in pieces for name in geometries),
             *(f"sensitivity/{piece}/{plan.best(group)}.json" for piece in pieces),
             *(f"band/{piece}.json" for piece in pieces if piece in plan.banded),
+            *(f"bond/{piece}.json" for piece in pieces if piece in plan.bonded),
             f"loop/{group}/verdict.json",
             *([f"loop/{group}/ideal/verdict.json"] if "real" in geometries else []),
         ]
@@ -574,6 +575,7 @@ def tables():
         "stress_strain.csv",
         "sensitivity.csv",
         *(["band.csv"] if PLAN.banded else []),
+        *(["bond.csv"] if PLAN.bonded else []),
         "intervals.csv",
         "loop.csv",
         "numbers.rst",

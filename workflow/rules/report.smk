@@ -133,10 +133,35 @@ rule table_band:
         "../scripts/table_band.py"
 
 
+rule table_bond:
+    input:
+        reports=expand("<results>/bond/{sample}.json", sample=PLAN.bonded),
+        cuboids=expand("<results>/cuboid/{sample}.json", sample=PLAN.bonded),
+        fits=calibrations(GROUPS),
+        code=library("workflow/scripts/table_bond.py"),
+    output:
+        table=report(
+            "<results>/tables/bond.csv",
+            caption="../report/bond.rst",
+            category="Tables",
+            labels={"table": "Bonded area and modulus by rule"},
+        ),
+    log:
+        "<logs>/table_bond.log",
+    params:
+        rows={name: SAMPLES[name] for name in PLAN.bonded},
+        piece_of=PLAN.piece_of,
+    message:
+        "Table of bonded areas and moduli by rule"
+    script:
+        "../scripts/table_bond.py"
+
+
 rule table_intervals:
     input:
         fits=calibrations(GROUPS),
         bands=expand("<results>/band/{sample}.json", sample=PLAN.banded),
+        bonds=expand("<results>/bond/{sample}.json", sample=PLAN.bonded),
         sensitivities=best_sensitivities(PIECES),
         curves=[f"<results>/curves/{'/'.join(key)}.json" for key in PLAN.curves],
         meshes=[f"<results>/mesh/{piece}/{geometry}.json" for piece, geometry, _ in PLAN.curves],
@@ -154,6 +179,7 @@ rule table_intervals:
         modes={name: SAMPLES[name]["mode"] for name in PIECES},
         piece_of=PLAN.piece_of,
         banded=PLAN.banded,
+        bonded=PLAN.bonded,
         curves=PLAN.curves,
         floor=config["floor"],
     message:

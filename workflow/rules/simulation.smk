@@ -134,6 +134,31 @@ rule band:
         "../scripts/band.py"
 
 
+rule bond:
+    input:
+        mesh="<results>/mesh/{sample}/real.vtu",
+        records=records_of_piece,
+        response="<results>/curves/{sample}/real/ogden2.json",
+        fit=lambda wildcards: calibration_of(wildcards.sample, "real", "json"),
+        code=library("workflow/scripts/bond.py"),
+    output:
+        report="<results>/bond/{sample}.json",
+    log:
+        "<logs>/bond/{sample}.log",
+    benchmark:
+        "<benchmarks>/bond/{sample}.tsv"
+    resources:
+        **OF_MESHES,
+    params:
+        **OF_RUNS,
+        preload_mm=config["protocol"]["preload_mm"],
+        bond=config["bond"],
+    message:
+        "Bonded by height, and by a simulated pre-load: {wildcards.sample}"
+    script:
+        "../scripts/bond.py"
+
+
 rule series:
     input:
         mesh="<results>/mesh/{sample}/{geometry}.vtu",

@@ -2,7 +2,7 @@
 
 from softsample.calibration.measured import MeasuredCurve
 from softsample.fem.boundary import ContactSettings
-from softsample.fem.explicit import SolverSettings
+from softsample.fem.explicit import ExplicitModel, SolverSettings
 from softsample.geometry_effects.shapes import Shape
 from softsample.geometry_effects.variants import EffectSettings, simulate, variants
 from softsample.io import read_distance, read_json, read_record, write_table
@@ -34,7 +34,9 @@ with logged_to(snakemake):
     touched = (
         None
         if pressed
-        else touched_nodes(real.mesh, preload, given.bond["fill_mm"] * MM, *law, contact, solver)
+        else touched_nodes(
+            ExplicitModel(real.mesh, solver), preload, given.bond["fill_mm"] * MM, *law, contact
+        )
     )
     shape = Shape(real.mesh, mesh_ideal(ideal, size).mesh, ideal, given.top_normal_deg)
     table = simulate(

@@ -8,11 +8,13 @@ from softsample.workflow import logged_to
 with logged_to(snakemake):
     given, files = snakemake.params, snakemake.input
     bands = dict(zip(given.banded, map(read_json, files.bands), strict=True))
+    bonds = dict(zip(given.bonded, map(read_json, files.bonds), strict=True))
     changes = dict(zip(given.modes, map(read_json, files.sensitivities), strict=True))
     forces = {
         (piece, geometry, model): force_terms(
             given.modes[piece],
             bands.get(piece),
+            bonds.get(piece) if geometry == "real" else None,
             changes[piece]["changes"],
             read_json(report),
             read_json(mesh)["element_size_mm"],

@@ -14,15 +14,18 @@ import numpy as np
 import pandas as pd
 from scipy.special import ndtri
 
+from softsample.report.bond import log_force
 from softsample.response.floor import FloorSettings, rectangular
 from softsample.response.unit import CLOSED_FORM
 
-MEASURED = ("statistics", "geometry", "contact_zero", "time")
-"""Terms of record, image and loading time."""
+MEASURED = ("statistics", "geometry", "contact_zero", "time", "bond")
+"""Terms of record, image, loading time and bonded area."""
 
 FLOOR = ("mesh", "hourglass", "element")
-"""Terms that the choice of mesh and element leaves open: it is wrong in the same sense in all
-samples, so that their forces keep the sign."""
+"""Terms that the choice of mesh and element leaves open."""
+
+ADD_UP = (*FLOOR, "bond")
+"""Terms that are wrong in the same sense in all samples, so that their forces keep the sign."""
 
 COARSE = "elements of twice the size"
 HOURGLASS = ("half the hourglass stiffness", "twice the hourglass stiffness")
@@ -31,12 +34,13 @@ HOURGLASS = ("half the hourglass stiffness", "twice the hourglass stiffness")
 def force_terms(
     mode: str,
     band: Mapping[str, Any] | None,
+    bond: Mapping[str, Any] | None,
     changes: Mapping[str, Mapping[str, float]],
     curves: Mapping[str, Any],
     element_size_mm: float,
     settings: FloorSettings,
 ) -> dict[str, float]:
-    """Standard deviations of a piece's modelled force [%], by term; signed, those of the floor.
+    """Standard deviations of a piece's modelled force [%], by term; signed, those of `ADD_UP`.
 
     Parameters
     ----------
@@ -45,6 +49,9 @@ def force_terms(
     band : mapping or None
         `band/{sample}.json`: the surface one standard deviation further in and out; None where no
         image says how well it is known: the term is NaN.
+    bond : mapping or None
+        `bond/{sample}.json` of a bonded real geometry, else None: the term is zero. The modulus
+        may be as far off as with the other rule of the bond, either way.
     changes : mapping
         `changes` of `sensitivity/{sample}/{geometry}.json`, on the best geometry there is:
         `modulus_percent` by numerical choice.
@@ -58,12 +65,13 @@ def force_terms(
     """
     geometry = np.nan if band is None else 0.5 * (band["high_percent"] - band["low_percent"])
     if curves.get("method") == CLOSED_FORM:
-        return {"geometry": geometry, **dict.fromkeys(("time", *FLOOR), 0.0)}
+        return {"geometry": geometry, **dict.fromkeys(("time", "bond", *FLOOR), 0.0)}
     softer, stiffer = (changes[name]["modulus_percent"] for name in HOURGLASS)
     richardson = changes[COARSE]["modulus_percent"] / (2.0**settings.mesh_order - 1.0)
     return {
         "geometry": geometry,
         "time": rectangular(curves["error_bound_percent"]),
+        "bond": rectangular(100.0 * log_force(bond)) if bond else 0.0,
         "mesh": rectangular(richardson),
         "hourglass": rectangular(max(-softer, stiffer, key=abs)),
         "element": rectangular(settings.element(mode, element_size_mm)),
@@ -82,17 +90,17 @@ def interval_rows(
     fit : mapping
         `calibration/{group}/{geometry}/{model}.json`.
     forces : mapping
-        `force_terms` by piece. What the floor's do to the modulus adds up over the pieces, other
-        errors of different pieces are independent.
+        `force_terms` by piece. What those of `ADD_UP` do to the modulus adds up over the pieces,
+        other errors of different pieces are independent.
     piece_of : mapping
         Piece by sample; its records share the errors of its model.
 
     Returns
     -------
     list of dict
-        Value [Pa], standard deviation of every term [% of it], limits [Pa] of the interval with
-        (`low_pa`, `high_pa`) and without the floor. A term that is known of no piece is NaN, and
-        not in the interval.
+        Value [Pa], standard deviation of every term [% of it], limits [Pa] of the interval of all
+        terms (`low_pa`, `high_pa`), without the floor, and without the bond. A term that is known
+        of no piece is NaN, and not in the interval.
     """
     given, rows = fit["uncertainty"], []
     z = float(ndtri(0.5 + 0.5 * given["confidence"]))
@@ -106,21 +114,22 @@ def interval_rows(
             "statistics": given["bootstrap"][key]["sd"],
             "contact_zero": float(np.linalg.norm(shifts)),
         }
-        for term in ("geometry", "time", *FLOOR):
+        for term in ("geometry", "time", "bond", *FLOOR):
             parts = [change * forces[piece][term] for piece, change in per_percent.items()]
-            terms[term] = abs(sum(parts)) if term in FLOOR else _norm(parts)
-        without = z * _norm([terms[term] for term in MEASURED])
-        half = float(np.hypot(without, z * np.linalg.norm([terms[term] for term in FLOOR])))
+            terms[term] = abs(sum(parts)) if term in ADD_UP else _norm(parts)
         value = fit[key]
+        half = {
+            f"without_{name}_": z * _norm([sd for term, sd in terms.items() if term not in left])
+            for name, left in (("floor", FLOOR), ("bond", ("bond",)))
+        }
+        half[""] = z * _norm([*terms.values()])
         rows.append(
             {
                 **{column: fit[column] for column in ("group", "geometry", "model")},
                 "modulus": name,
                 "value_pa": value,
-                "low_pa": max(value - half, 0.0),
-                "high_pa": value + half,
-                "low_without_floor_pa": max(value - without, 0.0),
-                "high_without_floor_pa": value + without,
+                **{f"low_{which}pa": max(value - part, 0.0) for which, part in half.items()},
+                **{f"high_{which}pa": value + part for which, part in half.items()},
                 **{f"{term}_percent": _percent(terms[term], value) for term in MEASURED + FLOOR},
             }
         )

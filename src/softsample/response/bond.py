@@ -1,22 +1,29 @@
 """Which nodes of the top a test bonds to the platen: by height, or by a simulated pre-load."""
 
-from collections.abc import Mapping, Sequence
+import logging
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
+from softsample.constitutive.material import Material
 from softsample.constitutive.ogden import unit_modulus
-from softsample.errors import InputError
-from softsample.fem.boundary import ContactSettings, platen_boundary
+from softsample.errors import InputError, SoftsampleError
+from softsample.fem.boundary import ContactSettings, mode_boundary, platen_boundary
 from softsample.fem.explicit import ExplicitModel, SolverSettings
 from softsample.fem.kernels import PLATEN
+from softsample.fem.setup import set_up
+from softsample.meshing.bond import bonded_area
 from softsample.meshing.mesh import HexMesh
 from softsample.meshing.regions import relative_stiffness
 from softsample.meshing.sample import SampleMesh
 from softsample.response.unit import find_pace, shortest_loading_time
 
+Array = NDArray[np.float64]
 Ids = NDArray[np.int64]
+LOG = logging.getLogger(__name__)
 
 MM = 1e-3
 
@@ -24,8 +31,8 @@ MM = 1e-3
 EVEN = 0.5
 """Modulus fraction of the sample that a pre-load presses."""
 
-CONTACT = "contact"
-"""Rule by which what the pre-load presses on the platen is bonded."""
+WITHIN_DEPTH, CONTACT = "within_depth", "contact"
+"""Rules by which a top is bonded without a mask, see `BondSettings`."""
 
 
 @dataclass(frozen=True)
@@ -41,19 +48,17 @@ class BondSettings:
         Gap that glue fills, with the rule `contact` [mm].
     """
 
-    rule: str = "within_depth"
+    rule: str = WITHIN_DEPTH
     fill_mm: float = 0.0
 
 
 def touched_nodes(
-    mesh: HexMesh,
+    model: ExplicitModel,
     preload: float,
     fill: float,
     alpha: Sequence[float],
     poisson_ratio: float,
     contact: ContactSettings,
-    solver: SolverSettings,
-    stiffness: NDArray[np.float64] | None = None,
 ) -> Ids:
     """Nodes of the surface that a flat, rough platen touches, or nearly, in the pre-load.
 
@@ -61,8 +66,8 @@ def touched_nodes(
 
     Parameters
     ----------
-    mesh : HexMesh
-        The sample [m].
+    model : ExplicitModel
+        Of the sample.
     preload : float
         Way of the platen [m].
     fill : float
@@ -71,10 +76,8 @@ def touched_nodes(
         Exponents of the two terms of the sample's material, which has as much of each.
     poisson_ratio : float
         Of that material.
-    contact, solver
+    contact : ContactSettings
         As of the config; nothing slips.
-    stiffness : (n_elements,) float64, optional
-        Stiffness of each element relative to the sample's.
 
     Returns
     -------
@@ -86,8 +89,8 @@ def touched_nodes(
     SimulationError
         If the pre-load cannot be simulated.
     """
+    mesh, solver = model.mesh, model.settings
     material = unit_modulus(EVEN, alpha, poisson_ratio, solver.reference_modulus_pa)
-    model = ExplicitModel(mesh, solver, stiffness)
     boundary = platen_boundary(mesh, replace(contact, friction=None, base_friction=None))
     run = find_pace(
         lambda loading_time: model.run(material, boundary, preload, loading_time=loading_time),
@@ -98,6 +101,71 @@ def touched_nodes(
     gap = mesh.highest - preload - (mesh.points + run.displacement_field)[surface, 2]
     near = surface[(run.held[surface] == PLATEN) | (gap <= fill if fill > 0.0 else False)]
     return np.sort(near).astype(np.int64)
+
+
+def by_rule(
+    sample: tuple[HexMesh, Mapping[str, NDArray[Any]], Mapping[str, NDArray[Any]]],
+    mode: str,
+    material: Material,
+    displacement: Array,
+    scale_of: Callable[[Array], float],
+    loading_time: float,
+    preload: float,
+    settings: BondSettings,
+    sections: Mapping[str, Any],
+) -> dict[str, Any]:
+    """What either rule makes of a test.
+
+    Parameters
+    ----------
+    sample : tuple
+        Mesh [m], node data and element data of the sample.
+    mode : str
+        Of the test, glued on either platen.
+    material : Material
+        At the optimum.
+    displacement : (n,) float64
+        Of the platen in the loading of its record [m].
+    scale_of : callable
+        Factor that brings a force (n,) there closest to the record.
+    loading_time : float
+        Of the response [s].
+    preload : float
+        Way of the platen [m].
+    settings : BondSettings
+        The study's; `fill_mm` is that of `contact`.
+    sections : mapping
+        Of the config: `material`, `contact`, `solver`; and `ends`, as of `set_up`.
+
+    Returns
+    -------
+    dict
+        `rule`: the study's; `{rule}_mm2`: bonded area projected on the base, of whole faces;
+        `force_percent`: by how much the force is larger with the rule `contact` than with
+        `within_depth`, by least squares over the record. None is what cannot be simulated.
+    """
+    mesh = sample[0]
+    model, _ = set_up(*sample, mode, **sections)
+    law, platen = sections["material"], ContactSettings(**sections["contact"])
+    pressed = preload, settings.fill_mm * MM, law["alpha"], law["poisson_ratio"], platen
+
+    def scale(ids: Ids) -> float:
+        boundary = mode_boundary(mesh, mode, ids, platen, sections["ends"])
+        run = model.run(material, boundary, float(displacement.max()), loading_time=loading_time)
+        return scale_of(np.interp(displacement, run.displacement, run.force))
+
+    bonded, percent = {WITHIN_DEPTH: mesh.glued(preload)}, None
+    try:
+        bonded[CONTACT] = touched_nodes(model, *pressed)
+        percent = 100.0 * (scale(bonded[WITHIN_DEPTH]) / scale(bonded[CONTACT]) - 1.0)
+    except SoftsampleError as error:
+        LOG.warning("rules of the bond cannot be compared: %s", error)
+    area = {rule: 1e6 * float(bonded_area(mesh, ids).sum()) for rule, ids in bonded.items()}
+    return {
+        "rule": settings.rule,
+        **{f"{rule}_mm2": area.get(rule) for rule in (WITHIN_DEPTH, CONTACT)},
+        "force_percent": percent,
+    }
 
 
 def bonded_by_contact(
@@ -122,8 +190,8 @@ def bonded_by_contact(
     fill = settings.fill_mm * MM
     region = sample.cell_data.get("region")
     stiffness = None if region is None else relative_stiffness(region, region_stiffness or {})
-    law = alpha, poisson_ratio
-    ids = touched_nodes(sample.mesh, preload, fill, *law, contact, solver, stiffness)
+    model = ExplicitModel(sample.mesh, solver, stiffness)
+    ids = touched_nodes(model, preload, fill, alpha, poisson_ratio, contact)
     if len(ids) == 0:
         raise InputError(
             f"protocol: preload_mm: a platen that goes {preload / MM:g} mm touches no node of the "

@@ -5,6 +5,7 @@ from dataclasses import dataclass, field
 from functools import cached_property
 
 from softsample.errors import InputError
+from softsample.protocol import PRESSED_MODES
 from softsample.validation import DEFAULT_AXES, resolved
 
 Row = Mapping[str, str]
@@ -165,6 +166,17 @@ class Plan:
     def banded(self) -> list[str]:
         """Pieces whose boundary is known to a standard deviation: from an image, not a surface."""
         return [piece for piece in self.imaged if "real" in self.geometries(piece)]
+
+    @cached_property
+    def bonded(self) -> list[str]:
+        """Pieces of real geometry whose top is bonded by a rule: not pressed, and no mask."""
+        return [
+            piece
+            for piece in self.pieces
+            if "real" in self.geometries(piece)
+            and self.rows[piece]["mode"] not in PRESSED_MODES
+            and "bond_mask" not in self.rows[piece]
+        ]
 
     def examples(self, wanted: Mapping[str, str]) -> dict[str, str]:
         """The piece that stands for each mode in figures: that of the wanted sample, or the first.

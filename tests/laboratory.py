@@ -149,6 +149,7 @@ class Lab:
     damage: float = 0.0
     compliance: float = 0.0  # mm/N
     gap: float = 0.0  # mm
+    slack: float = 0.0  # mm
     play: float = 0.0  # mm
     weight: float = 0.0  # mN
     zero: dict = field(default_factory=dict)  # mm along the travel, by mode
@@ -156,7 +157,10 @@ class Lab:
 
     def travel(self, mode, u):
         """Travel that reaches the sample [mm]."""
-        s = u + self.zero.get(mode, 0.0) - (self.gap if mode == "compression" else 0.0)
+        late = {"compression": self.gap, "tension": self.slack}.get(mode, 0.0)
+        s = u + self.zero.get(mode, 0.0) - late
+        if self.slack and mode == "tension":
+            s = np.maximum(s, 0.0)
         if self.play:
             reached = np.empty_like(s)
             at = s[0]

@@ -6,7 +6,9 @@ from itertools import pairwise
 from typing import Self
 
 import numpy as np
+from numpy.polynomial import Polynomial
 from numpy.typing import ArrayLike, NDArray
+from scipy.stats import f as f_distribution
 
 from softsample.errors import InputError
 
@@ -54,6 +56,10 @@ LARGEST, FIRST, LAST = "largest", "first", "last"
 SLOW = 0.05
 """Legs below this part of the record's highest speed can be rest with a drifting reading."""
 
+
+DEGREE, CHANCE, LEAST_BENT = 5, 1e-3, 24
+"""Degree of the polynomial along a leg that bends, the chance at which a straight one seems to,
+and the fewest samples of a leg that may."""
 
 FEWEST_JUMPS = 10
 """Lone jumps of a reading from which on it is a staircase."""
@@ -229,10 +235,11 @@ def _split_at_origin(away: Array, ends: list[int], tolerance: float) -> list[int
 
 
 def denoised(time: Array, displacement: Array) -> Array:
-    """The polygon behind a noisy travel: a straight line through the samples of every leg.
+    """The travel behind a noisy reading: a straight line through the samples of every leg.
 
     Corners are where lines of neighbouring legs meet, so that they are known better than to the
-    nearest sample.
+    nearest sample. A leg that bends, as of a sinusoidal test or where the sample's own displacement
+    is read on a machine that gives way, gets what a polynomial explains of the rest.
     """
     ends = corners(time, displacement)
     lines = []
@@ -252,7 +259,24 @@ def denoised(time: Array, displacement: Array) -> Array:
     heights = [
         np.polyval(line, knot) for line, knot in zip([*lines, lines[-1]], knots, strict=True)
     ]
-    return np.interp(time, knots, heights)
+    found = np.interp(time, knots, heights)
+    for first, last in pairwise(ends):
+        leg = slice(first, last + int(last == len(time) - 1))
+        found[leg] += _bend(time[leg], displacement[leg] - found[leg])
+    return found
+
+
+def _bend(time: Array, rest: Array) -> Array:
+    """What a polynomial explains of what a straight leg leaves; nothing if that is chance."""
+    if len(time) < LEAST_BENT:
+        return np.zeros(len(time))
+    straight, bent = (Polynomial.fit(time, rest, degree)(time) for degree in (1, DEGREE))
+    left, more = float(np.sum((rest - bent) ** 2)), DEGREE - 1
+    free = len(time) - DEGREE - 1
+    gain = float(np.sum((rest - straight) ** 2)) - left
+    if gain * free <= f_distribution.isf(CHANCE, more, free) * more * left:
+        return np.zeros(len(time))
+    return np.asarray(bent)
 
 
 def _kinds(time: Array, away: Array, corners: list[int], tolerance: float) -> list[str]:

@@ -23,6 +23,7 @@ from softsample.loop.errors import (
     log_density,
 )
 from softsample.loop.fit import Problem
+from softsample.loop.joint import joint_fit
 from softsample.loop.limits import _highest
 from softsample.loop.model import Material, Model, Packing, State
 from softsample.loop.noise import (
@@ -47,6 +48,7 @@ from softsample.loop.select import (
     _members,
     _Search,
     explained_alike,
+    plain_model,
     select,
     unusable,
 )
@@ -337,6 +339,16 @@ def test_a_modulus_fraction_stays_within_the_curves_that_were_simulated(perfect)
     assert fraction["value"] == pytest.approx(max(within), abs=1e-3)
     assert fraction["high"] == max(within)
     assert fraction["low"] >= min(within)
+
+
+@pytest.mark.parametrize("slack", [0.2, 0.5, 0.9])
+def test_an_onset_is_found_wherever_it_is(slack):
+    """What a slack of a hundredth does tells nothing of a large one: the fit has many minima."""
+    tests = laboratory.Lab(seed=5, slack=slack).specimens(("tension", "compression"))
+    problem, plain = plain_model(pose(tests, SETTINGS)[0])
+    signature = signatures(problem, plain, [library()["slack"]])[0]
+    found = joint_fit(problem, plain, signature, 1.0)
+    assert found.state.values["slack"]["slack_mm"] == pytest.approx(slack, rel=0.04)
 
 
 def test_the_plain_model_finds_the_material(problem):

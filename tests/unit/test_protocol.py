@@ -4,7 +4,15 @@ import numpy as np
 import pytest
 
 from softsample.errors import InputError
-from softsample.protocol import MODES, Course, loading_ramp, phases, smooth_step, travel_sign
+from softsample.protocol import (
+    MODES,
+    Course,
+    denoised,
+    loading_ramp,
+    phases,
+    smooth_step,
+    travel_sign,
+)
 
 
 def history(*legs, rate=100.0, noise=1e-6, seed=3):
@@ -207,3 +215,25 @@ def test_a_sweep_is_one_ramp_where_zero_is_no_state_of_its_own():
     _, d, rested = course((2.0, 0.0), (4.0, 4.0))
     again = Course.of(np.arange(len(d), dtype=float), 1e-3 * (d - 2.0), "shear")
     assert again.chosen().ramps == rested.chosen().ramps
+
+
+def test_straight_legs_are_straight_lines():
+    """Not one in a thousand is taken for bent."""
+    for seed in range(20):
+        time, d = history((2.0, 0.0), (10.0, 3.0), (6.0, 3.0), (10.0, 0.0), seed=seed)
+        found = denoised(time, d)
+        bends = np.abs(np.diff(found, 2)) > 1e-12
+        assert bends.sum() <= 12  # two a corner; a bent leg has hundreds
+        truth = np.interp(time, [0.0, 2.0, 12.0, 18.0, 28.0], [0.0, 0.0, 3e-3, 3e-3, 0.0])
+        assert np.abs(found - truth).max() < 1e-6
+
+
+@pytest.mark.parametrize("digit", [0.0, 10e-6])
+def test_a_travel_that_bends_is_followed(digit):
+    """Read at the sample of a machine that gives way: slow at first, then faster than a line."""
+    time, d = history((2.0, 0.0), (10.0, 3.0), (6.0, 3.0), (10.0, 0.0), noise=0.0)
+    bent = d + 1e-4 * (d / 3e-3) ** 3
+    read = bent + 1e-6 * np.random.default_rng(1).normal(size=len(time))
+    read = np.round(read / digit) * digit if digit else read
+    away = denoised(time, read) - bent
+    assert np.sqrt(np.mean(away**2)) < max(0.5e-6, 0.2 * digit)

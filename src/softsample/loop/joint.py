@@ -14,12 +14,16 @@ from softsample.loop.screen import Signature, nominal_step
 FAR_MORE = 2.0
 """How much more than another a fit changes what is held out for the other to be preferred."""
 
+LADDER, RUNGS = 1.25, (-6, 11)
+"""Ratio of the sizes at which an effect of one parameter is looked at, and their powers over the
+nominal size."""
+
 PARTS = (0.5, 1.0)
 """Of the nominal sizes of a law, from which it sets out."""
 
 
 def joint_fit(problem: Problem, current: Fit, signature: Signature, tie: float) -> Fit:
-    """Joint fit from the linear estimate of the sizes.
+    """Joint fit from the linear estimate of the sizes, or from a size that leaves less.
 
     Small sizes and the other points of the grid are tried until one fit earns what the linear
     estimate promises; starts of the effect's own are all tried, at an even modulus fraction.
@@ -51,12 +55,41 @@ def joint_fit(problem: Problem, current: Fit, signature: Signature, tie: float) 
         replace(current.state, values={**current.state.values, effect.name: values})
         for values in starts
     ]
+    if len(effect.parameters) == 1:
+        states = _least_left_first(problem, current, model, states, _ladder(states[0], effect))
     own = _own_starts(problem, model, current.state, effect.starts)
     if effect.idealised:  # a change so large that the material found without it says little
         states = [states[0], *problem.of_each_fraction(model, states[0])]
         promised = -np.inf
     fits = problem.fits(model, states, tie, promised)
     return _likeliest(problem, current, problem.fits(model, own, tie, found=fits), tie)
+
+
+def _ladder(state: State, effect: Effect) -> list[State]:
+    """The state with sizes of an effect of one parameter, from small to the end of its range."""
+    (p,) = effect.parameters
+    steps = nominal_step(p) * LADDER ** np.arange(*RUNGS)
+    sizes = [p.neutral + step for step in steps if p.low < p.neutral + step < p.high]
+    return [replace(state, values={**state.values, effect.name: {p.name: float(x)}}) for x in sizes]
+
+
+def _least_left_first(
+    problem: Problem, current: Fit, model: Model, starts: list[State], others: Sequence[State]
+) -> list[State]:
+    """The starts, behind one of the others that leaves less than the first of them.
+
+    What the material could take over linearly is not left. Where contact sets in late, what a
+    small size does tells little of what a large one does.
+    """
+    directions, _ = np.linalg.qr(current.jacobian[: problem.count])
+
+    def left(state: State) -> float:
+        white = problem.residual(model, state)[: problem.count]
+        rest = white - directions @ (directions.T @ white)
+        return float(rest @ rest)
+
+    best = min([starts[0], *others], key=left)
+    return starts if best is starts[0] else [best, *starts]
 
 
 def law_fit(problem: Problem, base: Fit, law: Effect, tie: float) -> Fit:

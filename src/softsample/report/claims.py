@@ -116,7 +116,7 @@ def _shear_bias(tables: Tables) -> Finding:
     depth, contact = (_signed(rows[f"{rule}_bias_percent"].mean()) for rule in RULES)
     why = (
         f"; {depth} % if what lies within the pre-load is bonded, {contact} % if what touches in a "
-        "simulated one is; the bonded area was not measured"
+        "simulated one is"
     )
     return replace(found, why=found.why + why)
 

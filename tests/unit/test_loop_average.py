@@ -8,12 +8,18 @@ import pytest
 from scipy.stats import norm
 
 import laboratory
-from softsample.loop.average import Weighed, averaged, log_modulus_deviation, weighed
+from softsample.loop.average import (
+    Weighed,
+    averaged,
+    bond_deviation,
+    log_modulus_deviation,
+    weighed,
+)
 from softsample.loop.diagnose import diagnose, report
 from softsample.loop.effects import library
 from softsample.loop.noise import NoiseSettings
 from softsample.loop.page import page
-from softsample.loop.posed import LoopSettings
+from softsample.loop.posed import LoopSettings, pose
 from softsample.loop.screen import penalty
 
 NOISE, SETTINGS = NoiseSettings(scale_percent=3.0), LoopSettings()
@@ -46,6 +52,44 @@ def test_specimens_that_scatter_widen_the_interval():
     scattered = {"A": 0.8, "B": 1.25}
     expected = np.hypot(0.05, np.std(np.log([0.8, 1.25]), ddof=1) / np.sqrt(2.0))
     assert log_modulus_deviation(fit, NOISE, scattered) == pytest.approx(expected)
+
+
+def plain(modes, bonded):
+    """Problem and plain fit of tests, of which those of some modes lose a fifth of their force."""
+    tests = [
+        replace(test, bond=np.log(0.8) if test.mode in bonded else 0.0)
+        for test in laboratory.Lab(seed=3).specimens(modes)
+    ]
+    problem, _ = pose(tests, SETTINGS.noise)
+    return problem, problem.fit_material()
+
+
+def test_a_test_alone_does_not_tell_its_bonded_area():
+    assert bond_deviation(*plain(("shear",), ("shear",))) == pytest.approx(
+        -np.log(0.8) / np.sqrt(3.0), rel=0.02
+    )
+    assert bond_deviation(*plain(("shear",), ())) == 0.0
+
+
+def test_compression_beside_it_tells_some_of_the_bonded_area():
+    """Against the joint covariance with the step to the other rule as a parameter more."""
+    problem, fit = plain(("tension", "compression"), ("tension",))
+    forces = problem.predicted(fit.model, fit.state)
+    lost = problem.white([np.log(0.8) * forces[0], 0.0 * forces[1]])
+    jacobian = np.column_stack([fit.jacobian[: problem.count], lost])
+    joint = jacobian.T @ jacobian
+    joint[:-1, :-1] = fit.information
+    joint[-1, -1] += 3.0
+    more = np.linalg.inv(joint)[0, 0] - fit.covariance[0, 0]
+    found = bond_deviation(problem, fit)
+    assert found == pytest.approx(np.sqrt(more))
+    assert 0.0 < found < 0.5 * -np.log(0.8) / np.sqrt(3.0)
+
+
+def test_the_bonded_area_widens_the_interval():
+    alone = model_of(1000.0, 0.04, 1.0)
+    _, low, _ = averaged([replace(alone, bond=0.12)], NOISE, {})
+    assert np.log(1000.0 / low) == pytest.approx(norm.ppf(0.95) * 0.13, rel=1e-6)
 
 
 def softer(part, smooth):

@@ -489,6 +489,18 @@ def of_diagnosed(pattern, geometry=None, of=lambda name: name):
     ]
 
 
+def bonded_by_rule(wildcards):
+    """Parameter: whether each of these samples has its real top bonded by a rule."""
+    real = PLAN.best(wildcards.group) == "real"
+    return [real and piece_of(name) in PLAN.bonded for name in diagnosed(wildcards)]
+
+
+def bonds(wildcards):
+    """Input function: what either rule makes of those that have."""
+    names = zip(diagnosed(wildcards), bonded_by_rule(wildcards), strict=True)
+    return [f"<results>/bond/{piece_of(name)}.json" for name, bonded in names if bonded]
+
+
 def responses(geometry=None):
     """What a diagnosis on a geometry predicts records with."""
     return {

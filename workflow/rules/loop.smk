@@ -14,6 +14,7 @@ OF_CHANGED_MODELS = {
 OF_DIAGNOSES = {
     "samples": lambda wildcards: samples_of(wildcards.group),
     "rows": lambda wildcards: rows_of(diagnosed(wildcards)),
+    "bonded": bonded_by_rule,
     "folds": lambda wildcards: folds_of(wildcards.group),
     "leave_out": LEAVE_OUT,
     "loop": config["loop"],
@@ -50,6 +51,7 @@ rule perturbations:
 rule diagnose:
     input:
         **responses(),
+        bonds=bonds,
         whole=verdicts_of_others("whole"),
         alone=verdicts_of_others("alone"),
         code=library("workflow/scripts/diagnose.py"),
@@ -75,6 +77,7 @@ rule diagnose:
 use rule diagnose as diagnose_alone with:
     input:
         **responses(),
+        bonds=bonds,
         code=library("workflow/scripts/diagnose.py"),
     output:
         verdict="<results>/loop/{group}/alone/verdict.json",
@@ -94,6 +97,7 @@ use rule diagnose as diagnose_alone with:
 use rule diagnose as diagnose_whole with:
     input:
         **responses(),
+        bonds=bonds,
         code=library("workflow/scripts/diagnose.py"),
     output:
         verdict="<results>/loop/{group}/whole/verdict.json",

@@ -19,9 +19,12 @@ with logged_to(snakemake):
     given, files = snakemake.params, snakemake.input
     settings, solid = LoopSettings.of_config(given.loop), of_fit(read_json(files.fit))
     real = [read_table(path) for path in files.get("real", [])] or [None] * len(given.rows)
+    reports = map(read_json, files.get("bonds", []))
+    bonds = [next(reports, None) if bonded else None for bonded in given.bonded]
+    of_pieces = zip(files.curves, files.perturbations, real, bonds, strict=True)
     known = {
-        curves: Tables(read_table(curves), [read_table(changes)], solid, of_real)
-        for curves, changes, of_real in zip(files.curves, files.perturbations, real, strict=True)
+        curves: Tables(read_table(curves), [read_table(changes)], solid, *of_piece)
+        for curves, changes, *of_piece in of_pieces
     }
     responses = [known[curves] for curves in files.curves]
     records = [read_record(path) for path in files.records]

@@ -20,6 +20,7 @@ from softsample.loop.fit import Fit, Problem
 from softsample.loop.noise import NoiseSettings
 from softsample.loop.scale import scatter
 from softsample.loop.select import Selection, misfit_with_penalties, unusable
+from softsample.response.floor import rectangular
 
 Array = NDArray[np.float64]
 
@@ -40,10 +41,13 @@ class Weighed:
         Of it.
     weight : float
         Its probability; those of all models add up to 1.
+    bond : float
+        Standard deviation of ln(mu) by what the bonded area leaves open.
     """
 
     fit: Fit
     weight: float
+    bond: float = 0.0
 
 
 def weighed(selection: Selection) -> list[Weighed]:
@@ -52,7 +56,7 @@ def weighed(selection: Selection) -> list[Weighed]:
     Each set of effects counts once. Each effect makes a model less probable beforehand by the
     number of effects in the library, so that no effect is as probable as any one of them.
     """
-    likeliest: dict[frozenset[str], tuple[float, Fit]] = {}
+    likeliest: dict[frozenset[str], tuple[float, Problem, Fit]] = {}
     odds = 2.0 * np.log(len(selection.library) or 1)
     for problem, fit in _models(selection):
         effects = fit.model.effects
@@ -61,12 +65,12 @@ def weighed(selection: Selection) -> list[Weighed]:
         names = frozenset(fit.model.names)
         left = misfit_with_penalties(problem, fit) + odds * len(effects)
         if names not in likeliest or left < likeliest[names][0]:
-            likeliest[names] = left, fit
-    least = min(left for left, _ in likeliest.values())
-    weights = [float(np.exp(-0.5 * (left - least))) for left, _ in likeliest.values()]
+            likeliest[names] = left, problem, fit
+    least = min(left for left, *_ in likeliest.values())
+    weights = [float(np.exp(-0.5 * (left - least))) for left, *_ in likeliest.values()]
     found = [
-        Weighed(fit, weight / sum(weights))
-        for (_, fit), weight in zip(likeliest.values(), weights, strict=True)
+        Weighed(fit, weight / sum(weights), bond_deviation(problem, fit))
+        for (_, problem, fit), weight in zip(likeliest.values(), weights, strict=True)
     ]
     return sorted(found, key=lambda one: -one.weight)
 
@@ -85,7 +89,9 @@ def averaged(
     """Modulus and the ends of its 90 % interval [Pa]: log-normal in each model, weighted."""
     weights = np.array([one.weight for one in models])
     means = np.log([one.fit.state.material.mu for one in models])
-    deviations = np.array([log_modulus_deviation(one.fit, noise, stiffness) for one in models])
+    deviations = np.array(
+        [np.hypot(log_modulus_deviation(one.fit, noise, stiffness), one.bond) for one in models]
+    )
 
     def above(x: float, part: float) -> float:
         return float(weights @ norm.cdf((x - means) / deviations)) - part
@@ -105,3 +111,19 @@ def log_modulus_deviation(fit: Fit, noise: NoiseSettings, stiffness: Mapping[str
     if stiffness:
         found = float(np.hypot(found, scatter(stiffness) / np.sqrt(len(stiffness))))
     return found
+
+
+def bond_deviation(problem: Problem, fit: Fit) -> float:
+    """Standard deviation of ln(mu) by what the bonded area leaves open.
+
+    The step from the model's bonded area to that of the other rule, the same part of it in all
+    tests, is one parameter more, linearly; either rule is a limit (`rectangular`). Records that
+    show it, as tension beside compression may, leave less open.
+    """
+    forces = problem.predicted(fit.model, fit.state)
+    change = problem.white([s.bond * f for s, f in zip(problem.specimens, forces, strict=True)])
+    beside = fit.jacobian[: problem.count].T @ change
+    known = float(change @ change) + rectangular(1.0) ** -2
+    with_it = fit.information - np.outer(beside, beside) / known
+    more = np.linalg.inv(with_it)[0, 0] - fit.covariance[0, 0]
+    return float(np.sqrt(max(more, 0.0)))

@@ -8,7 +8,13 @@ import numpy as np
 from numpy.typing import NDArray
 
 from softsample.loop.accept import Judged, objection_to
-from softsample.loop.average import Weighed, averaged, log_modulus_deviation, weighed
+from softsample.loop.average import (
+    Weighed,
+    averaged,
+    bond_deviation,
+    log_modulus_deviation,
+    weighed,
+)
 from softsample.loop.correction import Confirmed, confirmed, learned
 from softsample.loop.effects import library, specimen_stiffness
 from softsample.loop.effects.base import Effect
@@ -296,7 +302,8 @@ def _recommended(diagnosis: Diagnosis, settings: LoopSettings) -> dict[str, Any]
     reported; what an error without cause makes of it widens the interval.
     """
     rest, several = diagnosis.rest, not (diagnosis.objection or diagnosis.told)
-    models = weighed(diagnosis.selection) if several else [Weighed(diagnosis.final, 1.0)]
+    of_final = Weighed(diagnosis.final, 1.0, bond_deviation(diagnosis.problem, diagnosis.final))
+    models = weighed(diagnosis.selection) if several else [of_final]
     mu, low, high = averaged(models, settings.noise, diagnosis.stiffness)
     return {
         "mu": {

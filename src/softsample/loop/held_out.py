@@ -13,6 +13,7 @@ from softsample.holdout import held_out
 from softsample.loop.specimen import FORCE, NORMAL, Specimen
 from softsample.protocol import SHEARED_MODES
 from softsample.records import Record
+from softsample.response.bond import log_force
 from softsample.response.elastic import Elastic
 from softsample.shapes import IdealShape
 
@@ -34,12 +35,20 @@ class Tables:
         Of which the model is made.
     real : DataFrame, optional
         Response of the real geometry, if the model is the ideal one.
+    bond : mapping, optional
+        What either rule of the bond makes of it (`softsample.response.bond.by_rule`).
     """
 
     curves: pd.DataFrame
     changes: Sequence[pd.DataFrame]
     solid: Material
     real: pd.DataFrame | None = None
+    bond: Mapping[str, Any] | None = None
+
+    @property
+    def of_other_bond(self) -> float:
+        """Log of the force by the other rule over that of the model; zero if it is not known."""
+        return float(np.nan_to_num(log_force(self.bond))) if self.bond else 0.0
 
 
 @lru_cache(KEPT)
@@ -82,7 +91,8 @@ def specimens_of(
             np.asarray(held_out(record, row, shape.height, channel, hold_out)),
         )
         partner = tests[0] if tests else None
-        tests.append(replace(test, partner=partner, piece=row["specimen"]))
+        bond = tables.of_other_bond
+        tests.append(replace(test, partner=partner, piece=row["specimen"], bond=bond))
     return tests
 
 

@@ -63,6 +63,8 @@ class Specimen:
         What was tested, which may have had other tests; by default the sample.
     stiffness : float
         Its modulus over that of the group.
+    bond : float
+        Log of its force if it is bonded by the other rule, over that of the model; zero if not.
     """
 
     name: str
@@ -78,6 +80,7 @@ class Specimen:
     partner: Self | None = None
     piece: str = ""
     stiffness: float = 1.0
+    bond: float = 0.0
 
     def __post_init__(self) -> None:
         if not self.piece:

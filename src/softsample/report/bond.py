@@ -6,7 +6,7 @@ from typing import Any
 import numpy as np
 import pandas as pd
 
-from softsample.response.bond import CONTACT, WITHIN_DEPTH
+from softsample.response.bond import CONTACT, WITHIN_DEPTH, log_force
 
 RULES = (WITHIN_DEPTH, CONTACT)
 
@@ -60,12 +60,6 @@ def bond_table(
             }
         table.append(row | {"force_percent": _known(report["force_percent"])})
     return pd.DataFrame(table, columns=list(COLUMNS))
-
-
-def log_force(report: Mapping[str, Any]) -> float:
-    """Log of the force of the other rule over that of the study's; NaN if not known."""
-    change = float(np.log1p(0.01 * _known(report["force_percent"])))
-    return change if report["rule"] == WITHIN_DEPTH else -change
 
 
 def modulus_factor(

@@ -14,7 +14,7 @@ import numpy as np
 import pandas as pd
 from scipy.special import ndtri
 
-from softsample.report.bond import log_force
+from softsample.response.bond import log_force
 from softsample.response.floor import FloorSettings, rectangular
 from softsample.response.unit import CLOSED_FORM
 

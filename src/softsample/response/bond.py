@@ -176,6 +176,17 @@ def by_rule(
     }
 
 
+def log_force(report: Mapping[str, Any]) -> float:
+    """Log of the force of the other rule over that of the study's; NaN if it is not known.
+
+    `report` is `by_rule`.
+    """
+    if report["force_percent"] is None:
+        return float("nan")
+    change = float(np.log1p(0.01 * report["force_percent"]))
+    return change if report["rule"] == WITHIN_DEPTH else -change
+
+
 def bonded_by_contact(
     sample: SampleMesh,
     preload: float,

@@ -41,6 +41,9 @@ def test_the_bias_in_shear_is_said_for_both_bonds(tables):
     shear = tables["bond"][tables["bond"]["mode"] == "shear"]
     for rule in ("within_depth", "contact"):
         assert f"{shear[f'{rule}_bias_percent'].mean():+.1f}".replace("-", "−") in row["why"]
+    assert row["why"].endswith("the paper lies between")
+    tables["bond"]["contact_bias_percent"] = -9.0
+    assert "between" not in of(claims_table(tables), "by 10 %")["why"]
 
 
 def test_exponents_are_constant_if_all_are_close_and_none_is_open(tables):

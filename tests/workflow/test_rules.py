@@ -51,6 +51,7 @@ def test_dry_run_plans_the_whole_study(config, tmp_path):
     assert planned["mesh"] == planned["mesh_coarse"] == 30
     assert planned["confirm"] == planned["check_simulation"] == 30
     assert planned["band"] == planned["figure_sample"] == 15
+    assert planned["bond"] == 10  # what no platen presses
     assert planned["simulate"] == 30
     assert planned["one_term"] == 10  # compression alone, out of the same runs
     assert planned["calibrate"] == 20 + 10
@@ -398,7 +399,8 @@ def test_after_a_failure_the_report_holds_the_groups_that_came_through(project):
     for sample, group in table[:2]:
         for name in (
             *(f"fields/{sample}/real.json", f"fields/{sample}/ideal.json"),
-            *(f"band/{sample}.json", f"sensitivity/{sample}/real.json"),
+            *(f"{part}/{sample}.json" for part in ("band", "bond")),
+            f"sensitivity/{sample}/real.json",
             *(f"loop/{group}/verdict.json", f"loop/{group}/ideal/verdict.json"),
         ):
             file = project.results / name

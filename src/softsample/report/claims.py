@@ -113,10 +113,13 @@ def _mean(quantity: str, mode: str, why: str = "") -> Callable[[Tables], Finding
 def _shear_bias(tables: Tables) -> Finding:
     found = _mean("modulus_two_term", "shear")(tables)
     rows = tables["bond"][tables["bond"]["mode"] == "shear"]
-    depth, contact = (_signed(rows[f"{rule}_bias_percent"].mean()) for rule in RULES)
+    depth, contact = (float(rows[f"{rule}_bias_percent"].mean()) for rule in RULES)
+    summary = tables["summary"].set_index(["quantity", "mode"])
+    papers = float(summary["paper_mean_percent"]["modulus_two_term", "shear"])
+    between = min(depth, contact) <= papers <= max(depth, contact)
     why = (
-        f"; {depth} % if what lies within the pre-load is bonded, {contact} % if what touches in a "
-        "simulated one is"
+        f"; {_signed(depth)} % if what lies within the pre-load is bonded, {_signed(contact)} % if "
+        f"what touches in a simulated one is{'; the paper lies between' if between else ''}"
     )
     return replace(found, why=found.why + why)
 

@@ -15,7 +15,7 @@ from softsample.figures.boundary import BASE, GLUED, HeldSample, boundary_figure
 from softsample.figures.contact import contact_figure
 from softsample.figures.geometry import SegmentedImage, geometry_figure
 from softsample.figures.geometry_effects import effects_figure, prescribed_figure
-from softsample.figures.moduli import GroupCurves, moduli_figure
+from softsample.figures.moduli import GroupCurves, limits_of, moduli_figure
 from softsample.figures.profiles import profile_figure
 from softsample.figures.response import response_figure
 from softsample.figures.strain import Deformed, StrainRow, strain_figure
@@ -115,6 +115,26 @@ def test_moduli_figure_draws_every_sample_on_both_geometries():
     assert [t.get_text() for t in axial_bars.texts] == ["−20.0 %"]
     assert len([line for line in axial_bars.lines if line.get_marker() == "D"]) == 1, "NaN: none"
     assert len(shear_bars.patches) == 8
+
+
+def test_bars_have_the_intervals_of_the_table():
+    rows = [
+        ("S1", "real", "ogden2", "mu", 900.0, 1300.0),
+        ("S1", "ideal", "ogden2", "mu", 780.0, 820.0),
+        ("S1", "real", "ogden1", "mu", 1.0, 2.0),
+        ("S2", "real", "ogden2", "mu", 3.0, 4.0),
+        ("S1", "real", "ogden2", "mu1", 5.0, 6.0),
+    ]
+    names = ["group", "geometry", "model", "modulus", "low_pa", "high_pa"]
+    limits = limits_of(pd.DataFrame(rows, columns=names), "S1", "ogden2")
+    assert limits == {"real": (900.0, 1300.0), "ideal": (780.0, 820.0)}
+    bars = moduli_figure(
+        [replace(group("A", "shear", "A"), limits=limits)], moduli(("A", "shear"))
+    ).axes[1]
+    drawn = [line.get_segments()[0][:, 1] for line in bars.collections]
+    assert np.array(drawn) == pytest.approx(np.array([[0.9, 1.3], [0.78, 0.82]]))
+    (text,) = bars.texts
+    assert text.xy[1] == pytest.approx(1.3), "above the line"
 
 
 def test_axes_of_torsion_and_indentation_are_named_for_what_moves():

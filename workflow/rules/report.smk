@@ -328,6 +328,7 @@ rule figure5:
         **fits("ogden2", "csv"),
         **{f"{geometry}_fit": names for geometry, names in fits("ogden2", "json").items()},
         table="<results>/tables/table1.csv",
+        intervals="<results>/tables/intervals.csv",
         code=library("workflow/scripts/figure_moduli.py"),
     output:
         png=report(
@@ -341,6 +342,7 @@ rule figure5:
         "<logs>/figure5.log",
     params:
         groups=fitted_groups("ogden2"),
+        model="ogden2",
         ideal=PLAN.ideal_shape,
     message:
         "Figure 5: fitted curves and moduli"
@@ -353,6 +355,7 @@ use rule figure5 as figure6 with:
         **fits("ogden1", "csv"),
         **{f"{geometry}_fit": names for geometry, names in fits("ogden1", "json").items()},
         table="<results>/tables/table2.csv",
+        intervals="<results>/tables/intervals.csv",
         code=library("workflow/scripts/figure_moduli.py"),
     output:
         png=report(
@@ -366,6 +369,7 @@ use rule figure5 as figure6 with:
         "<logs>/figure6.log",
     params:
         groups=fitted_groups("ogden1"),
+        model="ogden1",
         ideal=PLAN.ideal_shape,
     message:
         "Figure 6: compression alone"

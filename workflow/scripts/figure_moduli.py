@@ -1,13 +1,13 @@
 """Figures 5 and 6: fitted curves and moduli (rules `figure5`, `figure6`)."""
 
-from softsample.figures.moduli import GroupCurves, moduli_figure
+from softsample.figures.moduli import GroupCurves, limits_of, moduli_figure
 from softsample.figures.style import save
 from softsample.io import read_json, read_table, written_aside
 from softsample.workflow import logged_to
 
 with logged_to(snakemake):
     given, shown = snakemake.input, snakemake.params
-    moduli = read_table(given.table)
+    moduli, intervals = read_table(given.table), read_table(given.intervals)
     files = {
         (group, geometry): pair
         for geometry, groups in shown.groups.items()
@@ -18,7 +18,8 @@ with logged_to(snakemake):
         there = {name: files[group, name] for name in shown.groups if (group, name) in files}
         curves = {name: read_table(curve) for name, (curve, _) in there.items()}
         trusted = all(read_json(fit)["success"] for _, fit in there.values())
-        groups.append(GroupCurves(row.group, row.mode, curves, trusted))
+        limits = limits_of(intervals, group, shown.model)
+        groups.append(GroupCurves(row.group, row.mode, curves, trusted, limits))
     figure = moduli_figure(groups, moduli, shown.ideal)
     for path in snakemake.output:
         with written_aside(path) as aside:

@@ -1,7 +1,7 @@
 """Figures 5 and 6: measured and modelled curves, and the calibrated moduli."""
 
-from collections.abc import Container, Iterable, Sequence
-from dataclasses import dataclass
+from collections.abc import Iterable, Sequence
+from dataclasses import dataclass, field
 from itertools import count
 from string import ascii_lowercase
 from typing import Any
@@ -52,12 +52,23 @@ class GroupCurves:
         By geometry: `sample`, `displacement_mm`, `measured_N`, `model_N`.
     trusted : bool
         Whether all fits converged away from their bounds.
+    limits : dict
+        By geometry, ends [Pa] of the interval of mu; none by default.
     """
 
     label: str
     mode: str
     curves: dict[str, pd.DataFrame]
     trusted: bool = True
+    limits: dict[str, tuple[float, float]] = field(default_factory=dict)
+
+
+def limits_of(intervals: pd.DataFrame, group: str, model: str) -> dict[str, tuple[float, float]]:
+    """By geometry, ends [Pa] of the interval of mu of a group, from `tables/intervals.csv`."""
+    chosen = {"group": group, "model": model, "modulus": "mu"}
+    rows = intervals[(intervals[list(chosen)] == list(chosen.values())).all(axis=1)]
+    ends = zip(rows["low_pa"].tolist(), rows["high_pa"].tolist(), strict=True)
+    return dict(zip(rows["geometry"].tolist(), ends, strict=True))
 
 
 def geometry_names(ideal: str, there: Iterable[str] = tuple(LINES)) -> dict[str, str]:
@@ -98,10 +109,10 @@ def moduli_figure(
             ascii_lowercase[next(letters)],
             f"{spoken(loading).capitalize()}: modulus",
         )
-        doubtful = {group.label for group in members if not group.trusted}
-        draw_moduli(right, moduli[moduli["group"].isin(list(palette))], palette, doubtful)
+        draw_moduli(right, moduli[moduli["group"].isin(list(palette))], palette, members)
     names = geometry_names(ideal, {name for group in groups for name in group.curves})
-    handles = [*_keys_of_curves(names), *_keys_of_moduli(moduli, names)]
+    intervals = any(group.limits for group in groups)
+    handles = [*_keys_of_curves(names), *_keys_of_moduli(moduli, names, intervals)]
     if not all(group.trusted for group in groups):
         label = "* see the caption"
         handles.append(Line2D([], [], ls="", label=label))
@@ -139,16 +150,22 @@ def _draw_measured(ax: Axes, curve: pd.DataFrame, colour: str) -> None:
 
 
 def draw_moduli(
-    ax: Axes, moduli: pd.DataFrame, palette: dict[str, str], doubtful: Container[str] = ()
+    ax: Axes, moduli: pd.DataFrame, palette: dict[str, str], groups: Sequence[GroupCurves]
 ) -> None:
     """Bars of mu1 (dark) and mu2 (light), real beside ideal, with the difference above.
 
-    The difference of a group in `doubtful` has an asterisk; one that is not known is a dash.
+    Lines are intervals of mu. The difference of a group that is not trusted has an asterisk; one
+    that is not known is a dash.
     """
+    of_label = {group.label: group for group in groups}
     two_terms = "mu1_real_pa" in moduli
     sides = {"real": -0.5, "ideal": 0.5} if moduli["mu_real_pa"].notna().any() else {"ideal": 0.0}
     marks = [f"{whose}mu_{geometry}_pa" for whose in ("", "paper_") for geometry in LINES]
-    tops = 1e-3 * moduli[marks].max(axis=1)
+    highest = [
+        max((high for _, high in of_label[label].limits.values()), default=0.0)
+        for label in moduli["group"]
+    ]
+    tops = 1e-3 * moduli[marks].max(axis=1).clip(lower=pd.Series(highest, moduli.index))
     for at, row in enumerate(moduli.to_dict("records")):
         colour = palette[row["group"]]
         for geometry, side in sides.items():
@@ -159,12 +176,15 @@ def draw_moduli(
             ax.bar(x, first, color=colour, **bar)
             if two_terms:
                 ax.bar(x, mu - first, bottom=first, color=lightened(colour), **bar)
+            if geometry in (limits := of_label[row["group"]].limits):
+                ends = [[abs(1e-3 * end - mu)] for end in limits[geometry]]
+                ax.errorbar(x, mu, yerr=ends, color="black", lw=0.8, capsize=2.0, zorder=3)
             paper = 1e-3 * row[f"paper_mu_{geometry}_pa"]
             if np.isfinite(paper):
                 ax.plot(x, paper, "D", ms=3.4, mfc="white", mec="black", mew=0.8, zorder=4)
         known = np.isfinite(row["difference_percent"])
         text = f"{row['difference_percent']:+.1f} %".replace("-", "−") if known else "–"
-        text += " *" if row["group"] in doubtful else ""
+        text += "" if of_label[row["group"]].trusted else " *"
         ax.annotate(
             text,
             (at, tops.iloc[at]),
@@ -190,7 +210,9 @@ def _keys_of_curves(names: dict[str, str]) -> list[Line2D]:
     ]  # fmt: skip
 
 
-def _keys_of_moduli(moduli: pd.DataFrame, names: dict[str, str]) -> list[Patch | Line2D]:
+def _keys_of_moduli(
+    moduli: pd.DataFrame, names: dict[str, str], intervals: bool
+) -> list[Patch | Line2D]:
     """Legend entries of the right column."""
     grey = "#737373"
     edge: dict[str, Any] = {"edgecolor": "white", "linewidth": 0.4}
@@ -205,6 +227,8 @@ def _keys_of_moduli(moduli: pd.DataFrame, names: dict[str, str]) -> list[Patch |
         Patch(facecolor=grey, hatch=hatches[geometry], label=f"bar: {name}", **edge)
         for geometry, name in names.items()
     ]
+    if intervals:
+        keys.append(Line2D([], [], color="black", lw=0.8, label=r"interval of $\mu$"))
     if moduli["paper_mu_real_pa"].notna().any():
         marker: dict[str, Any] = {
             "marker": "D",

@@ -55,12 +55,12 @@ def joint_fit(problem: Problem, current: Fit, signature: Signature, tie: float) 
         replace(current.state, values={**current.state.values, effect.name: values})
         for values in starts
     ]
-    if len(effect.parameters) == 1:
-        states = _least_left_first(problem, current, model, states, _ladder(states[0], effect))
     own = _own_starts(problem, model, current.state, effect.starts)
     if effect.idealised:  # a change so large that the material found without it says little
         states = [states[0], *problem.of_each_fraction(model, states[0])]
         promised = -np.inf
+    elif len(effect.parameters) == 1:
+        states = _least_left_first(problem, current, model, states, _ladder(states[0], effect))
     fits = problem.fits(model, states, tie, promised)
     return _likeliest(problem, current, problem.fits(model, own, tie, found=fits), tie)
 

@@ -17,8 +17,8 @@ COHORTS = {"first": ("cohort", "results"), "second": ("second-cohort", "results/
 ROWS = (
     ("recommended μ in its 90 % interval", "groups_inside_recommended", " of {groups}"),
     ("calibrated μ in its 90 % interval", "groups_inside_interval", " of {groups}"),
-    ("without floor", "groups_inside_interval_without_floor", " of {groups}"),
-    ("without bonded area", "groups_inside_interval_without_bond", " of {groups}"),
+    ("calibrated, without floor", "groups_inside_interval_without_floor", " of {groups}"),
+    ("calibrated, without bonded area", "groups_inside_interval_without_bond", " of {groups}"),
     ("error of the recommended μ, median", "recommended_error_percent_median", " %"),
     ("error of the recommended μ, largest", "recommended_error_percent_worst", " %"),
     ("error of the calibrated μ, largest", "mu_error_percent_worst", " %"),

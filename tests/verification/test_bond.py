@@ -69,15 +69,15 @@ SECTIONS = {
 }
 
 
-def compared(domed, scale_of, rule="within_depth"):
+def compared(domed, scale_of):
     sample = domed, {"glued": np.ones(len(domed.points), np.uint8)}, {}
     material, way = unit_modulus(0.5, *LAW, 1500.0), np.linspace(0.0, 1e-3, 20)
-    bond = BondSettings(rule)
+    bond = BondSettings()
     return by_rule(sample, "tension", material, way, scale_of, 0.04, PRELOAD, bond, SECTIONS)
 
 
 def test_the_rules_are_compared_by_the_force_of_the_same_test(domed):
-    """Small pulls: between the bonded areas, as their roots would have it, and their squares."""
+    """Force grows with the area of a thin sample's bond, with its radius on a deep one."""
     found = compared(domed, lambda force: 1.0 / force[-1])
     areas = [bonded_area(domed, ids).sum() for ids in (touched(domed), domed.glued(PRELOAD))]
     assert [found["contact_mm2"], found["within_depth_mm2"]] == pytest.approx(

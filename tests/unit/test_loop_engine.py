@@ -596,6 +596,22 @@ def test_a_change_of_the_law_within_the_floor_is_told_and_not_named(part, verdic
         assert asked[0]["evidence"] > told["path"][0]["threshold"]
 
 
+@pytest.mark.parametrize(("left", "verdict"), [(1.0, "explained"), (3.0, "explained_class")])
+def test_errors_that_records_show_may_be_larger_along_a_law(perfect, left, verdict):
+    """Three times what 0.02 in Poisson's ratio does, beside smooth errors that stay [% of peak]."""
+    sizes = {"smooth": left, "rough": 0.3, "history": 0.3, "scale": 1.0}
+    records = []
+    for specimen in laboratory.drawn(perfect, SETTINGS, sizes, seed=1):
+        model, name = specimen.elastic, "poisson_0.02_less"
+        lost = np.interp(specimen.travel, model.curves.displacement, model.perturbations[name])
+        records.append(replace(specimen, force=specimen.force + 3.0 * laboratory.MU * lost))
+    known = [library()[name] for name in ("poisson_ratio", "force_drift")]
+    told = judgement(diagnose(records, LoopSettings(), known), LoopSettings())
+    assert told["verdict"] == verdict
+    asked = told["effects"] if verdict == "explained" else told["withheld"]
+    assert [effect["name"] for effect in asked] == ["poisson_ratio"]
+
+
 def test_what_folds_leave_out_is_as_likely_as_the_normal_distribution_says(problem):
     """Of a linear model: the conditional density of one part given the other, one fold by hand."""
     fit = problem.fit_material()

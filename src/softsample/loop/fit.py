@@ -203,6 +203,11 @@ class Problem:
         """The same with other sizes of the discrepancy."""
         return self.with_whiteners([w.with_variances(variances) for w in self.whiteners])
 
+    def with_least(self, least: Mapping[str, float]) -> "Problem":
+        """The same with sizes of the discrepancy of at least these."""
+        here = self.variances
+        return self.with_variances({name: max(least.get(name, 0.0), v) for name, v in here.items()})
+
     def white(self, parts: Sequence[Array]) -> Array:
         """White residual (n, ...) of all tests from one (n_samples, ...) per test."""
         own, (directions, variance) = self._own_white(parts), self._joint

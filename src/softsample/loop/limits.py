@@ -75,8 +75,8 @@ def _limit(
     problem: Problem, law: Model, plain: State, signature: Signature, need: float
 ) -> Limit | None:
     """Where as much is left as is needed, None beyond the range."""
-    sizes = problem.settings.doubted(problem.variances, signature.effect.like_floor)
-    problem, highest = problem.with_variances(sizes), _highest(signature)
+    doubt = problem.settings.doubt(problem.variances, signature.effect.like_floor)
+    problem, highest = problem.with_least(doubt), _highest(signature)
     size = min(float(np.sqrt(need)) / signature.strength, highest)
     for _ in range(ROUNDS):
         fit = _plain_fit(problem, law, plain, signature.effect, _sized(signature, size))

@@ -100,13 +100,14 @@ class NoiseSettings:
         most = {FORM: self.spread ** (-2.0 * FURTHEST)}
         return {name: min(most.get(name, 1.0), v) for name, v in variances.items()}
 
-    def doubted(self, variances: Mapping[str, float], floor: bool) -> dict[str, float]:
-        """Factors of the variances that no record may show to be so large.
+    def doubt(self, shown: Mapping[str, float], floor: bool) -> dict[str, float]:
+        """Least factors of variances with errors that may be larger along an effect than shown.
 
-        Of errors of form, and with `floor` of those of geometry and mesh.
+        `spread` times the size that records show of errors of geometry and mesh, with `floor` at
+        least `spread` times that of the settings, as of errors of form.
         """
-        least = {name: self.spread**2 for name in (FORM, *(GEOMETRY if floor else ()))}
-        return {name: max(least.get(name, 0.0), v) for name, v in variances.items()}
+        shown = {FORM: 1.0, **{name: max(shown.get(name, 0.0), float(floor)) for name in GEOMETRY}}
+        return {name: self.spread**2 * factor for name, factor in shown.items()}
 
 
 @dataclass(frozen=True)

@@ -1,6 +1,6 @@
 """Forward selection of effects with a backward check, and classes that data cannot split."""
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from typing import Self
 
@@ -272,8 +272,7 @@ class _Visited:
     @property
     def doubted(self) -> float:
         """The same with errors of geometry and mesh that no record may show."""
-        sizes = self.problem.settings.doubted(self.problem.variances, floor=True)
-        posed = self.problem.with_variances(sizes)
+        posed = self.problem.with_least(self.problem.settings.doubt({}, floor=True))
         return misfit_with_penalties(posed, posed.fit(self.fit.model, self.fit.state))
 
 
@@ -620,16 +619,17 @@ def _beyond_doubt(here: _Round, candidate: Candidate, threshold: float) -> bool:
     Those of geometry, mesh and element type for some, those in the form of effects that were
     chosen before for all.
     """
-    effect = candidate.fit.model.effects[-1]
+    effect, posed = candidate.fit.model.effects[-1], candidate.posed
+    doubt = posed.settings.doubt(posed.variances, effect.like_floor)
     alone = _without(here, candidate)
-    before = min(_doubted_misfit(*model, effect) for model in ((here.settled, here.base), alone))
-    after = _doubted_misfit(candidate.posed, candidate.settled, effect)
+    before = min(_doubted_misfit(*model, doubt) for model in ((here.settled, here.base), alone))
+    after = _doubted_misfit(posed, candidate.settled, doubt)
     return before - after - penalty(effect, len(here.base.white)) >= threshold
 
 
-def _doubted_misfit(posed: Problem, fit: Fit, effect: Effect) -> float:
-    """Misfit of a model with errors that no record may show, as far as they lie along an effect."""
-    posed = posed.with_variances(posed.settings.doubted(posed.variances, effect.like_floor))
+def _doubted_misfit(posed: Problem, fit: Fit, doubt: Mapping[str, float]) -> float:
+    """Misfit of a model with errors of at least the sizes that are doubted."""
+    posed = posed.with_least(doubt)
     return posed.misfit(posed.fit(fit.model, fit.state))
 
 
@@ -709,7 +709,8 @@ def _pruned(problem: Problem, fit: Fit, settings: SelectionSettings) -> Fit:
         alone = settled(problem, less)
         gain = alone[0].misfit(alone[1]) - left
         if effect.like_floor:
-            doubted = (_doubted_misfit(*model, effect) for model in (alone, (posed, best)))
+            doubt = posed.settings.doubt(posed.variances, floor=True)
+            doubted = (_doubted_misfit(*model, doubt) for model in (alone, (posed, best)))
             gain = min(gain, next(doubted) - next(doubted))
         if gain - penalty(effect, len(fit.white)) < settings.least_gain:
             return _pruned(problem, less, settings)

@@ -4,6 +4,7 @@ import numpy as np
 import pandas as pd
 import pytest
 
+from softsample.calibration.bond import other_bond
 from softsample.calibration.measured import MeasuredCurve
 from softsample.calibration.slsqp import AreaObjective, CalibrationSettings, fit_ogden
 from softsample.errors import CalibrationError
@@ -255,3 +256,22 @@ def test_families_without_a_common_fraction_are_refused():
     measured = {s: record_of(s, 1e3, 0.5) for s in families}
     with pytest.raises(CalibrationError, match=r"\['C1', 'T1'\] share no range of mu1_fraction"):
         fit_ogden(families, measured, SETTINGS)
+
+
+@pytest.mark.parametrize("rule", ["within_depth", "contact"])
+def test_moduli_with_the_other_bond_are_those_of_records_that_it_made(rule):
+    """Tension whose force by contact is 10 % less at the start and 30 % less at the end."""
+    mu, fraction = 1200.0, 0.4
+    tension, compression = (record_of(sample, mu, fraction) for sample in ("T1", "C1"))
+    ratio = np.linspace(0.9, 0.7, 60)
+    place = np.linspace(0.0, tension.travel, 61)[1:]
+    report = {"rule": rule, "displacement_mm": 1e3 * place, "force_ratio": ratio}
+    other = ratio if rule == "within_depth" else 1.0 / ratio
+    made = tension.force * np.interp(tension.displacement, place, other)
+    records = {"T1": MeasuredCurve(tension.displacement, made), "C1": compression}
+    families = {sample: family_of(sample) for sample in records}
+    found = other_bond(families, records, {"T1": report}, SETTINGS)
+    assert found["mu_pa"] == pytest.approx(mu, rel=1e-3)
+    assert found["mu1_fraction"] == pytest.approx(fraction, abs=1e-3)
+    unknown = {"T1": {**report, "force_ratio": None}}
+    assert other_bond(families, records, unknown, SETTINGS) is None

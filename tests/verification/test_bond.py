@@ -69,28 +69,32 @@ SECTIONS = {
 }
 
 
-def compared(domed, scale_of):
+def compared(domed):
     sample = domed, {"glued": np.ones(len(domed.points), np.uint8)}, {}
-    material, way = unit_modulus(0.5, *LAW, 1500.0), np.linspace(0.0, 1e-3, 20)
-    bond = BondSettings()
-    return by_rule(sample, "tension", material, way, scale_of, 0.04, PRELOAD, bond, SECTIONS)
+    material, bond = unit_modulus(0.5, *LAW, 1500.0), BondSettings()
+    return by_rule(sample, "tension", material, 1e-3, 0.04, PRELOAD, bond, SECTIONS)
 
 
 def test_the_rules_are_compared_by_the_force_of_the_same_test(domed):
     """Force grows with the area of a thin sample's bond, with its radius on a deep one."""
-    found = compared(domed, lambda force: 1.0 / force[-1])
+    found = compared(domed)
     areas = [bonded_area(domed, ids).sum() for ids in (touched(domed), domed.glued(PRELOAD))]
     assert [found["contact_mm2"], found["within_depth_mm2"]] == pytest.approx(
         [1e6 * area for area in areas]
     )
     part = areas[0] / areas[1]
     assert part < 1.0 + 0.01 * found["force_percent"] < np.sqrt(part)
+    assert found["displacement_mm"][-1] == pytest.approx(1.0)
+    work = [np.dot(found["force_ratio"], found["displacement_mm"]), sum(found["displacement_mm"])]
+    assert found["force_percent"] == pytest.approx(100.0 * (work[0] / work[1] - 1.0), abs=2.0)
 
 
-def test_what_cannot_be_simulated_is_left_open(domed):
-    def refuse(force):
+def test_what_cannot_be_simulated_is_left_open(domed, monkeypatch):
+    def refuse(*_):
         raise SimulationError("elements give way")
 
-    found = compared(domed, refuse)
+    monkeypatch.setattr("softsample.response.bond.mode_boundary", refuse)
+    found = compared(domed)
     assert found["force_percent"] is None
+    assert found["force_ratio"] is None
     assert found["contact_mm2"] < found["within_depth_mm2"]

@@ -361,6 +361,19 @@ def calibration_records(wildcards):
     return [f"<results>/records/{name}.csv" for name in names]
 
 
+def of_bonded(wildcards, path):
+    """Files of the members of a calibration on the real geometry, by sample or piece."""
+    return [
+        "<results>/" + path.format(sample=name, piece=piece_of(name))
+        for name in members(wildcards.group, "ogden2")
+    ]
+
+
+def bonded_of(group):
+    """Members of a calibration whose real top is bonded by a rule."""
+    return [name for name in members(group, "ogden2") if piece_of(name) in PLAN.bonded]
+
+
 def calibrations(groups):
     """Calibration results of groups: every geometry and model."""
     return [
@@ -660,6 +673,7 @@ def fits(model, kind):
 
 # The pieces that stand for a loading mode in figures 3 and 7, and those of figure 2.
 EXAMPLES = PLAN.examples(config["report"]["examples"])
+BONDED_GROUPS = list(dict.fromkeys(SAMPLES[piece]["group"] for piece in PLAN.bonded))
 SHOWN_GROUPS = list(dict.fromkeys(SAMPLES[name]["group"] for name in EXAMPLES.values()))
 FIRST = [EXAMPLES.get("compression"), *EXAMPLES.values()]
 SHOWN = next(name for name in [*FIRST, *PLAN.imaged] if name in (PLAN.imaged or PIECES))

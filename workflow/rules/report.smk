@@ -137,7 +137,8 @@ rule table_bond:
     input:
         reports=expand("<results>/bond/{sample}.json", sample=PLAN.bonded),
         cuboids=expand("<results>/cuboid/{sample}.json", sample=PLAN.bonded),
-        fits=calibrations(GROUPS),
+        fits=calibrations(BONDED_GROUPS),
+        others=expand("<results>/bond/moduli/{group}.json", group=BONDED_GROUPS),
         code=library("workflow/scripts/table_bond.py"),
     output:
         table=report(
@@ -150,7 +151,7 @@ rule table_bond:
         "<logs>/table_bond.log",
     params:
         rows={name: SAMPLES[name] for name in PLAN.bonded},
-        piece_of=PLAN.piece_of,
+        groups=BONDED_GROUPS,
     message:
         "Table of bonded areas and moduli by rule"
     script:

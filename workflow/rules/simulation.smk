@@ -159,6 +159,30 @@ rule bond:
         "../scripts/bond.py"
 
 
+rule calibrate_bond:
+    input:
+        curves=lambda wildcards: of_bonded(wildcards, "curves/{piece}/real/ogden2.csv"),
+        records=lambda wildcards: of_bonded(wildcards, "records/{sample}.csv"),
+        cuboids=lambda wildcards: of_bonded(wildcards, "cuboid/{piece}.json"),
+        bonds=lambda wildcards: [
+            f"<results>/bond/{piece_of(name)}.json" for name in bonded_of(wildcards.group)
+        ],
+        code=library("workflow/scripts/calibrate_bond.py"),
+    output:
+        fit="<results>/bond/moduli/{group}.json",
+    log:
+        "<logs>/calibrate_bond/{group}.log",
+    params:
+        rows=lambda wildcards: rows_of(members(wildcards.group, "ogden2")),
+        bonded=lambda wildcards: bonded_of(wildcards.group),
+        hold_out=HOLD_OUT,
+        settings=config["calibration"],
+    message:
+        "Calibrate as if the other rule had bonded: group {wildcards.group}"
+    script:
+        "../scripts/calibrate_bond.py"
+
+
 rule series:
     input:
         mesh="<results>/mesh/{sample}/{geometry}.vtu",

@@ -10,13 +10,12 @@ MM = 1e-3
 
 with logged_to(snakemake):
     given, files = snakemake.params, snakemake.input
-    measured = MeasuredCurve.of_record(read_record(files.records[0]), given.mode)
+    loading = MeasuredCurve.of_record(read_record(files.records[0]), given.mode)
     report = by_rule(
         read_mesh_with_data(files.mesh),
         given.mode,
         of_fit(read_json(files.fit)),
-        measured.displacement,
-        measured.scale_of,
+        loading.travel,
         read_json(files.response)["loading_time_s"],
         given.preload_mm * MM,
         BondSettings(**given.bond),

@@ -10,6 +10,10 @@ with logged_to(snakemake):
         dict(zip(given.rows, map(read_json, paths), strict=True))
         for paths in (files.reports, files.cuboids)
     )
+    others = {
+        group: read_json(path)["fit"]
+        for group, path in zip(given.groups, files.others, strict=True)
+    }
     fits = [*map(read_json, files.fits)]
-    table = bond_table(reports, cuboids, given.rows, fits, given.piece_of)
+    table = bond_table(reports, cuboids, given.rows, fits, others)
     write_table(snakemake.output.table, table)

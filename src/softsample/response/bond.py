@@ -1,9 +1,9 @@
 """Which nodes of the top a test bonds to the platen: by height, or by a simulated pre-load."""
 
 import logging
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
-from typing import Any
+from typing import Any, Self
 
 import numpy as np
 from numpy.typing import NDArray
@@ -19,6 +19,7 @@ from softsample.meshing.bond import bonded_area
 from softsample.meshing.mesh import HexMesh
 from softsample.meshing.regions import relative_stiffness
 from softsample.meshing.sample import SampleMesh
+from softsample.response.curves import Curves
 from softsample.response.unit import find_pace, shortest_loading_time
 
 Array = NDArray[np.float64]
@@ -30,6 +31,9 @@ MM = 1e-3
 # ASSUME: the bond does not hang on how the modulus is split between the two terms.
 EVEN = 0.5
 """Modulus fraction of the sample that a pre-load presses."""
+
+POINTS = 60
+"""Displacements at which the forces of two rules are compared."""
 
 WITHIN_DEPTH, CONTACT = "within_depth", "contact"
 """Rules by which a top is bonded without a mask, see `BondSettings`."""
@@ -114,8 +118,7 @@ def by_rule(
     sample: tuple[HexMesh, Mapping[str, NDArray[Any]], Mapping[str, NDArray[Any]]],
     mode: str,
     material: Material,
-    displacement: Array,
-    scale_of: Callable[[Array], float],
+    furthest: float,
     loading_time: float,
     preload: float,
     settings: BondSettings,
@@ -131,10 +134,8 @@ def by_rule(
         Of the test, glued on either platen.
     material : Material
         At the optimum.
-    displacement : (n,) float64
-        Of the platen in the loading of its record [m].
-    scale_of : callable
-        Factor that brings a force (n,) there closest to the record.
+    furthest : float
+        Displacement of the platen at the end of loading [m].
     loading_time : float
         Of the response [s]; the pre-load takes as long. Ten times as long, the area changes by
         0.5 %.
@@ -149,31 +150,66 @@ def by_rule(
     -------
     dict
         `rule`: the study's; `{rule}_mm2`: bonded area projected on the base, of whole faces;
-        `force_percent`: by how much the force is larger with the rule `contact` than with
-        `within_depth`, by least squares over the record. None is what cannot be simulated.
+        `displacement_mm` and `force_ratio`: force with the rule `contact` over that with
+        `within_depth`; `force_percent`: by how much more work it does in loading. None is what
+        cannot be simulated.
     """
     mesh = sample[0]
     model, _ = set_up(*sample, mode, **sections)
     law, platen = sections["material"], ContactSettings(**sections["contact"])
     pressed = preload, settings.fill_mm * MM, law["alpha"], law["poisson_ratio"], platen
+    displacement = np.linspace(0.0, furthest, POINTS + 1)[1:]
 
-    def scale(ids: Ids) -> float:
+    def force(ids: Ids) -> Array:
         boundary = mode_boundary(mesh, mode, ids, platen, sections["ends"])
-        run = model.run(material, boundary, float(displacement.max()), loading_time=loading_time)
-        return scale_of(np.interp(displacement, run.displacement, run.force))
+        run = model.run(material, boundary, furthest, loading_time=loading_time)
+        return np.interp(displacement, run.displacement, run.force)
 
-    bonded, percent = {WITHIN_DEPTH: mesh.glued(preload)}, None
+    bonded, ratio, percent = {WITHIN_DEPTH: mesh.glued(preload)}, None, None
     try:
         bonded[CONTACT] = touched_nodes(model, *pressed, loading_time)
-        percent = 100.0 * (scale(bonded[WITHIN_DEPTH]) / scale(bonded[CONTACT]) - 1.0)
+        forces = {rule: force(ids) for rule, ids in bonded.items()}
+        ratio = forces[CONTACT] / forces[WITHIN_DEPTH]
+        percent = 100.0 * float(forces[CONTACT].sum() / forces[WITHIN_DEPTH].sum() - 1.0)
     except SoftsampleError as error:
         LOG.warning("rules of the bond cannot be compared: %s", error)
     area = {rule: 1e6 * float(bonded_area(mesh, ids).sum()) for rule, ids in bonded.items()}
     return {
         "rule": settings.rule,
         **{f"{rule}_mm2": area.get(rule) for rule in (WITHIN_DEPTH, CONTACT)},
+        "displacement_mm": (displacement / MM).tolist(),
+        "force_ratio": None if ratio is None else ratio.tolist(),
         "force_percent": percent,
     }
+
+
+@dataclass(frozen=True)
+class OtherBond:
+    """Curves of a sample as if the other rule than the study's had bonded it.
+
+    The ratio of forces is taken to be that of the calibrated material at every modulus fraction.
+    """
+
+    curves: Curves
+    displacement: Array
+    ratio: Array
+
+    @classmethod
+    def of_report(cls, curves: Curves, report: Mapping[str, Any]) -> Self:
+        """Of what `by_rule` returns, with a ratio."""
+        ratio = np.array(report["force_ratio"])
+        other = ratio if report["rule"] == WITHIN_DEPTH else 1.0 / ratio
+        return cls(curves, MM * np.array(report["displacement_mm"]), other)
+
+    @property
+    def bounds(self) -> dict[str, tuple[float, float]]:
+        """Those of the curves."""
+        return self.curves.bounds
+
+    def force(self, displacement: Array, /, mu: float, *shape: float) -> Array:
+        """Force along the displacement [N]."""
+        ratio = np.interp(displacement, self.displacement, self.ratio)
+        return ratio * self.curves.force(displacement, mu, *shape)
 
 
 def log_force(report: Mapping[str, Any]) -> float:

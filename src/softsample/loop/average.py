@@ -54,15 +54,17 @@ def weighed(selection: Selection) -> list[Weighed]:
     """Models that the selection fitted, the likeliest first.
 
     Each set of effects counts once. Each effect makes a model less probable beforehand by the
-    number of effects in the library, so that no effect is as probable as any one of them.
+    number of effects in the library, so that no effect is as probable as any one of them. If what
+    the plain model is known to leave out was selected, no model without it counts.
     """
+    known = {effect.name for effect in selection.final.model.effects if effect.idealised}
     likeliest: dict[frozenset[str], tuple[float, Problem, Fit]] = {}
     odds = 2.0 * np.log(len(selection.library) or 1)
     for problem, fit in _models(selection):
         effects = fit.model.effects
-        if effects and unusable(fit):
-            continue
         names = frozenset(fit.model.names)
+        if (effects and unusable(fit)) or not known <= names:
+            continue
         left = misfit_with_penalties(problem, fit) + odds * len(effects)
         if names not in likeliest or left < likeliest[names][0]:
             likeliest[names] = left, problem, fit

@@ -101,13 +101,13 @@ class NoiseSettings:
         return {name: min(most.get(name, 1.0), v) for name, v in variances.items()}
 
     def doubt(self, shown: Mapping[str, float], floor: bool) -> dict[str, float]:
-        """Least factors of variances with errors that may be larger along an effect than shown.
+        """Least factors of variances with errors that may be larger along an effect than elsewhere.
 
-        `spread` times the size that records show of errors of geometry and mesh, with `floor` at
-        least `spread` times that of the settings, as of errors of form.
+        `spread` times as large: errors of form as those of the settings, errors of geometry and
+        mesh as in the factors that records show, with `floor` at least as in the settings.
         """
-        shown = {FORM: 1.0, **{name: max(shown.get(name, 0.0), float(floor)) for name in GEOMETRY}}
-        return {name: self.spread**2 * factor for name, factor in shown.items()}
+        least = {name: max(shown.get(name, 0.0), float(floor)) for name in GEOMETRY}
+        return {name: self.spread**2 * factor for name, factor in {FORM: 1.0, **least}.items()}
 
 
 @dataclass(frozen=True)

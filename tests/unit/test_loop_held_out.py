@@ -188,6 +188,15 @@ def test_tests_of_one_specimen_that_differ_in_scale_are_not_specimens(scattered)
     assert found.objection.startswith("the scales of the tests differ by")
 
 
+def test_an_effect_is_named_beside_scales_that_nothing_explains():
+    """Its evidence counts with scales as free as these records have them."""
+    (one,) = laboratory.Lab(seed=7, drift=0.5).specimens(["shear"])
+    tests = [replace(stiffer(one, by, name), piece="A") for name, by in STIFF.items()]
+    found = diagnose(tests, SETTINGS, [library()["force_drift"]])
+    assert (found.verdict, found.objection) == ("explained", "")
+    assert found.final.model.names == ("force_drift",)
+
+
 def test_specimens_without_a_test_in_common_have_no_stiffness_of_their_own():
     tests = [replace(s, force=(1.0 + 0.2 * (s.mode == "shear")) * s.force, piece=s.mode)
              for s in laboratory.Lab(seed=7).specimens()]  # fmt: skip

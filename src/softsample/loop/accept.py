@@ -68,8 +68,10 @@ def objection_to(
     """Why a selection is no explanation; empty if it is one.
 
     The same for every study: what is left is not far above the floor, unless the effects take most
-    of what folds leave out; no size was driven to the end of its range, the modulus stays known,
-    and what folds leave out of the fitted records is no less likely with the effects than without.
+    of what folds leave out; the scales of the tests are as known as the settings say, or, beside
+    effects, whose evidence counts with scales as free as the records have them, not at the end of
+    their range; no size was driven to the end of its range, the modulus stays known, and what folds
+    leave out of the fitted records is no less likely with the effects than without.
     """
     last, named = selection.steps[-1], bool(selection.final.model.effects)
     if last.refused and last.why != WITHIN_DOUBT and not named:
@@ -78,7 +80,8 @@ def objection_to(
     enough = named and fold_ratio(before.folds, after.folds) <= rules.unknown_share
     if not enough and far_off(after, rules, noise):
         return f"an error of {after.form:.3g} % of the peak is left that no effect explains"
-    if not enough and scale > rules.unknown_ratio * noise.scale_percent:
+    usual = noise.largest_scale if named else rules.unknown_ratio * noise.scale_percent
+    if not enough and scale > usual:
         return f"the scales of the tests differ by {scale:.3g} %, which no effect explains"
     if not named:
         return ""

@@ -95,6 +95,11 @@ class NoiseSettings:
         }
         return {name: float(stated[name] * np.sqrt(v)) for name, v in variances.items()}
 
+    @property
+    def largest_scale(self) -> float:
+        """End of the range of the scale of tests [%], but for rounding."""
+        return float(0.999 * self.scale_percent * self.spread**FURTHEST)
+
     def sharp(self, variances: Mapping[str, float]) -> dict[str, float]:
         """Factors of the variances that are none above 1, and the least for that of form."""
         most = {FORM: self.spread ** (-2.0 * FURTHEST)}

@@ -80,9 +80,3 @@ def test_the_cohort_is_that_of_its_tables():
     )
     off = 100.0 * (axial / known[axial.index] - 1.0)
     assert f"are {off.min():+.1f} to {off.max():+.1f} % off" in PAGE
-    runs = pd.read_csv(DOCS / "data/loop/confirmation.csv")
-    nearest = runs.loc[runs["evidence"].idxmax()]
-    evidence = f"other exponents in {nearest['group']}, has evidence {nearest['evidence']:.0f}"
-    confirmed = f"{nearest['evidence_confirmed']:.0f} when run"
-    assert f"{evidence} when scaled and {confirmed}" in PAGE
-    assert f"the threshold being {nearest['threshold']:.0f}" in PAGE

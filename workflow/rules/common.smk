@@ -364,7 +364,7 @@ def calibration_records(wildcards):
 def of_bonded(wildcards, path):
     """Files of the members of a calibration on the real geometry, by sample or piece."""
     return [
-        "<results>/" + path.format(sample=name, piece=piece_of(name))
+        f"<results>/{path}".format(sample=name, piece=piece_of(name))
         for name in members(wildcards.group, "ogden2")
     ]
 

@@ -361,17 +361,9 @@ def calibration_records(wildcards):
     return [f"<results>/records/{name}.csv" for name in names]
 
 
-def of_bonded(wildcards, path):
-    """Files of the members of a calibration on the real geometry, by sample or piece."""
-    return [
-        f"<results>/{path}".format(sample=name, piece=piece_of(name))
-        for name in members(wildcards.group, "ogden2")
-    ]
-
-
 def bonded_of(group):
-    """Members of a calibration whose real top is bonded by a rule."""
-    return [name for name in members(group, "ogden2") if piece_of(name) in PLAN.bonded]
+    """Samples of a group whose real top is bonded by a rule."""
+    return [name for name in samples_of(group) if piece_of(name) in PLAN.bonded]
 
 
 def calibrations(groups):

@@ -161,9 +161,9 @@ rule bond:
 
 rule calibrate_bond:
     input:
-        curves=lambda wildcards: of_bonded(wildcards, "curves/{piece}/real/ogden2.csv"),
-        records=lambda wildcards: of_bonded(wildcards, "records/{sample}.csv"),
-        cuboids=lambda wildcards: of_bonded(wildcards, "cuboid/{piece}.json"),
+        curves=of_pieces("<results>/curves/{sample}/real/ogden2.csv"),
+        records=of_members("<results>/records/{sample}.csv"),
+        cuboids=of_pieces("<results>/cuboid/{sample}.json"),
         bonds=lambda wildcards: [
             f"<results>/bond/{piece_of(name)}.json" for name in bonded_of(wildcards.group)
         ],
@@ -173,7 +173,7 @@ rule calibrate_bond:
     log:
         "<logs>/calibrate_bond/{group}.log",
     params:
-        rows=lambda wildcards: rows_of(members(wildcards.group, "ogden2")),
+        rows=lambda wildcards: rows_of(samples_of(wildcards.group)),
         bonded=lambda wildcards: bonded_of(wildcards.group),
         hold_out=HOLD_OUT,
         settings=config["calibration"],

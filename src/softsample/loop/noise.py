@@ -108,10 +108,10 @@ class NoiseSettings:
     def doubt(self, shown: Mapping[str, float], floor: bool) -> dict[str, float]:
         """Least factors of variances with errors that may be larger along an effect than elsewhere.
 
-        `spread` times as large: errors of form as those of the settings, errors of geometry and
-        mesh as in the factors that records show, with `floor` at least as in the settings.
+        `spread` times as large: errors of form as in the settings, with `floor` those of geometry
+        and mesh as in the settings, or in the factors that records show if these are larger.
         """
-        least = {name: max(shown.get(name, 0.0), float(floor)) for name in GEOMETRY}
+        least = {name: max(1.0, shown.get(name, 0.0)) for name in GEOMETRY} if floor else {}
         return {name: self.spread**2 * factor for name, factor in {FORM: 1.0, **least}.items()}
 
 

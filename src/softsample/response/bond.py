@@ -160,7 +160,7 @@ def by_rule(
     pressed = preload, settings.fill_mm * MM, law["alpha"], law["poisson_ratio"], platen
     displacement = np.linspace(0.0, furthest, POINTS + 1)[1:]
 
-    def force(ids: Ids) -> Array:
+    def of_bond(ids: Ids) -> Array:
         boundary = mode_boundary(mesh, mode, ids, platen, sections["ends"])
         run = model.run(material, boundary, furthest, loading_time=loading_time)
         return np.interp(displacement, run.displacement, run.force)
@@ -168,7 +168,7 @@ def by_rule(
     bonded, ratio, percent = {WITHIN_DEPTH: mesh.glued(preload)}, None, None
     try:
         bonded[CONTACT] = touched_nodes(model, *pressed, loading_time)
-        forces = {rule: force(ids) for rule, ids in bonded.items()}
+        forces = {rule: of_bond(ids) for rule, ids in bonded.items()}
         ratio = forces[CONTACT] / forces[WITHIN_DEPTH]
         percent = 100.0 * float(forces[CONTACT].sum() / forces[WITHIN_DEPTH].sum() - 1.0)
     except SoftsampleError as error:

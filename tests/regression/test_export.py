@@ -14,12 +14,20 @@ from softsample.errors import InputError
 from softsample.export.abaqus import read_calculix_forces, write_abaqus
 from softsample.export.febio import write_febio
 from softsample.export.series import write_series
-from softsample.fem.boundary import ContactSettings, glued_boundary, platen_boundary
+from softsample.fem.boundary import (
+    ContactSettings,
+    glued_boundary,
+    mode_boundary,
+    platen_boundary,
+)
 from softsample.fem.explicit import ExplicitModel, SolverSettings
 from softsample.fem.fields import Snapshot, contact_report, principal_hencky_strains
 from softsample.fem.kernels import FREE, PLATEN
 from softsample.meshing.cuboid import mesh_cuboid
+from softsample.meshing.graded import graded_hexes
 from softsample.meshing.mesh import HexMesh
+from softsample.meshing.sample import ideal_hexes
+from softsample.shapes import IdealShape, Indenter
 
 MATERIAL = OgdenMaterial((1196.8, 113.1), (-8.0, 16.0), 0.49)
 TRAVEL = {"compression": 3.9e-3, "tension": 3.25e-3, "shear": 3.9e-3}
@@ -44,6 +52,19 @@ def dome():
     return HexMesh(np.column_stack([x * narrower, y * narrower, z * lower]), mesh.hexes)
 
 
+def turned():
+    """A bonded cylinder in torsion."""
+    mesh = ideal_hexes(IdealShape("cylinder", 20e-3, 20e-3, 8e-3), 1.4e-3)
+    return mesh, mode_boundary(mesh, "torsion", mesh.glued(0.0), ContactSettings())
+
+
+def indented(kind, ends):
+    indenter = Indenter(kind, 4e-3, ends)
+    fine, near = (0.5e-3, 2e-3) if kind == "sphere" else (0.7e-3, 4e-3)
+    mesh = graded_hexes(IdealShape("cylinder", 20e-3, 20e-3, 8e-3), fine, near, 3e-3)
+    return mesh, mode_boundary(mesh, "indentation", mesh.glued(0.0), ContactSettings(), indenter)
+
+
 def difference(folder, mesh, boundary, travel):
     """Largest difference of CalculiX and the solver along the curve, over its peak."""
     write_abaqus(
@@ -54,7 +75,7 @@ def difference(folder, mesh, boundary, travel):
     time, force = read_calculix_forces(folder / "test.dat")
     assert time[-1] == 1.0
     assert len(time) > 10
-    theirs = force @ boundary.direction
+    theirs = 1e-3 * boundary.spin * force[:, 2] if boundary.spin else force @ boundary.direction
     solved = ExplicitModel(mesh, SolverSettings()).run(MATERIAL, boundary, travel)
     ours = np.interp(time * travel, solved.displacement, solved.force)
     return np.abs(theirs - ours).max() / np.abs(theirs).max()
@@ -75,6 +96,30 @@ def test_calculix_runs_a_touching_platen_to_the_same_curve(tmp_path, contact):
     mesh = dome()
     boundary = platen_boundary(mesh, contact)
     assert difference(tmp_path, mesh, boundary, 3.9e-3) < 0.0125  # measured 0.008
+
+
+@needs_calculix
+def test_calculix_turns_a_cylinder_with_the_same_torque_and_axial_force(tmp_path):
+    mesh, boundary = turned()
+    assert difference(tmp_path, mesh, boundary, 3e-3) < 0.0125  # measured 0.008
+    time, force = read_calculix_forces(tmp_path / "test.dat", "AXIS")
+    run = ExplicitModel(mesh, SolverSettings()).run(MATERIAL, boundary, 3e-3)
+    ours = np.interp(3e-3 * time, run.displacement, run.force_vector[:, 2])
+    assert ours.min() < -0.04  # it pushes on the platens
+    np.testing.assert_allclose(force[:, 2], ours, atol=0.02 * np.abs(ours).max())
+
+
+@needs_calculix
+@pytest.mark.parametrize(
+    ("kind", "ends"),
+    [
+        ("sphere", "sliding"),
+        pytest.param("sphere", "bonded", marks=pytest.mark.long),
+        ("flat", "sliding"),
+    ],
+)
+def test_calculix_indents_a_cylinder_to_the_same_curve(tmp_path, kind, ends):
+    assert difference(tmp_path, *indented(kind, ends), 0.8e-3) < 0.015  # measured 0.007 to 0.0113
 
 
 def test_abaqus_gets_moduli_as_they_are_and_every_set(tmp_path):
@@ -101,6 +146,30 @@ def test_abaqus_gets_rough_contact(tmp_path):
     assert float(corner[3]) == pytest.approx(1e3 * mesh.highest)
 
 
+def test_abaqus_turns_a_rigid_top_by_the_angle_of_the_rim(tmp_path):
+    mesh, boundary = turned()
+    write_abaqus(tmp_path / "test.inp", mesh, MATERIAL, boundary, 3e-3)
+    lines = (tmp_path / "test.inp").read_text().splitlines()
+    axis = len(mesh.points) + 1
+    assert {f"{axis}, 0, 0, 8", f"*RIGID BODY, REF NODE={axis}, TIE NSET=GLUED"} <= set(lines)
+    (turn,) = [line for line in lines if line.startswith("AXIS, 6, 6, ")]
+    assert float(turn.split(",")[3]) == pytest.approx(0.3)
+
+
+@pytest.mark.parametrize(("ends", "friction"), [("sliding", []), (0.3, ["*FRICTION", "0.3"])])
+def test_abaqus_gets_a_ball_that_slides_as_the_test_says(tmp_path, ends, friction):
+    mesh, boundary = indented("sphere", ends)
+    write_abaqus(tmp_path / "test.inp", mesh, MATERIAL, boundary, 0.8e-3)
+    lines = (tmp_path / "test.inp").read_text().splitlines()
+    first = lines.index("*SURFACE INTERACTION, NAME=PLATENCONTACT") + 1
+    assert lines[first : lines.index("*BOUNDARY")] == friction
+    first = lines.index("*NODE, NSET=PLATEN") + 1
+    last = next(k for k, line in enumerate(lines) if k > first and line.startswith("*"))
+    ball = np.array([line.split(",")[1:] for line in lines[first:last]], float)
+    lower = ball[: len(ball) // 2]
+    np.testing.assert_allclose(np.linalg.norm(lower - [0.0, 0.0, 12.0], axis=1), 4.0, rtol=1e-8)
+
+
 def test_what_cannot_be_exported_is_refused(tmp_path):
     mesh = cuboid(5)
     boundary = glued_boundary(mesh, "tension", mesh.glued(0.0))
@@ -118,7 +187,7 @@ def test_what_cannot_be_exported_is_refused(tmp_path):
         replace(boundary, friction=(0.0, 0.0)),
         replace(boundary, confined=(0,)),
     ):
-        with pytest.raises(InputError, match="slip and walls are not exported"):
+        with pytest.raises(InputError, match="a base that slips and walls are not exported"):
             write_abaqus(tmp_path / "a.inp", mesh, MATERIAL, held_otherwise, 1e-3)
     (tmp_path / "a.dat").write_text("\n")
     with pytest.raises(InputError, match="holds no forces"):
@@ -177,6 +246,37 @@ def test_febio_gets_sticky_platens(tmp_path, release, pulls):
     moved = root.find("Rigid/rigid_bc[@name='PLATEN_z']")
     assert float(moved.findtext("value")) == pytest.approx(-2.0)
     assert root.find("Output/logfile/rigid_body_data").text == "3"  # material of the platen
+
+
+def test_febio_turns_a_rigid_top_about_the_axis(tmp_path):
+    mesh, boundary = turned()
+    write_febio(tmp_path / "test.feb", mesh, MATERIAL, boundary, 3e-3)
+    root = ET.parse(tmp_path / "test.feb").getroot()
+    body = root.find("Material/material[@type='rigid body']")
+    assert body.findtext("center_of_mass") == "0,0,8"
+    assert root.find("Boundary/bc[@type='rigid']").findtext("rb") == body.get("name")
+    (turn,) = root.findall("Rigid/rigid_bc[@type='rigid_rotation']")
+    assert (turn.findtext("dof"), turn.find("value").get("lc")) == ("Rw", "1")
+    assert float(turn.findtext("value")) == pytest.approx(0.3)
+    fixed = root.find("Rigid/rigid_bc[@type='rigid_fixed']")
+    held = {child.tag for child in fixed if child.text == "1"}
+    assert held == {"Rx_dof", "Ry_dof", "Rz_dof", "Ru_dof", "Rv_dof"}
+    assert not root.findall("Boundary/bc[@type='prescribed displacement']")
+    assert root.find("Output/logfile/rigid_body_data").get("data").startswith("Mx;My;Mz")
+
+
+def test_febio_gets_a_ball_that_slides(tmp_path):
+    mesh, boundary = indented("sphere", 0.3)
+    write_febio(tmp_path / "test.feb", mesh, MATERIAL, boundary, 0.8e-3)
+    root = ET.parse(tmp_path / "test.feb").getroot()
+    (contact,) = root.findall("Contact/contact")
+    assert (contact.get("type"), contact.findtext("fric_coeff")) == ("sliding-elastic", "0.3")
+    points = np.array([n.text.split(",") for n in root.iterfind("Mesh/Nodes/node")], float)
+    faces = root.find("Mesh/Surface[@name='PLATEN_face']")
+    corners = points[np.array([ids(face.text) for face in faces])]
+    np.testing.assert_allclose(np.linalg.norm(corners - [0, 0, 12.0], axis=-1), 4.0, rtol=1e-8)
+    normal = np.cross(corners[:, 2] - corners[:, 0], corners[:, 3] - corners[:, 1])
+    assert (normal[:, 2] < 0.0).all()  # towards the sample
 
 
 def test_udg_elements_get_the_hourglass_stiffness_of_the_solver(tmp_path):

@@ -30,28 +30,11 @@ with logged_to(snakemake):
             f"{snakemake.input.mesh}: regions of different stiffness are not exported; "
             "leave the column labels of the table empty to export the sample without them"
         )
-    if given.mode == "torsion":
-        raise InputError(
-            f"{snakemake.wildcards.sample}: torsion is not exported; export a shear test of the "
-            "same shape, and turn its top in the other program"
-        )
-    if given.ends != "bonded" and given.mode != "confined_compression":
-        raise InputError(
-            f"{snakemake.wildcards.sample}: ends that are {given.ends} are not exported; export a "
-            "sample with bonded ends, and change the ends in the other program"
-        )
-    for key in ("friction", "base_friction"):
-        if given.mode == "compression" and given.contact[key] is not None:
-            raise InputError(
-                f"contact.{key} is {given.contact[key]:g}: slip is not exported; export a sample "
-                f"that sticks with --config 'contact={{{key}: null}}' results=ANOTHER_FOLDER, and "
-                "give the other program the coefficient and the material of "
-                f"{snakemake.input.fit}"
-            )
     travel = reach([read_record(path) for path in snakemake.input.records], given.mode)
     material = of_fit(fit)
     contact = ContactSettings(**given.contact)
-    boundary = mode_boundary(mesh, given.mode, np.flatnonzero(point_data["glued"]), contact)
+    glued = np.flatnonzero(point_data["glued"])
+    boundary = mode_boundary(mesh, given.mode, glued, contact, given.ends)
     test = (mesh, material, boundary, travel)
     write_abaqus(written.abaqus, *test)
     write_abaqus(written.calculix, *test, program="calculix")

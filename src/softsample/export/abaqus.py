@@ -10,9 +10,9 @@ from numpy.typing import NDArray
 from softsample.constitutive.material import Material
 from softsample.errors import InputError
 from softsample.export.laws import family, polynomial, powers, refuse
-from softsample.export.model import MPA, Array, StaticTest
+from softsample.export.model import MPA, Array, Plate, StaticTest
 from softsample.fem.boundary import Boundary
-from softsample.io import PathLike, write_text
+from softsample.io import MM, PathLike, write_text
 from softsample.meshing.mesh import HexMesh
 
 MOST_TERMS = {"abaqus": 6, "calculix": 3}
@@ -23,7 +23,7 @@ PROGRAMS = tuple(MOST_TERMS)
 ABSENT = 1e12
 """D_i [1/MPa] of an absent volumetric term; CalculiX would replace zero by a default."""
 
-FRICTION = 100.0
+ROUGH = 100.0
 """Coefficient of friction in CalculiX, which has no rough contact: no slip below this ratio."""
 
 TENSION = 1e-10
@@ -52,7 +52,8 @@ def write_abaqus(
     material : Material
         Moduli [Pa]; Ogden terms, polynomials in the invariants or foams, ``D_1 = 2/K``.
     boundary : Boundary
-        Fixed base; nodes glued to the moving platen, or platens that free nodes can touch.
+        Fixed base; nodes glued to the moving platen, or a platen or ball that free nodes can
+        touch, with any friction.
     travel : float
         Travel of the moving platen [m], > 0, in proportion to the step's time from 0 to 1.
     program : str
@@ -71,8 +72,10 @@ def write_abaqus(
     Notes
     -----
     What moves is the node set GLUED or PLATEN; the sum of its reactions is printed. A platen is
-    one element with every node prescribed, which needs no rigid body and is the same in both
-    programs. CalculiX can always let go of a platen. What was run: ``docs/export.md``.
+    made of elements with every node prescribed, which needs no rigid body and is the same in both
+    programs. In torsion GLUED is a rigid body that turns about its node AXIS; CalculiX takes the
+    angle at, and prints the torque of, a node TURN. CalculiX can always let go of a platen. What
+    was run: ``docs/export.md``.
 
     References
     ----------
@@ -82,13 +85,13 @@ def write_abaqus(
     if program not in PROGRAMS:
         raise InputError(f"no program {program!r}; there are {', '.join(PROGRAMS)}")
     test = StaticTest(mesh, material, boundary, travel)
-    moved = "PLATEN" if test.plates else "GLUED"
     lines = [
         *(f"** {line}" for line in test.header),
         f"** Input of {program}; elements {element}.",
         *_sample(test, element, program),
         *_plates(test),
         *_contact(test, program),
+        *_turned_body(test, program),
         "*BOUNDARY",
         "BASE, 1, 3",
         *(f"{plate.name}, 1, 3" for plate in test.plates if not plate.moves),
@@ -96,20 +99,23 @@ def write_abaqus(
         "*STATIC",
         f"{1.0 / increments:.10g}, 1.0, 1e-6, {1.0 / increments:.10g}",
         "*BOUNDARY",
-        *(f"{moved}, {i}, {i}, {u:.10g}" for i, u in enumerate(test.displacement, start=1)),
-        *_output(moved, program),
+        *_motion(test, program),
+        *_output(test, program),
         "*END STEP",
     ]
     write_text(path, "\n".join(lines) + "\n")
 
 
-def read_calculix_forces(path: PathLike) -> tuple[Array, Array]:
+def read_calculix_forces(path: PathLike, moved: str | None = None) -> tuple[Array, Array]:
     """Forces that a run of CalculiX printed.
 
     Parameters
     ----------
     path
         The `.dat` file beside the input.
+    moved : str, optional
+        Node set of the forces; the first one of the file by default. In torsion that is TURN,
+        whose forces are moments [N mm], and AXIS has the forces.
 
     Returns
     -------
@@ -121,14 +127,16 @@ def read_calculix_forces(path: PathLike) -> tuple[Array, Array]:
     Raises
     ------
     InputError
-        If the file holds no forces: the run stopped in its first increment.
+        If the file holds no forces of the set: the run stopped in its first increment.
     """
     number = r"\s+([-+.\dE]+)"
     text = Path(path).read_text(encoding="utf-8")
-    found = re.findall(rf"total force .* time{number}{number}{number}{number}", text)
-    if not found:
+    total = rf"total force .* for set (\S+) and time{number}{number}{number}{number}"
+    found = re.findall(total, text)
+    rows = [row for name, *row in found if name == (moved or found[0][0])]
+    if not rows:
         raise InputError(f"{path}: holds no forces; look for *ERROR in what CalculiX printed")
-    table = np.array([[0.0] * 4, *found], dtype=np.float64)
+    table = np.array([[0.0] * 4, *rows], dtype=np.float64)
     return table[:, 0], table[:, 1:]
 
 
@@ -198,15 +206,16 @@ def _foam(material: Material, program: str) -> Iterator[str]:
 def _plates(test: StaticTest) -> Iterator[str]:
     """Platens after the nodes and elements of the sample; their stiffness does not matter."""
     nodes, elements = len(test.mesh.points), len(test.mesh.hexes)
-    for k, plate in enumerate(test.plates):
-        first = nodes + 8 * k
+    for plate in test.plates:
         yield f"*NODE, NSET={plate.name}"
-        yield from _nodes(plate.corners, first)
+        yield from _nodes(plate.body.points, nodes)
         yield f"*ELEMENT, TYPE=C3D8, ELSET={plate.name}"
-        yield from _elements(first + np.arange(8)[None], elements + k)
+        yield from _elements(nodes + plate.body.hexes, elements)
         yield f"*SURFACE, NAME={plate.name}FACE, TYPE=ELEMENT"
-        yield f"{elements + k + 1}, {'S1' if plate.moves else 'S2'}"
+        yield f"{plate.name}, {'S1' if plate.moves else 'S2'}"
         yield f"*SOLID SECTION, ELSET={plate.name}, MATERIAL=PLATE"
+        nodes += len(plate.body.points)
+        elements += len(plate.body.hexes)
     if test.plates:
         yield "*MATERIAL, NAME=PLATE"
         yield "*ELASTIC"
@@ -214,42 +223,86 @@ def _plates(test: StaticTest) -> Iterator[str]:
 
 
 def _contact(test: StaticTest, program: str) -> Iterator[str]:
-    """Rough contact between the free nodes and the platens."""
+    """Contact between the free nodes and the platens."""
     if not test.plates:
         return
     yield "*SURFACE, NAME=FREENODES, TYPE=NODE"
     yield "FREE"
     for plate in test.plates:
-        yield "*CONTACT PAIR, INTERACTION=ROUGH, TYPE=NODE TO SURFACE"
+        yield f"*CONTACT PAIR, INTERACTION={plate.name}CONTACT, TYPE=NODE TO SURFACE"
         yield f"FREENODES, {plate.name}FACE"
-    yield "*SURFACE INTERACTION, NAME=ROUGH"
+    for plate in test.plates:
+        yield f"*SURFACE INTERACTION, NAME={plate.name}CONTACT"
+        yield from _behaviour(test, plate, program)
+
+
+def _behaviour(test: StaticTest, plate: Plate, program: str) -> Iterator[str]:
+    """Pressure and friction of one contact."""
+    rough = not np.isfinite(plate.friction)
     if program == "abaqus":
         if not test.boundary.release:
             yield "*SURFACE BEHAVIOR, NO SEPARATION"
-        yield "*FRICTION, ROUGH"
+        if rough:
+            yield "*FRICTION, ROUGH"
+        elif plate.friction:
+            yield "*FRICTION"
+            yield f"{plate.friction:.10g}"
         return
     # For a contact element made at first touch CalculiX measures slip from rest. Elements that
     # cover every gap from the start slip freely while open and stick once closed.
     everywhere = 4.0 * test.mesh.highest / test.mesh.edge_length
     yield "*SURFACE BEHAVIOR, PRESSURE-OVERCLOSURE=LINEAR"
     yield f"{test.penalty:.10g}, {TENSION * test.penalty:.10g}, {everywhere:.10g}"
-    yield "*FRICTION"
-    yield f"{FRICTION:.10g}, {test.penalty:.10g}"
+    if plate.friction:
+        yield "*FRICTION"
+        yield f"{ROUGH if rough else plate.friction:.10g}, {test.penalty:.10g}"
 
 
-def _output(moved: str, program: str) -> Iterator[str]:
-    """Requests: summed reactions of what moves, fields for the viewers."""
+def _turned_body(test: StaticTest, program: str) -> Iterator[str]:
+    """In torsion: what is glued is rigid, about a node on the axis at the height of the top."""
+    if not test.angle:
+        return
+    axis = len(test.points) + 1
+    names = ["AXIS"] if program == "abaqus" else ["AXIS", "TURN"]
+    for number, name in enumerate(names, start=axis):
+        yield f"*NODE, NSET={name}"
+        yield f"{number}, 0, 0, {test.mesh.highest / MM:.10g}"
     if program == "abaqus":
-        yield f"*NODE PRINT, NSET={moved}, TOTALS=YES, SUMMARY=NO"
-        yield "RF1, RF2, RF3"
-        yield "*OUTPUT, FIELD, VARIABLE=PRESELECT"
+        yield f"*RIGID BODY, REF NODE={axis}, TIE NSET=GLUED"
     else:
-        yield f"*NODE PRINT, NSET={moved}, TOTALS=ONLY"
+        yield f"*RIGID BODY, NSET=GLUED, REF NODE={axis}, ROT NODE={axis + 1}"
+
+
+def _motion(test: StaticTest, program: str) -> Iterator[str]:
+    """Prescribed displacements, or the angle, at the end of the step."""
+    if not test.angle:
+        moved = "PLATEN" if test.plates else "GLUED"
+        for i, u in enumerate(test.displacement, start=1):
+            yield f"{moved}, {i}, {i}, {u:.10g}"
+    elif program == "abaqus":
+        yield "AXIS, 1, 5"
+        yield f"AXIS, 6, 6, {test.angle:.10g}"
+    else:
+        yield "AXIS, 1, 3"
+        yield "TURN, 1, 2"
+        yield f"TURN, 3, 3, {test.angle:.10g}"
+
+
+def _output(test: StaticTest, program: str) -> Iterator[str]:
+    """Requests: summed reactions of what moves, fields for the viewers."""
+    moved = ["PLATEN" if test.plates else "GLUED"]
+    if program == "abaqus":
+        yield f"*NODE PRINT, NSET={'AXIS' if test.angle else moved[0]}, TOTALS=YES, SUMMARY=NO"
+        yield "RF1, RF2, RF3" + (", RM1, RM2, RM3" if test.angle else "")
+        yield "*OUTPUT, FIELD, VARIABLE=PRESELECT"
+        return
+    for name in ["TURN", "AXIS"] if test.angle else moved:
+        yield f"*NODE PRINT, NSET={name}, TOTALS=ONLY"
         yield "RF"
-        yield "*NODE FILE"
-        yield "U"
-        yield "*EL FILE"
-        yield "S"
+    yield "*NODE FILE"
+    yield "U"
+    yield "*EL FILE"
+    yield "S"
 
 
 def _nodes(points: Array, first: int) -> Iterator[str]:

@@ -34,7 +34,10 @@ PULL = 1e-3
 """Traction at which a platen releases, over the shear modulus; FEBio takes 0 for 'never'."""
 
 TISSUE = 1
-"""Material number of the sample; platens follow."""
+"""Material number of the sample; rigid bodies follow."""
+
+TURNED = "TURNED"
+"""Rigid body of what is glued in torsion."""
 
 
 def write_febio(
@@ -58,8 +61,8 @@ def write_febio(
     material : Material
         Moduli [Pa]; of Ogden solids FEBio's coefficients are ``c_i = 2 mu_i``, ``m_i = alpha_i``.
     boundary : Boundary
-        Fixed base; nodes glued to the moving platen, or platens that free nodes can touch, which
-        become rigid bodies with sticky contact.
+        Fixed base; nodes glued to the moving platen, or a platen or ball that free nodes can
+        touch: rigid bodies with sticky or sliding contact.
     travel : float
         Travel of the moving platen [m], > 0, in proportion to time from 0 to 1.
     domain : str
@@ -75,8 +78,9 @@ def write_febio(
 
     Notes
     -----
-    The force goes to `{name}_force.csv`: of the moving body, or of each glued node (their sum is
-    the force). The file was checked against FEBio's documentation and sources, not run.
+    The force goes to `{name}_force.csv`: of the moving body (in torsion torque [N mm], then
+    force), or of each glued node (their sum is the force). The file was checked against FEBio's
+    documentation and sources, not run.
 
     References
     ----------
@@ -93,8 +97,9 @@ def write_febio(
     _mesh(ET.SubElement(root, "Mesh"), test)
     _domains(ET.SubElement(root, "MeshDomains"), test, domain)
     _boundary(ET.SubElement(root, "Boundary"), test)
-    if test.plates:
+    if _bodies(test):
         _rigid(ET.SubElement(root, "Rigid"), test)
+    if test.plates:
         _contact(ET.SubElement(root, "Contact"), test)
     _ramp(ET.SubElement(root, "LoadData"))
     _output(ET.SubElement(root, "Output"), test, Path(path).stem)
@@ -112,15 +117,21 @@ def _control(control: ET.Element, steps: int) -> None:
     _fill(stepper, max_retries=10, opt_iter=15, dtmin=1e-3 / steps, dtmax=1.0 / steps)
 
 
+def _bodies(test: StaticTest) -> dict[str, tuple[Array, bool]]:
+    """Rigid bodies: centre [mm], about which they turn, and whether they move."""
+    bodies = {plate.name: (plate.body.points.mean(axis=0), plate.moves) for plate in test.plates}
+    if test.angle:
+        bodies[TURNED] = (np.array([0.0, 0.0, test.mesh.highest / MM]), True)
+    return bodies
+
+
 def _materials(materials: ET.Element, test: StaticTest) -> None:
-    """The tissue, and a rigid body for each platen."""
+    """The tissue, and the rigid bodies."""
     tissue = ET.SubElement(materials, "material", id=str(TISSUE), name="tissue")
     fill_tissue(tissue, test.material)
-    for number, plate in enumerate(test.plates, start=TISSUE + 1):
-        body = ET.SubElement(
-            materials, "material", id=str(number), name=plate.name, type="rigid body"
-        )
-        _fill(body, density=1.0, center_of_mass=_row(plate.corners.mean(axis=0)))
+    for number, (name, (centre, _)) in enumerate(_bodies(test).items(), start=TISSUE + 1):
+        body = ET.SubElement(materials, "material", id=str(number), name=name, type="rigid body")
+        _fill(body, density=1.0, center_of_mass=_row(centre))
 
 
 def fill_tissue(tissue: ET.Element, material: Material) -> None:
@@ -215,21 +226,22 @@ def _mesh(element: ET.Element, test: StaticTest) -> None:
     """Nodes, elements, sets and surfaces; ids count from one."""
     mesh = test.mesh
     _nodes(element, "sample", test.points, 0)
-    for k, plate in enumerate(test.plates):
-        _nodes(element, plate.name, plate.corners, len(mesh.points) + 8 * k)
+    starts = len(mesh.points) + np.cumsum([0, *(len(plate.body.points) for plate in test.plates)])
+    for first, plate in zip(starts, test.plates, strict=False):
+        _nodes(element, plate.name, plate.body.points, int(first))
     _cells(element, "Elements", "elem", mesh.hexes, 0, name="sample", type="hex8")
-    for k, plate in enumerate(test.plates):
-        corners = len(mesh.points) + 8 * k + np.arange(8)[None]
-        first = len(mesh.hexes) + k
-        _cells(element, "Elements", "elem", corners, first, name=plate.name, type="hex8")
+    elements = len(mesh.hexes)
+    for first, plate in zip(starts, test.plates, strict=False):
+        corners = first + plate.body.hexes
+        _cells(element, "Elements", "elem", corners, elements, name=plate.name, type="hex8")
+        elements += len(corners)
     for name, ids in test.sets.items():
         ET.SubElement(element, "NodeSet", name=name).text = _row(ids + 1)
     if test.plates:
         free = np.isin(mesh.boundary_quads, test.boundary.candidates).all(axis=1)
         _cells(element, "Surface", "quad4", mesh.boundary_quads[free], 0, name="free")
-    for k, plate in enumerate(test.plates):
-        face = len(mesh.points) + 8 * k + np.array([plate.face])
-        _cells(element, "Surface", "quad4", face, 0, name=f"{plate.name}_face")
+    for first, plate in zip(starts, test.plates, strict=False):
+        _cells(element, "Surface", "quad4", first + plate.faces, 0, name=f"{plate.name}_face")
         pair = ET.SubElement(element, "SurfacePair", name=f"{plate.name}_pair")
         _fill(pair, primary="free", secondary=f"{plate.name}_face")
 
@@ -249,40 +261,48 @@ def _domains(element: ET.Element, test: StaticTest, domain: str) -> None:
 
 
 def _boundary(element: ET.Element, test: StaticTest) -> None:
-    """Base fixed; the glued nodes displaced."""
+    """Base fixed; the glued nodes displaced, or part of a body that turns."""
     fixed = ET.SubElement(element, "bc", name="base", node_set="BASE", type="zero displacement")
     _fill(fixed, x_dof=1, y_dof=1, z_dof=1)
-    if not test.plates:
+    if test.angle:
+        rigid = ET.SubElement(element, "bc", name="glued", node_set="GLUED", type="rigid")
+        _fill(rigid, rb=TURNED)
+    elif not test.plates:
         kind = {"node_set": "GLUED", "type": "prescribed displacement"}
         for axis, value in zip("xyz", test.displacement, strict=True):
             _ramped(ET.SubElement(element, "bc", kind, name=f"glued_{axis}"), axis, value)
 
 
 def _rigid(element: ET.Element, test: StaticTest) -> None:
-    """Platens do not turn; one moves along the path, the other not at all."""
-    for plate in test.plates:
-        fixed = ET.SubElement(element, "rigid_bc", name=f"{plate.name}_fixed", type="rigid_fixed")
-        at_rest = int(not plate.moves)
-        _fill(fixed, rb=plate.name, Rx_dof=at_rest, Ry_dof=at_rest, Rz_dof=at_rest)
-        _fill(fixed, Ru_dof=1, Rv_dof=1, Rw_dof=1)
-        if plate.moves:
-            for axis, value in zip("xyz", test.displacement, strict=True):
-                moved = ET.SubElement(
-                    element, "rigid_bc", name=f"{plate.name}_{axis}", type="rigid_displacement"
-                )
-                _fill(moved, rb=plate.name)
-                _ramped(moved, axis, value)
+    """Bodies at rest do not move at all; the other is displaced, or turns about its centre."""
+    for name, (_, moves) in _bodies(test).items():
+        shifted = moves and not test.angle
+        fixed = ET.SubElement(element, "rigid_bc", name=f"{name}_fixed", type="rigid_fixed")
+        _fill(fixed, rb=name, Rx_dof=not shifted, Ry_dof=not shifted, Rz_dof=not shifted)
+        _fill(fixed, Ru_dof=1, Rv_dof=1, Rw_dof=not (moves and test.angle))
+        motion = dict(zip("xyz", test.displacement, strict=True)) if shifted else {}
+        if moves and test.angle:
+            motion = {"Rw": test.angle}
+        for dof, value in motion.items():
+            kind = "rigid_rotation" if test.angle else "rigid_displacement"
+            moved = ET.SubElement(element, "rigid_bc", name=f"{name}_{dof}", type=kind)
+            _fill(moved, rb=name)
+            _ramped(moved, dof, value)
 
 
 def _contact(element: ET.Element, test: StaticTest) -> None:
-    """Sticky contact: a node that has met a platen is tied to it where it met it."""
+    """Sticky contact, which ties a node to a platen where it met it, or sliding contact."""
     pull = PULL * test.material.shear_modulus / MPA if test.boundary.release else 0.0
     for plate in test.plates:
-        contact = ET.SubElement(
-            element, "contact", name=plate.name, type="sticky", surface_pair=f"{plate.name}_pair"
-        )
-        _fill(contact, laugon=0, penalty=test.penalty, search_tolerance=0.01)
-        _fill(contact, max_traction=pull, snap_tol=0.0)
+        sticky = not np.isfinite(plate.friction)
+        kind = "sticky" if sticky else "sliding-elastic"
+        pair = {"name": plate.name, "type": kind, "surface_pair": f"{plate.name}_pair"}
+        contact = ET.SubElement(element, "contact", pair)
+        _fill(contact, laugon=0, penalty=test.penalty)
+        if sticky:
+            _fill(contact, search_tolerance=0.01, max_traction=pull, snap_tol=0.0)
+        else:
+            _fill(contact, search_tol=0.01, fric_coeff=plate.friction)
 
 
 def _ramp(element: ET.Element) -> None:
@@ -298,11 +318,12 @@ def _output(element: ET.Element, test: StaticTest, name: str) -> None:
     """Force of what moves, into a file of its own; fields for the viewers."""
     log = ET.SubElement(element, "logfile")
     record = {"name": "force", "file": f"{name}_force.csv", "delim": ","}
-    for number, plate in enumerate(test.plates, start=TISSUE + 1):
-        if plate.moves:
-            body = ET.SubElement(log, "rigid_body_data", record, data="Fx;Fy;Fz")
-            body.text = str(number)
-    if not test.plates:
+    bodies = _bodies(test)
+    for number, (_, moves) in enumerate(bodies.values(), start=TISSUE + 1):
+        if moves:
+            wanted = "Mx;My;Mz;Fx;Fy;Fz" if test.angle else "Fx;Fy;Fz"
+            ET.SubElement(log, "rigid_body_data", record, data=wanted).text = str(number)
+    if not bodies:
         ET.SubElement(log, "node_data", record, data="Rx;Ry;Rz", node_set="GLUED")
     plot = ET.SubElement(element, "plotfile", type="febio")
     for variable in ("displacement", "stress", "relative volume"):

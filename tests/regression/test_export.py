@@ -132,7 +132,7 @@ def test_abaqus_gets_moduli_as_they_are_and_every_set(tmp_path):
     np.testing.assert_allclose(law[4], 2e6 / MATERIAL.bulk_modulus, rtol=1e-9)
     assert law[5] > 1e9  # no second volumetric term, and not CalculiX's default for zero
     assert "*ELEMENT, TYPE=C3D8RH, ELSET=SAMPLE" in lines
-    assert {"*NSET, NSET=BASE", "*NSET, NSET=GLUED", "GLUED, 1, 1, 2"} <= set(lines)
+    assert {"*NSET, NSET=BASE", "*NSET, NSET=BONDED", "BONDED, 1, 1, 2"} <= set(lines)
     assert not any("CONTACT" in line or "PLATEN" in line for line in lines)
 
 
@@ -151,7 +151,7 @@ def test_abaqus_turns_a_rigid_top_by_the_angle_of_the_rim(tmp_path):
     write_abaqus(tmp_path / "test.inp", mesh, MATERIAL, boundary, 3e-3)
     lines = (tmp_path / "test.inp").read_text().splitlines()
     axis = len(mesh.points) + 1
-    assert {f"{axis}, 0, 0, 8", f"*RIGID BODY, REF NODE={axis}, TIE NSET=GLUED"} <= set(lines)
+    assert {f"{axis}, 0, 0, 8", f"*RIGID BODY, REF NODE={axis}, TIE NSET=BONDED"} <= set(lines)
     (turn,) = [line for line in lines if line.startswith("AXIS, 6, 6, ")]
     assert float(turn.split(",")[3]) == pytest.approx(0.3)
 
@@ -215,9 +215,9 @@ def test_febio_gets_doubled_moduli_every_node_and_the_sets(tmp_path):
     hexes = [ids(element.text) for element in root.iterfind("Mesh/Elements/elem")]
     np.testing.assert_array_equal(hexes, mesh.hexes)
     sets = {node_set.get("name"): ids(node_set.text) for node_set in root.iterfind("Mesh/NodeSet")}
-    assert set(sets) == {"BASE", "GLUED"}
+    assert set(sets) == {"BASE", "BONDED"}
     np.testing.assert_array_equal(sets["BASE"], mesh.bottom)
-    np.testing.assert_array_equal(sets["GLUED"], mesh.glued(0.0))
+    np.testing.assert_array_equal(sets["BONDED"], mesh.glued(0.0))
     prescribed = root.findall("Boundary/bc[@type='prescribed displacement']")
     moves = {bc.findtext("dof"): float(bc.findtext("value")) for bc in prescribed}
     assert moves == {"x": 0.0, "y": 0.0, "z": 2.0}

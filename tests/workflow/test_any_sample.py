@@ -116,7 +116,7 @@ def test_torsion_indentation_and_compression_give_one_modulus(tmp_path):
     for group in groups:
         assert modulus(tmp_path, group) == pytest.approx(sum(pooled.MATERIAL.mu), rel=0.05), group
     study(tmp_path, "export_torsion", "export_indentation")
-    for mode, motion in (("torsion", "*RIGID BODY, NSET=GLUED"), ("indentation", "PLATEN, 3, 3,")):
+    for mode, motion in (("torsion", "*RIGID BODY, NSET=BONDED"), ("indentation", "PLATEN, 3, 3,")):
         written = tmp_path / f"results/export/{mode}"
         assert motion in (written / "ideal_calculix.inp").read_text()
         assert {path.suffix for path in written.glob("ideal*")} >= {".inp", ".feb", ".pvd", ".vtu"}

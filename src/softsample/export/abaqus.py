@@ -71,9 +71,9 @@ def write_abaqus(
 
     Notes
     -----
-    What moves is the node set GLUED or PLATEN; the sum of its reactions is printed. A platen is
+    What moves is the node set BONDED or PLATEN; the sum of its reactions is printed. A platen is
     made of elements with every node prescribed, which needs no rigid body and is the same in both
-    programs. In torsion GLUED is a rigid body that turns about its node AXIS; CalculiX takes the
+    programs. In torsion BONDED is a rigid body that turns about its node AXIS; CalculiX takes the
     angle at, and prints the torque of, a node TURN. CalculiX can always let go of a platen. What
     was run: ``docs/export.md``.
 
@@ -268,15 +268,15 @@ def _turned_body(test: StaticTest, program: str) -> Iterator[str]:
         yield f"*NODE, NSET={name}"
         yield f"{number}, 0, 0, {test.mesh.highest / MM:.10g}"
     if program == "abaqus":
-        yield f"*RIGID BODY, REF NODE={axis}, TIE NSET=GLUED"
+        yield f"*RIGID BODY, REF NODE={axis}, TIE NSET=BONDED"
     else:
-        yield f"*RIGID BODY, NSET=GLUED, REF NODE={axis}, ROT NODE={axis + 1}"
+        yield f"*RIGID BODY, NSET=BONDED, REF NODE={axis}, ROT NODE={axis + 1}"
 
 
 def _motion(test: StaticTest, program: str) -> Iterator[str]:
     """Prescribed displacements, or the angle, at the end of the step."""
     if not test.angle:
-        moved = "PLATEN" if test.plates else "GLUED"
+        moved = "PLATEN" if test.plates else "BONDED"
         for i, u in enumerate(test.displacement, start=1):
             yield f"{moved}, {i}, {i}, {u:.10g}"
     elif program == "abaqus":
@@ -290,7 +290,7 @@ def _motion(test: StaticTest, program: str) -> Iterator[str]:
 
 def _output(test: StaticTest, program: str) -> Iterator[str]:
     """Requests: summed reactions of what moves, fields for the viewers."""
-    moved = ["PLATEN" if test.plates else "GLUED"]
+    moved = ["PLATEN" if test.plates else "BONDED"]
     if program == "abaqus":
         yield f"*NODE PRINT, NSET={'AXIS' if test.angle else moved[0]}, TOTALS=YES, SUMMARY=NO"
         yield "RF1, RF2, RF3" + (", RM1, RM2, RM3" if test.angle else "")

@@ -265,12 +265,12 @@ def _boundary(element: ET.Element, test: StaticTest) -> None:
     fixed = ET.SubElement(element, "bc", name="base", node_set="BASE", type="zero displacement")
     _fill(fixed, x_dof=1, y_dof=1, z_dof=1)
     if test.angle:
-        rigid = ET.SubElement(element, "bc", name="glued", node_set="GLUED", type="rigid")
+        rigid = ET.SubElement(element, "bc", name="bonded", node_set="BONDED", type="rigid")
         _fill(rigid, rb=TURNED)
     elif not test.plates:
-        kind = {"node_set": "GLUED", "type": "prescribed displacement"}
+        kind = {"node_set": "BONDED", "type": "prescribed displacement"}
         for axis, value in zip("xyz", test.displacement, strict=True):
-            _ramped(ET.SubElement(element, "bc", kind, name=f"glued_{axis}"), axis, value)
+            _ramped(ET.SubElement(element, "bc", kind, name=f"bonded_{axis}"), axis, value)
 
 
 def _rigid(element: ET.Element, test: StaticTest) -> None:
@@ -324,7 +324,7 @@ def _output(element: ET.Element, test: StaticTest, name: str) -> None:
             wanted = "Mx;My;Mz;Fx;Fy;Fz" if test.angle else "Fx;Fy;Fz"
             ET.SubElement(log, "rigid_body_data", record, data=wanted).text = str(number)
     if not bodies:
-        ET.SubElement(log, "node_data", record, data="Rx;Ry;Rz", node_set="GLUED")
+        ET.SubElement(log, "node_data", record, data="Rx;Ry;Rz", node_set="BONDED")
     plot = ET.SubElement(element, "plotfile", type="febio")
     for variable in ("displacement", "stress", "relative volume"):
         ET.SubElement(plot, "var", type=variable)

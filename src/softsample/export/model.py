@@ -89,7 +89,7 @@ class StaticTest:
                 "a base that slips and walls are not exported; export a sample that is bonded to "
                 "its base and has free sides, and change the ends in the other program"
             )
-        if "GLUED" not in self.sets and not any(plate.moves for plate in self.plates):
+        if "BONDED" not in self.sets and not any(plate.moves for plate in self.plates):
             raise InputError("no node is bonded and no platen can be touched; check the boundary")
 
     @property
@@ -99,11 +99,11 @@ class StaticTest:
 
     @property
     def sets(self) -> dict[str, NDArray[Any]]:
-        """Node sets that are not empty: BASE (fixed), GLUED (moved), FREE (may touch)."""
+        """Node sets that are not empty: BASE (fixed), BONDED (moved), FREE (may touch)."""
         held = self.boundary.held
         sets: dict[str, NDArray[Any]] = {
             "BASE": np.flatnonzero(held == BASE),
-            "GLUED": np.flatnonzero(held == PLATEN),
+            "BONDED": np.flatnonzero(held == PLATEN),
             "FREE": self.boundary.candidates,
         }
         return {name: ids for name, ids in sets.items() if len(ids)}

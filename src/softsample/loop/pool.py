@@ -7,7 +7,7 @@ in its turn, from what is not held out of it and from all of the rest.
 """
 
 from collections.abc import Collection, Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from typing import Any, Self
 
 import numpy as np
@@ -32,6 +32,9 @@ Array = NDArray[np.float64]
 
 MOST_UNUSABLE = 0.5
 """Part of the groups in which effects may explain nothing; in more of them they are none."""
+
+BRANCHES = 2
+"""Effects of those that are equally good that a search follows."""
 
 Told = Mapping[str, Mapping[str, tuple[float, float]]]
 """Mean and standard deviation of parameters, by effect and parameter."""
@@ -260,30 +263,75 @@ def pooled(
     rules : SelectionSettings
         As of the selection in one group.
     """
-    classes: dict[str, list[str]] = {}
-    evidence: dict[str, float] = {}
-    groups, left = others.groups, np.array([group.error(*group.part) for group in others.groups])
-    before, alone = left, np.array([group.alone for group in groups])
-    while len(classes) < rules.most_effects:
-        found = {
-            name: added
-            for name in _open(own, others, asked, classes)
-            if (added := _with_effect(groups, [*classes, name], rules.class_gain)) is not None
-        }
-        likelier = {name: _evidence(groups, added) for name, (added, _) in found.items()}
-        found = {name: found[name] for name, size in likelier.items() if size >= rules.least_gain}
-        best = min(found, key=lambda name: float(np.nanmean(found[name][1])), default=None)
-        if best is None or not _lower(found[best][1], left):
-            break
-        alike = [n for n in found if n != best and not _lower(found[best][1], found[n][1])]
-        classes[best], evidence[best] = [best, *alike], likelier[best]
-        groups, left = found[best]
+    before = np.array([group.error(*group.part) for group in others.groups])
+    alone = np.array([group.alone for group in others.groups])
+    found = _searched(_Chain(others.groups, before), own, others, asked, rules)
+    classes, groups, left = found.classes, found.groups, found.left
     if not classes or np.nanmean(left) >= np.nanmean(alone):
         return None
     told = _common([group.told() for group in groups])
     problem, fit = own.predicted(list(classes), told, groups)
     means = (float(100.0 * np.exp(np.nanmean(errors))) for errors in (before, alone, left))
-    return Pooled(problem, fit, classes, evidence, len(groups), *means)
+    return Pooled(problem, fit, classes, found.evidence, len(groups), *means)
+
+
+@dataclass(frozen=True)
+class _Chain:
+    """Effects that were added one after the other.
+
+    Parameters
+    ----------
+    groups : sequence of Group
+        The other groups with these effects.
+    left : Array
+        Logarithm of the error on what is held out of each.
+    classes, evidence : dict
+        As those of `Pooled`.
+    """
+
+    groups: Sequence[Group]
+    left: Array
+    classes: dict[str, list[str]] = field(default_factory=dict)
+    evidence: dict[str, float] = field(default_factory=dict)
+
+    @property
+    def mean(self) -> float:
+        """Of the logarithms of the errors."""
+        return float(np.nanmean(self.left))
+
+
+def _searched(
+    chain: _Chain,
+    own: Group,
+    others: Others,
+    asked: Collection[str],
+    rules: SelectionSettings,
+) -> _Chain:
+    """The chain with more effects, as long as they lower the error.
+
+    Of effects that do so equally well the best two are followed, each to its end: what is second
+    now can be what another effect needs beside it.
+    """
+    if len(chain.classes) == rules.most_effects:
+        return chain
+    found: dict[str, _Chain] = {}
+    for name in _open(own, others, asked, chain.classes):
+        added = _with_effect(chain.groups, [*chain.classes, name], rules.class_gain)
+        size = _evidence(chain.groups, added[0]) if added else -np.inf
+        if added and size >= rules.least_gain:
+            found[name] = replace(chain, groups=added[0], left=added[1],
+                                  evidence={**chain.evidence, name: size})  # fmt: skip
+    ranked = sorted(found, key=lambda name: found[name].mean)
+    if not ranked or not _lower(found[ranked[0]].left, chain.left):
+        return chain
+    alike = [name for name in ranked if not _lower(found[ranked[0]].left, found[name].left)]
+    ends = []
+    for name in alike[:BRANCHES]:
+        as_good = [name, *(n for n in alike if n != name)]
+        taken = replace(found[name], classes={**chain.classes, name: as_good})
+        if _lower(taken.left, chain.left):
+            ends.append(_searched(taken, own, others, asked, rules))
+    return min(ends, key=lambda end: end.mean)
 
 
 def _open(own: Group, others: Others, asked: Collection[str], chosen: Collection[str]) -> list[str]:

@@ -178,10 +178,12 @@ def stiffer(group: str, shape: str, law: str, mode: str) -> float:
 def scores(answers: Path) -> list[dict[str, Any]]:
     """One row a group: what was chosen, and how far the true law's parameters are off."""
     choice = json.loads((answers / "laws" / "choice.json").read_text())["groups"]
+    table = pd.read_csv(answers / "tables" / "laws.csv").set_index(["group", "law"])
     rows = []
     for group, shape, law in groups():
         fitted = json.loads((answers / "laws" / f"{group}.json").read_text())["laws"][law]
         modulus, _, sought = TRUE[law]
+        ends = table.loc[group, law]
         rows.append({
             "group": group,
             "shape": shape,
@@ -190,7 +192,8 @@ def scores(answers: Path) -> list[dict[str, Any]]:
             "equal": choice[group]["equal"],
             "held": law in choice[group]["equal"],
             "mu_error_percent": 100.0 * (fitted["mu_pa"] / modulus - 1.0),
-            "mu_inside": inside(fitted["intervals"]["mu"], modulus),
+            "mu_inside": bool(ends["mu_low_pa"] <= modulus <= ends["mu_high_pa"]),
+            "mu_half_percent": 50.0 * (ends["mu_high_pa"] - ends["mu_low_pa"]) / ends["mu_pa"],
             "parameters": {
                 name: {
                     "true": value,

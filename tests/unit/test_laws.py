@@ -5,6 +5,7 @@ from dataclasses import replace
 from types import SimpleNamespace
 
 import numpy as np
+import pandas as pd
 import pytest
 
 from softsample.errors import InputError, SimulationError
@@ -17,7 +18,7 @@ from softsample.laws.group import ALL, group_report, parts_of
 from softsample.laws.intervals import intervals, left_open
 from softsample.laws.response import HomogeneousResponse
 from softsample.laws.simulate import SimulatedResponse, simulate_law
-from softsample.laws.table import best_laws, choices, law_table
+from softsample.laws.table import best_laws, choices, law_table, model_errors
 from softsample.laws.test import LawTest
 from softsample.records import Record
 from softsample.shapes import IdealShape
@@ -138,12 +139,38 @@ def test_one_curve_of_one_mode_refuses_a_choice_and_says_why():
     assert alone["S1"]["recommended"] is None
     assert "one loading curve of one mode" in alone["S1"]["refused"]
     json.dumps(alone, allow_nan=False)  # as a result file has it
-    table = law_table(candidates, {"S1": report}, alone)
+    table = law_table(candidates, {"S1": report}, alone, {"S1": 0.0}, 0.9)
     assert set(table["chosen"]) == {""}
     assert table["remark"].str.contains("cannot tell").all()
     assert best_laws("S1", {"S1": report}, alone)[0] == "ogden"
     pooled = choices(candidates, {"S1": report, "S2": report}, True)
     assert pooled["S1"]["recommended"] == "ogden"  # two groups have two folds
+
+
+def test_what_mesh_geometry_and_bond_leave_open_widens_the_modulus_of_every_law():
+    """In squares with the profile's own; element type is in the laws' residuals already."""
+    terms = {"geometry": np.nan, "contact_zero": 0.0, "time": 0.0, "bond": 3.0, "mesh": 4.0,
+             "hourglass": 0.0, "statistics": 50.0, "element": 50.0}  # fmt: skip
+    row = {"group": "S1", "model": "ogden2", "modulus": "mu"}
+    percent = {f"{term}_percent": value for term, value in terms.items()}
+    table = pd.DataFrame([
+        {**row, "geometry": "real", **percent},
+        {**row, "geometry": "ideal", **percent, "mesh_percent": 90.0},
+        {**row, "geometry": "real", "modulus": "mu1", **percent, "bond_percent": 90.0},
+    ])  # fmt: skip
+    errors = model_errors(table, {"S1": "real"})
+    assert errors == pytest.approx({"S1": 0.05})
+    tests = [loading("shear", of_exponent(-8.0), noise=0.01, rng=np.random.default_rng(1))]
+    candidates = [Candidate.of("neo_hooke"), Candidate.of("ogden")]
+    report, _ = group_report(tests, candidates, {}, 0.003, 0.9)
+    reports = {"S1": report}
+    alone = choices(candidates, reports, True)
+    narrow, wide = (law_table(candidates, reports, alone, {"S1": e}, 0.9) for e in (0.0, 0.05))
+    for end, side in (("mu_low_pa", -1.0), ("mu_high_pa", 1.0)):
+        ends = [report["laws"][name]["intervals"]["mu"][end[3:-3]] for name in narrow["law"]]
+        np.testing.assert_allclose(narrow[end], ends)
+        own, all_ = (np.log(t[end] / t["mu_pa"]) for t in (narrow, wide))
+        np.testing.assert_allclose(all_, side * np.hypot(own, 1.6449 * 0.05), rtol=1e-4)
 
 
 def test_a_law_at_the_end_of_its_range_is_said():

@@ -77,6 +77,7 @@ rule choose_law:
     input:
         reports=expand("<results>/laws/{group}.json", group=GROUPS),
         curves=expand("<results>/laws/{group}.csv", group=GROUPS),
+        intervals="<results>/tables/intervals.csv",
         code=library("workflow/scripts/choose_law.py"),
     output:
         table="<results>/tables/laws.csv",
@@ -86,8 +87,10 @@ rule choose_law:
         "<logs>/choose_law.log",
     params:
         groups=GROUPS,
+        geometries={group: geometries_of(group)[0] for group in GROUPS},
         alpha=config["material"]["alpha"],
         laws=config["laws"],
+        confidence=config["uncertainty"]["confidence"],
     message:
         "Choose the elastic law: {output.table}"
     script:

@@ -4,7 +4,7 @@ from softsample.figures.laws import laws_figure
 from softsample.figures.style import save
 from softsample.io import read_json, read_table, write_json, write_table, written_aside
 from softsample.laws.group import LawSettings
-from softsample.laws.table import choices, law_table
+from softsample.laws.table import choices, law_table, model_errors
 from softsample.workflow import logged_to, provenance
 
 with logged_to(snakemake):
@@ -13,7 +13,9 @@ with logged_to(snakemake):
     candidates = settings.laws(given.alpha)
     reports = {g: read_json(path) for g, path in zip(given.groups, files.reports, strict=True)}
     chosen = choices(candidates, reports, settings.pool)
-    write_table(snakemake.output.table, law_table(candidates, reports, chosen))
+    errors = model_errors(read_table(files.intervals), given.geometries)
+    table = law_table(candidates, reports, chosen, errors, given.confidence)
+    write_table(snakemake.output.table, table)
     write_json(snakemake.output.choice, {"groups": chosen, "provenance": provenance(snakemake)})
     curves = {g: read_table(path) for g, path in zip(given.groups, files.curves, strict=True)}
     best = {group: choice["best"] for group, choice in chosen.items()}

@@ -6,11 +6,16 @@ from typing import Any
 import numpy as np
 import pandas as pd
 
+from softsample.calibration.profile import normal_quantile
 from softsample.laws.candidates import Candidate
 from softsample.laws.choice import Choice, choose
 from softsample.laws.group import ALL
 
 Reports = Mapping[str, Mapping[str, Any]]
+
+OF_THE_MODEL = ("geometry", "contact_zero", "time", "bond", "mesh", "hourglass")
+"""Terms of `tables/intervals.csv` that are no part of a law's residual model: they make moduli of
+all laws wrong by the same percentage."""
 
 
 def compared(candidates: Sequence[Candidate], reports: Reports) -> list[Candidate]:
@@ -105,7 +110,29 @@ def _by_others(
     return {part: _nested(choice, report, part) for part, e in parts.items() if e is not None}
 
 
-def law_table(candidates: Sequence[Candidate], reports: Reports, chosen: Reports) -> pd.DataFrame:
+def model_errors(intervals: pd.DataFrame, geometries: Mapping[str, str]) -> dict[str, float]:
+    """Standard deviation of ln(mu) by group: what mesh, geometry, bond and contact leave open.
+
+    Parameters
+    ----------
+    intervals : DataFrame
+        `tables/intervals.csv`.
+    geometries : mapping of str
+        Geometry of each group on which laws are fitted.
+    """
+    of_mu = intervals[(intervals["modulus"] == "mu") & (intervals["model"] == "ogden2")]
+    rows = of_mu.set_index(["group", "geometry"])[[f"{term}_percent" for term in OF_THE_MODEL]]
+    total = 0.01 * np.sqrt((rows**2).sum(axis=1))
+    return {group: float(total[group, geometry]) for group, geometry in geometries.items()}
+
+
+def law_table(
+    candidates: Sequence[Candidate],
+    reports: Reports,
+    chosen: Reports,
+    errors: Mapping[str, float],
+    confidence: float,
+) -> pd.DataFrame:
     """One row a group and law, the best predicted first.
 
     Parameters
@@ -115,6 +142,10 @@ def law_table(candidates: Sequence[Candidate], reports: Reports, chosen: Reports
         `group_report` by group.
     chosen : mapping
         `choices`.
+    errors : mapping of float
+        `model_errors` by group, in the intervals of the modulus beside the profile's.
+    confidence : float
+        Of all intervals.
 
     Returns
     -------
@@ -124,19 +155,19 @@ def law_table(candidates: Sequence[Candidate], reports: Reports, chosen: Reports
         `error_fitted_percent`, `error_folds_percent`, `error_held_out_percent`,
         `behind` and `standard_error` (log likelihood per point), `remark`.
     """
-    rows = []
+    rows: list[dict[str, Any]] = []
     for group, report in reports.items():
-        choice = chosen[group]
+        choice, half = chosen[group], normal_quantile(confidence) * errors[group]
         known = [c for c in candidates if c.name in report["laws"]]
         for candidate in sorted(known, key=lambda c: -choice["log_likelihood"].get(c.name, -99.0)):
-            rows.append(_row(group, candidate, report["laws"][candidate.name], choice))
+            rows.append(_row(group, candidate, report["laws"][candidate.name], choice, half))
         for name, reason in report["skipped"].items():
             rows.append({"group": group, "law": name, "remark": f"not fitted: {reason}"})
     return pd.DataFrame(rows)
 
 
 def _row(
-    group: str, candidate: Candidate, law: Mapping[str, Any], choice: Mapping[str, Any]
+    group: str, candidate: Candidate, law: Mapping[str, Any], choice: Mapping[str, Any], half: float
 ) -> dict[str, Any]:
     name = candidate.name
     folds = list(law["folds"][ALL].values())
@@ -149,8 +180,8 @@ def _row(
         "by": choice["by"],
         "parameters": candidate.size,
         "mu_pa": law["mu_pa"],
-        "mu_low_pa": mu["low"],
-        "mu_high_pa": mu["high"],
+        "mu_low_pa": _further(law["mu_pa"], mu["low"], half),
+        "mu_high_pa": _further(law["mu_pa"], mu["high"], half),
         "shape": "; ".join(_shape_words(law)),
         "error_fitted_percent": law["error_fitted_percent"],
         "error_folds_percent": 100.0 * _root_mean_square(folds),
@@ -159,6 +190,14 @@ def _row(
         "standard_error": choice["standard_error"].get(name),
         "remark": "; ".join(remarks(law, choice)),
     }
+
+
+def _further(centre: float, end: float | None, half: float) -> float | None:
+    """End of an interval with an independent error more, of ln(mu) within `half`."""
+    if end is None:
+        return None
+    own = np.log(end / centre)
+    return float(centre * np.exp(np.copysign(np.hypot(own, half), own)))
 
 
 def _standing(name: str, choice: Mapping[str, Any]) -> str:

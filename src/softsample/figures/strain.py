@@ -69,6 +69,17 @@ class Deformed:
         return cls(mesh_surface(mesh), mesh_surface(mesh, displacement_mm, strain))
 
 
+def moved_surface(
+    mesh: HexMesh, points: Mapping[str, Array], cells: Mapping[str, Array]
+) -> tuple[Array, Array, NDArray[np.int64], Array]:
+    """Points [mm] before and after a run, faces, and strain there; from its `fields` file."""
+    run = points["displacement_mm"], cells["max_principal_hencky_strain"]
+    shape = Deformed.of_run(mesh, *run)
+    values = shape.after.values
+    assert values is not None  # of a run
+    return shape.before.points, shape.after.points, shape.after.faces, values
+
+
 @dataclass(frozen=True)
 class StrainRow:
     """One sample: a row of the figure.

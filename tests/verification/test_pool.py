@@ -14,8 +14,10 @@ from softsample.loop.diagnose import diagnose, judgement
 from softsample.loop.effects import library
 from softsample.loop.effects.base import SOLID
 from softsample.loop.errors import held_out_errors
+from softsample.loop import pool
 from softsample.loop.pool import Group, Others
 from softsample.loop.posed import LoopSettings, Posed
+from softsample.loop.select import SelectionSettings
 from softsample.shapes import IdealShape
 
 PLUG = IdealShape("cylinder", 15e-3, 15e-3, 10e-3)
@@ -129,3 +131,24 @@ def test_a_model_that_ended_in_another_minimum_is_fitted_from_the_values_of_othe
         own, found = (s.values["compressible_foam"][name] for s in (fit.state, again))
         assert found == pytest.approx(own, abs=0.02 * abs(own) + 0.01)
     assert good.refitted([]) is good
+
+
+def test_of_two_effects_as_good_as_each_other_both_are_followed(monkeypatch):
+    """The better one at first leads nowhere; beside the other a third lowers the error."""
+    scatter = np.array([-0.02, 0.0, 0.02])
+    left = {"": 3.0, "a": 1.0, "b": 1.01, "c": 2.0, "ab": 0.99, "ac": 0.99, "bc": 0.2}
+    errors = {frozenset(names): error + scatter for names, error in left.items()}
+    # "a" brings a scatter of its own that no third effect is lower beyond
+    errors[frozenset("a")] = 1.0 + 10.0 * scatter
+    monkeypatch.setattr(
+        pool, "_open", lambda own, others, asked, chosen: [n for n in "abc" if n not in chosen]
+    )
+    monkeypatch.setattr(
+        pool, "_with_effect", lambda groups, names, tie: (groups, errors[frozenset(names)])
+    )
+    monkeypatch.setattr(pool, "_evidence", lambda before, after: 100.0)
+    start = pool._Chain([], errors[frozenset()])
+    rules = replace(SelectionSettings(), most_effects=2)
+    found = pool._searched(start, None, None, (), rules)
+    assert found.classes == {"b": ["b", "a"], "c": ["c"]}
+    assert found.evidence == {"b": 100.0, "c": 100.0}

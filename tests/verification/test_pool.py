@@ -10,11 +10,11 @@ import numpy as np
 import pytest
 
 import laboratory
+from softsample.loop import pool
 from softsample.loop.diagnose import diagnose, judgement
 from softsample.loop.effects import library
 from softsample.loop.effects.base import SOLID
 from softsample.loop.errors import held_out_errors
-from softsample.loop import pool
 from softsample.loop.pool import Group, Others
 from softsample.loop.posed import LoopSettings, Posed
 from softsample.loop.select import SelectionSettings

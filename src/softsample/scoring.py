@@ -12,6 +12,7 @@ import pandas as pd
 from softsample.calibration.measured import MeasuredCurve
 from softsample.calibration.slsqp import CalibrationSettings, fit_ogden
 from softsample.response.curves import ResponseCurves
+from softsample.response.sensitivity import COARSE
 
 Truth = Mapping[str, Any]
 
@@ -220,7 +221,7 @@ def recovery_table(
         `volume_error_percent`; `mesh_volume_percent` and `mesh_glued_percent`, of
         `against_truth_mesh`; `noise_percent`; `rest_percent`: error without the contact zero.
     """
-    mesh = sensitivity[sensitivity["change"] == "elements of twice the size"]
+    mesh = sensitivity[sensitivity["change"] == COARSE]
     coarse = mesh.set_index("sample")["end_force_percent"]
     bounds = band.set_index("sample")
     table = pd.DataFrame(

@@ -40,18 +40,11 @@ with logged_to(snakemake):
             loading_time(response, model),
             lambda done: bar("run at the optimum", done),
         )
-    sign, curves = travel_sign(given.mode), read_table(files.curves)
-    modelled = ResponseCurves.of_table(curves, given.mode).force(
+    modelled = ResponseCurves.of_table(read_table(files.curves), given.mode).force(
         found.displacement, material.shear_modulus, material.mu1_fraction
     )
-    place = {"displacement_mm": sign * 1e3 * found.displacement}
-    write_table(written.curve, {**place, "force_N": sign * found.force})
-    energies = {f"{k}_J": values for k, values in found.energies.items() if k != "displacement"}
-    along = sign * 1e3 * found.energies["displacement"]
-    write_table(written.energies, {"displacement_mm": along, **energies})
-    contact = found.contact.assign(displacement_mm=sign * 1e3 * found.contact["displacement"])
-    names = ["displacement_mm", *contact.columns.drop(["displacement", "displacement_mm"])]
-    write_table(written.contact, contact[names])
+    for name, table in found.tables(travel_sign(given.mode)).items():
+        write_table(written[name], table)
     write_mesh(
         written.fields,
         mesh,

@@ -9,7 +9,8 @@ from softsample.io import read_json, read_mesh_with_data, read_record, read_tabl
 from softsample.protocol import travel_sign
 from softsample.records import reach
 from softsample.response.optimum import loading_time
-from softsample.response.unit import curve_difference
+from softsample.response.sensitivity import changes_of_force, numerical_changes
+from softsample.response.unit import CLOSED_FORM
 from softsample.workflow import logged_to, progress_bar, provenance
 
 with logged_to(snakemake):
@@ -23,36 +24,16 @@ with logged_to(snakemake):
     reference = np.interp(
         measured.displacement, sign * 1e-3 * optimum["displacement_mm"], sign * optimum["force_N"]
     )
-    hourglass = given.solver["hourglass_coefficient"]
-    coarse = "elements of twice the size"
-    variants = {
-        "half the hourglass stiffness": ("mesh", {"hourglass_coefficient": 0.5 * hourglass}),
-        "twice the hourglass stiffness": ("mesh", {"hourglass_coefficient": 2.0 * hourglass}),
-        coarse: ("coarse", {}),
-        f"{coarse}, double precision": ("coarse", {"precision": "float64"}),
-    }
-    bar, forces = progress_bar(), {}
-    sections = {name: given[name] for name in ("contact", "material", "ends")}
-    exact = response["method"] == "closed form"  # no mesh, and nothing to choose
-    for done, (name, (mesh, change)) in enumerate(variants.items()):
-        bar(name, done / len(variants))
-        if exact:
-            forces[name] = reference
-            continue
-        model, boundary = set_up(
-            *meshes[mesh], given.mode, solver={**given.solver, **change}, **sections
-        )
-        run = model.run(material, boundary, travel, loading_time=loading_time(response, model))
-        forces[name] = np.interp(measured.displacement, run.displacement, run.force)
-    # rounding changes so little that it is looked at where it costs little
-    before = dict.fromkeys(forces, reference) | {f"{coarse}, double precision": forces[coarse]}
-    report = {
-        name: {
-            "largest_percent_of_peak": 100.0 * curve_difference(force, before[name]),
-            "end_force_percent": 100.0 * float(force[-1] / before[name][-1] - 1.0),
-            "modulus_percent": 100.0
-            * (measured.scale_of(force) / measured.scale_of(before[name]) - 1.0),
-        }
-        for name, force in forces.items()
-    }
-    write_json(snakemake.output.report, {"changes": report, "provenance": provenance(snakemake)})
+    changes = numerical_changes(given.solver["hourglass_coefficient"])
+    forces, bar = {change.name: reference for change in changes}, progress_bar()
+    if response["method"] != CLOSED_FORM:  # which has no mesh, and nothing to choose
+        sections = {name: given[name] for name in ("contact", "material", "ends")}
+        for done, change in enumerate(changes):
+            bar(change.name, done / len(changes))
+            mesh = meshes["coarse" if change.coarse else "mesh"]
+            solver = {**given.solver, **change.solver}
+            model, boundary = set_up(*mesh, given.mode, solver=solver, **sections)
+            run = model.run(material, boundary, travel, loading_time=loading_time(response, model))
+            forces[change.name] = np.interp(measured.displacement, run.displacement, run.force)
+    found = changes_of_force(forces, reference, measured.scale_of)
+    write_json(snakemake.output.report, {"changes": found, "provenance": provenance(snakemake)})

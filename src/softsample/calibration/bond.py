@@ -22,7 +22,8 @@ def other_bond(
     responses, measured : mapping
         Response of the real geometry and loading by sample.
     bonds : mapping
-        `bond/{sample}.json` of the samples that are bonded by a rule.
+        `bond/{sample}.json` of the samples that are bonded by a rule; those that are not calibrated
+        do not count.
     settings : CalibrationSettings
         Those of the study.
 
@@ -31,7 +32,7 @@ def other_bond(
     dict or None
         `mu_pa` and `mu1_fraction`; None if a sample's force with the other rule is not known.
     """
-    if any(report["force_ratio"] is None for report in bonds.values()):
+    if any(report["force_ratio"] is None for name, report in bonds.items() if name in measured):
         return None
     curves = {
         name: OtherBond.of_report(curve, bonds[name]) if name in bonds else curve

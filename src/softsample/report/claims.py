@@ -9,6 +9,7 @@ import pandas as pd
 from scipy.stats import ttest_ind_from_stats
 
 from softsample.report.bond import RULES
+from softsample.response.sensitivity import COARSE
 
 Tables = Mapping[str, pd.DataFrame]
 
@@ -268,12 +269,12 @@ def _prescribed(geometry: str, alike: bool, at_end: bool = False) -> Callable[[T
 
 def _mesh(tables: Tables) -> Finding:
     rows = tables["sensitivity"]
-    rows = rows[rows["change"] == "elements of twice the size"]
+    rows = rows[rows["change"] == COARSE]
     modes = tables["fit_errors"].drop_duplicates("sample").set_index("sample")["mode"]
     change = rows["modulus_percent"].abs().groupby(rows["sample"].map(modes)).max()
     found = ", ".join(f"{mode} {value:.1f} %" for mode, value in change.items())
     return Finding(
-        f"elements of twice the size change a modulus by up to: {found}",
+        f"{COARSE} change a modulus by up to: {found}",
         _verdict(bool(change.max() <= INDEPENDENT)),
         f"independent: {INDEPENDENT:g} % at most; with the mesh the bonded part of the top changes",
     )

@@ -16,6 +16,7 @@ from scipy.special import ndtri
 
 from softsample.response.bond import log_force
 from softsample.response.floor import FloorSettings, rectangular
+from softsample.response.sensitivity import COARSE, SOFTER, STIFFER
 from softsample.response.unit import CLOSED_FORM
 
 MEASURED = ("statistics", "geometry", "contact_zero", "time", "bond")
@@ -26,9 +27,6 @@ FLOOR = ("mesh", "hourglass", "element")
 
 ADD_UP = (*FLOOR, "bond")
 """Terms that are wrong in the same sense in all samples, so that their forces keep the sign."""
-
-COARSE = "elements of twice the size"
-HOURGLASS = ("half the hourglass stiffness", "twice the hourglass stiffness")
 
 
 def force_terms(
@@ -66,7 +64,7 @@ def force_terms(
     geometry = np.nan if band is None else 0.5 * (band["high_percent"] - band["low_percent"])
     if curves.get("method") == CLOSED_FORM:
         return {"geometry": geometry, **dict.fromkeys(("time", "bond", *FLOOR), 0.0)}
-    softer, stiffer = (changes[name]["modulus_percent"] for name in HOURGLASS)
+    softer, stiffer = (changes[name]["modulus_percent"] for name in (SOFTER, STIFFER))
     richardson = changes[COARSE]["modulus_percent"] / (2.0**settings.mesh_order - 1.0)
     return {
         "geometry": geometry,

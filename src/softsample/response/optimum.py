@@ -54,6 +54,21 @@ class Optimum:
     contact: pd.DataFrame
     report: dict[str, Any]
 
+    def tables(self, sign: float) -> dict[str, pd.DataFrame]:
+        """`curve`, `energies` and `contact` along `displacement_mm`, in the signs of the record."""
+        energies = {f"{k}_J": values for k, values in self.energies.items() if k != "displacement"}
+        contact = self.contact.drop(columns="displacement")
+        contact.insert(0, "displacement_mm", sign * 1e3 * self.contact["displacement"])
+        return {
+            "curve": pd.DataFrame(
+                {"displacement_mm": sign * 1e3 * self.displacement, "force_N": sign * self.force}
+            ),
+            "energies": pd.DataFrame(
+                {"displacement_mm": sign * 1e3 * self.energies["displacement"], **energies}
+            ),
+            "contact": contact,
+        }
+
     def difference_percent(self, modelled: Array) -> float:
         """Largest difference from a modelled force (n,) [% of its peak]."""
         return float(100.0 * np.abs(self.force - modelled).max() / np.abs(modelled).max())

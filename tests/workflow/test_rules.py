@@ -396,7 +396,8 @@ def test_glue_and_regions_drawn_in_the_image_reach_the_real_mesh(project):
 def test_after_a_failure_the_report_holds_the_groups_that_came_through(project):
     project.table.write_text(project.table.read_text() + "C\tCC\tshear\tA.nii.gz\tA.csv\n")
     table = [line.split("\t")[:2] for line in project.table.read_text().splitlines()[1:]]
-    for sample, group in table[:2]:
+
+    def finish(sample, group):
         for name in (
             *(f"fields/{sample}/real.json", f"fields/{sample}/ideal.json"),
             *(f"{part}/{sample}.json" for part in ("band", "bond")),
@@ -406,6 +407,9 @@ def test_after_a_failure_the_report_holds_the_groups_that_came_through(project):
             file = project.results / name
             file.parent.mkdir(parents=True, exist_ok=True)
             file.write_text("{}")
+
+    for own in table[:2]:
+        finish(*own)
 
     def partial():
         return project.run("reported", *DRY, SOFTSAMPLE_PARTIAL="1")[1]
@@ -423,6 +427,11 @@ def test_after_a_failure_the_report_holds_the_groups_that_came_through(project):
     band = project.results / f"band/{table[1][0]}.json"
     band.unlink()
     assert "no group of samples came through" in partial()
+    finish(*table[2])
+    (project.results / "logs/segment/A.log").write_text(f"{STARTED}\n{FAILED}the image\n")
+    status, text = project.run(str(checked(project, "C")), SOFTSAMPLE_PARTIAL="1")
+    assert status == 0, text
+    assert "\nLeft out: A, B\n  segment/A: the image\n" in text
 
 
 @pytest.mark.long

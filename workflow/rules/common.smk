@@ -676,16 +676,23 @@ REAL_EXAMPLES = [name for name in EXAMPLES.values() if "real" in PLAN.geometries
 def closing_words(complete):
     """What to look at, or what failed and why."""
     numbers = Path(config["results"], "results.json")
-    if complete and numbers.is_file() and numbers.stat().st_mtime >= STARTED:
-        words = in_brief(read_json(numbers))
-        return f"{words}\nAll tables and figures: {config['results']}/report.html"
     if complete:
-        return f"Done. Results are below {config['results']}/ (tables, figures, checks)."
+        end = [f"Done. Results are below {config['results']}/ (tables, figures, checks)."]
+        if numbers.is_file() and numbers.stat().st_mtime >= STARTED:
+            page = f"All tables and figures: {config['results']}/report.html"
+            end = [in_brief(read_json(numbers)), page]
+        left_out = [f"Left out: {', '.join(LEFT_OUT)}", *told(FAILURES)] if LEFT_OUT else []
+        return "\n".join([*end, *left_out])
     failed = failed_jobs(f"{config['results']}/logs")
     if not failed:
         return "The run stopped before it was complete; run the same command again."
-    lines = [f"  {job}: {reason}" for job, reason in failed]
-    return "\n".join(["Some jobs failed; the others were finished where possible:", *lines])
+    told_first = "Some jobs failed; the others were finished where possible:"
+    return "\n".join([told_first, *told(failed)])
+
+
+def told(failed):
+    """A line for each job that failed."""
+    return [f"  {job}: {reason}" for job, reason in failed]
 
 
 onstart:

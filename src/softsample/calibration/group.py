@@ -1,0 +1,100 @@
+"""The samples of a group as a calibration sees them, and what its result files hold."""
+
+from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import dataclass
+from typing import Any, Self
+
+import numpy as np
+import pandas as pd
+
+from softsample.calibration.measured import MeasuredCurve, fitted_curves
+from softsample.calibration.slsqp import AreaObjective, Fit
+from softsample.protocol import travel_sign
+from softsample.records import Record
+from softsample.response.curves import ResponseCurves
+
+
+@dataclass(frozen=True)
+class GroupCurves:
+    """Responses and loadings of the samples of a group that are calibrated.
+
+    Parameters
+    ----------
+    modes : dict of str
+        Mode of every sample of the group, of those that the study holds out as well.
+    responses : dict of ResponseCurves
+        By sample that is calibrated.
+    measured : dict of MeasuredCurve
+        Of the same samples.
+    """
+
+    modes: dict[str, str]
+    responses: dict[str, ResponseCurves]
+    measured: dict[str, MeasuredCurve]
+
+    @classmethod
+    def of(
+        cls,
+        rows: Sequence[Mapping[str, str]],
+        records: Sequence[Record],
+        heights: Sequence[float],
+        tables: Iterable[pd.DataFrame],
+        hold_out: Sequence[Mapping[str, Any]],
+    ) -> Self:
+        """From the rows of the study table.
+
+        Parameters
+        ----------
+        rows, records, heights, tables
+            Row, record, height of the idealised shape [m] and unit-modulus curves of each sample.
+        hold_out : sequence of mapping
+            Selections of the study's settings.
+
+        Raises
+        ------
+        CalibrationError
+            If all of it is held out.
+        """
+        own = {row["sample"]: row for row in rows}
+        measured = fitted_curves(own, records, heights, hold_out)
+        responses = {
+            name: ResponseCurves.of_table(table, row["mode"])
+            for (name, row), table in zip(own.items(), tables, strict=True)
+            if name in measured
+        }
+        return cls({name: row["mode"] for name, row in own.items()}, responses, measured)
+
+    def compared(self, fit: Fit) -> pd.DataFrame:
+        """Records and model: `sample`, `displacement_mm`, `measured_N`, `model_N`, in the signs
+        of the records.
+        """
+        objective = AreaObjective(self.responses, self.measured)
+        parts = []
+        for name, loading in self.measured.items():
+            sign, model = travel_sign(self.modes[name]), objective.force(
+                name, fit.mu, fit.mu1_fraction
+            )  # fmt: skip
+            columns = (1e3 * loading.displacement, loading.force, model)
+            table = pd.DataFrame(
+                sign * np.column_stack(columns),
+                columns=["displacement_mm", "measured_N", "model_N"],
+            )
+            table.insert(0, "sample", name)
+            parts.append(table)
+        return pd.concat(parts)
+
+    def contact_zero(self, geometry: str, shift: float) -> dict[str, float]:
+        """Samples whose contact-point offset is known to within a shift [m] only.
+
+        On the ideal shape contact begins at its top, by definition.
+        """
+        pressed = [name for name in self.measured if self.modes[name] == "compression"]
+        return dict.fromkeys(pressed, shift) if geometry == "real" else {}
+
+    def report(self) -> dict[str, list[str]]:
+        """Samples with their modes, and those that are held out."""
+        return {
+            "samples": list(self.measured),
+            "modes": [self.modes[name] for name in self.measured],
+            "held_out": [name for name in self.modes if name not in self.measured],
+        }

@@ -1,0 +1,76 @@
+"""Numerical choices whose effect on a curve every study measures."""
+
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from softsample.response.unit import curve_difference
+
+Array = NDArray[np.float64]
+
+SOFTER, STIFFER = "half the hourglass stiffness", "twice the hourglass stiffness"
+COARSE = "elements of twice the size"
+DOUBLE = f"{COARSE}, double precision"
+"""Names of the changes. Rounding changes so little that it is looked at where it costs little."""
+
+
+@dataclass(frozen=True)
+class Change:
+    """One choice made otherwise.
+
+    Parameters
+    ----------
+    name : str
+        What is changed.
+    coarse : bool
+        Whether the mesh has elements of twice the size.
+    solver : mapping
+        Settings of the solver that differ.
+    """
+
+    name: str
+    coarse: bool
+    solver: Mapping[str, Any]
+
+
+def numerical_changes(hourglass_coefficient: float) -> list[Change]:
+    """All changes, about a coefficient of the hourglass control."""
+    return [
+        Change(SOFTER, False, {"hourglass_coefficient": 0.5 * hourglass_coefficient}),
+        Change(STIFFER, False, {"hourglass_coefficient": 2.0 * hourglass_coefficient}),
+        Change(COARSE, True, {}),
+        Change(DOUBLE, True, {"precision": "float64"}),
+    ]
+
+
+def changes_of_force(
+    forces: Mapping[str, Array], reference: Array, scale_of: Callable[[Array], float]
+) -> dict[str, dict[str, float]]:
+    """What each change does to a curve.
+
+    Parameters
+    ----------
+    forces : mapping of (n,) float64
+        Force [N] along the record by name of the change.
+    reference : (n,) float64
+        Without a change; double precision is compared with single on the same mesh.
+    scale_of : callable
+        Factor that brings a force closest to the record: that of the calibrated modulus.
+
+    Returns
+    -------
+    dict
+        By name: `largest_percent_of_peak`, `end_force_percent`, `modulus_percent`.
+    """
+    before = {name: forces[COARSE] if name == DOUBLE else reference for name in forces}
+    return {
+        name: {
+            "largest_percent_of_peak": 100.0 * curve_difference(force, before[name]),
+            "end_force_percent": 100.0 * float(force[-1] / before[name][-1] - 1.0),
+            "modulus_percent": 100.0 * (scale_of(force) / scale_of(before[name]) - 1.0),
+        }
+        for name, force in forces.items()
+    }

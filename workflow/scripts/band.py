@@ -3,6 +3,7 @@
 import numpy as np
 
 from softsample.calibration.measured import MeasuredCurve
+from softsample.calibration.uncertainty import band_report
 from softsample.constitutive.ogden import of_fit
 from softsample.fem.setup import set_up
 from softsample.io import (
@@ -45,14 +46,8 @@ with logged_to(snakemake):
         scale[name] = measured.scale_of(force)
         if times:
             write_surface(snakemake.output[name], boundary_surface(moved))
-    mu = {name: fit["mu_pa"] * scale[name] / scale["real"] for name in scale}
-    low, high = min(mu.values()), max(mu.values())
     report = {
-        "mu_low_pa": low,
-        "mu_pa": mu["real"],
-        "mu_high_pa": high,
-        "low_percent": 100.0 * (low / mu["real"] - 1.0),
-        "high_percent": 100.0 * (high / mu["real"] - 1.0),
+        **band_report(fit["mu_pa"], scale),
         "boundary_sigma_mm": read_json(snakemake.input.segmentation)["boundary_sigma_mm"],
     }
     write_json(snakemake.output.report, {**report, "provenance": provenance(snakemake)})

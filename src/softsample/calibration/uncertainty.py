@@ -46,6 +46,33 @@ class UncertaintySettings:
     draws: int = 200
 
 
+def band_report(mu: float, scales: Mapping[str, float]) -> dict[str, float]:
+    """The modulus within the uncertainty of the surface.
+
+    Parameters
+    ----------
+    mu : float
+        Calibrated modulus [Pa].
+    scales : mapping of float
+        Factor that brings the model closest to the record, on the `inner`, `real` and `outer`
+        surface.
+
+    Returns
+    -------
+    dict
+        `mu_low_pa`, `mu_pa`, `mu_high_pa`, and the ends in percent of the modulus.
+    """
+    moduli = {name: mu * scale / scales["real"] for name, scale in scales.items()}
+    low, own, high = min(moduli.values()), moduli["real"], max(moduli.values())
+    return {
+        "mu_low_pa": low,
+        "mu_pa": own,
+        "mu_high_pa": high,
+        "low_percent": 100.0 * (low / own - 1.0),
+        "high_percent": 100.0 * (high / own - 1.0),
+    }
+
+
 @dataclass(frozen=True)
 class Correlation:
     """How long a series remembers.

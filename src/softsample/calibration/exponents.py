@@ -13,6 +13,9 @@ from scipy.optimize import minimize
 from scipy.special import gammaincc
 
 from softsample.calibration.likelihood import AreaLikelihood, Profile
+from softsample.calibration.measured import MeasuredCurve
+from softsample.calibration.slsqp import CalibrationSettings, fit_ogden
+from softsample.calibration.uncertainty import Uncertainty, UncertaintySettings
 from softsample.constitutive.ogden import nominal_stress
 from softsample.errors import CalibrationError
 from softsample.protocol import travel_sign
@@ -190,3 +193,62 @@ def common_exponents(groups: Sequence[AreaLikelihood]) -> dict[str, Any]:
         "degrees_of_freedom": freedom,
         "p_value": float(gammaincc(0.5 * freedom, 0.5 * found.fun)),
     }
+
+
+def exponents_of_groups(
+    groups: Mapping[str, Sequence[str]],
+    families: Mapping[str, ExponentFamily],
+    measured: Mapping[str, MeasuredCurve],
+    alpha: Sequence[float],
+    settings: CalibrationSettings,
+    uncertainty: UncertaintySettings,
+    loadings: Mapping[str, str],
+    progress: Callable[[str, float], None],
+) -> tuple[dict[str, Any], pd.DataFrame]:
+    """Free exponents of each group, and whether groups share them.
+
+    Parameters
+    ----------
+    groups : mapping
+        Samples by group.
+    families, measured : mapping
+        Curves and loading by sample.
+    alpha : sequence of two float
+        Exponents of the study.
+    settings, uncertainty
+        Of the fits, and of their intervals.
+    loadings : mapping of str
+        Loading of each group in one word; groups of one loading are compared.
+    progress : callable
+        Told the group and the finished part.
+
+    Returns
+    -------
+    report : dict
+        `groups`: `exponent_report` and `loading` of each; `common`: `common_exponents` of all and
+        of each loading with two groups or more.
+    profiles : DataFrame
+        `profile_table` of all.
+    """
+    likelihoods, reports, tables = {}, {}, []
+    for done, (group, samples) in enumerate(groups.items()):
+        progress(group, done / len(groups))
+        own: dict[str, Any] = {s: families[s] for s in samples}
+        loads = {s: measured[s] for s in samples}
+        fit = fit_ogden(own, loads, settings)
+        likelihoods[group] = Uncertainty(own, loads, fit, settings, uncertainty).likelihood()
+        profiles = likelihoods[group].profiles(uncertainty.confidence)
+        tables.append(profile_table(group, profiles))
+        reports[group] = {
+            "loading": loadings[group],
+            **exponent_report(likelihoods[group], profiles, alpha),
+        }
+    kinds: dict[str, list[str]] = {"all": list(groups)}
+    for group in groups:
+        kinds.setdefault(loadings[group], []).append(group)
+    common = {
+        kind: common_exponents([likelihoods[group] for group in names])
+        for kind, names in kinds.items()
+        if len(names) > 1
+    }
+    return {"groups": reports, "common": common}, pd.concat(tables)

@@ -36,8 +36,8 @@ class Parameter:
     neutral : float
         Value without effect.
     limits : tuple of float
-        Ends of the range at which a size may lie: limits of physics, such as all of a share, or of
-        the form. Others are limits of what is plausible.
+        Ends of the range at which a size may lie: limits of physics, such as all of a share. Others
+        are limits of what is plausible.
     known : tuple of float
         Mean and standard deviation of a normal prior; none by default, so that all of the range is
         as likely.

@@ -7,7 +7,7 @@ from softsample.loop.specimen import Specimen
 NAMES = ("alpha1", "alpha2")
 
 RANGES = ((-45.0, -0.5), (0.5, 40.0))
-"""Of an exponent by its sign; near zero the two laws are one."""
+"""Of an exponent by its sign."""
 
 NOMINAL = (1.25, 0.875)
 """Nominal value of each exponent, as a part of the model's."""
@@ -46,8 +46,7 @@ def about(solid: Material) -> Effect:
 
 def _parameter(name: str, alpha: float, nominal: float) -> Parameter:
     low, high = RANGES[int(alpha > 0.0)]
-    inner = (min(low, high, key=abs),)  # where the other term goes on
-    return Parameter(name, "1", low, high, nominal * alpha, neutral=alpha, limits=inner)
+    return Parameter(name, "1", low, high, nominal * alpha, neutral=alpha)
 
 
 EFFECT = about(SOLID)

@@ -270,6 +270,12 @@ def test_a_model_has_each_effect_once_one_law_and_what_a_law_has_of_its_own_not_
         assert set(effect.has) <= set(EFFECTS)
 
 
+def test_only_parts_of_a_whole_and_poissons_ratio_may_lie_at_an_end():
+    """What lies at an end of a plausible range, as an exponent, wants to be elsewhere."""
+    at_ends = {p.name for effect in library().values() for p in effect.parameters if p.limits}
+    assert at_ends == {"share", "nu"}
+
+
 def test_the_library_without_a_solid_is_that_of_the_study():
     for name, effect in library(SOLID).items():
         assert effect.parameters == EFFECTS[name].parameters

@@ -69,44 +69,14 @@ def _parts(found: Sequence[Fold]) -> list[set[int]]:
     return [{k for k, mask in enumerate(fold.left_out) if mask.any()} for fold in found]
 
 
-def error_on(
-    fit: LawFit,
-    tests: Sequence[LawTest],
-    left_out: Sequence[Mask],
-    scales: Sequence[float] | None = None,
-) -> float:
-    """Root mean square error on what was left out over the peak of that, over all tests of it.
-
-    `scales` are how far the response of each test may be off by a factor, as a part of it; within
-    that the factor is the best one.
-    """
+def error_on(fit: LawFit, tests: Sequence[LawTest], left_out: Sequence[Mask]) -> float:
+    """Root mean square error on what was left out over the peak of that, over all tests of it."""
     squares = []
-    limits = scales or [0.0] * len(tests)
-    for test, mask, limit in zip(tests, left_out, limits, strict=True):
+    for test, mask in zip(tests, left_out, strict=True):
         if mask.any():
-            force, model = test.force[mask], fit.force(test)[mask]
-            if limit and model.any():
-                factor = (model @ force) / (model @ model)
-                model = model * np.clip(factor, 1.0 - limit, 1.0 + limit)
-            squares.append(np.mean((force - model) ** 2) / np.max(np.abs(force)) ** 2)
+            gap = (test.force - fit.force(test))[mask]
+            squares.append(np.mean(gap**2) / np.max(np.abs(test.force[mask])) ** 2)
     return float(np.sqrt(np.mean(squares)))
-
-
-def open_scales(
-    tests: Sequence[LawTest], kept: Sequence[Mask], left_out: Sequence[Mask]
-) -> list[float]:
-    """How far responses of tests that are left out may be off those of the tests that are fitted.
-
-    Limits of the rectangular error that mesh and element type leave open, as a part of the force.
-    What is left of a test that is fitted in part has its scale.
-    """
-    fitted = [(mask & ~out).any() for mask, out in zip(kept, left_out, strict=True)]
-    others = [t.scale_error for t, seen in zip(tests, fitted, strict=True) if seen]
-    about = np.sqrt(np.mean(np.square(others))) if others else 0.0
-    return [
-        0.0 if seen else float(np.sqrt(3.0) * np.hypot(test.scale_error, about))
-        for test, seen in zip(tests, fitted, strict=True)
-    ]
 
 
 class Fits:
@@ -131,14 +101,10 @@ class Fits:
         return self._known[key]
 
     def fold_errors(self, candidate: Candidate, kept: Sequence[Mask]) -> dict[str, float]:
-        """Error on each inner fold of some points, over the peak, of the fit to the rest.
-
-        Without what the scale of its response leaves open.
-        """
+        """Error on each inner fold of some points, over the peak, of the fit to the rest."""
         found = {}
         for fold in inner_folds(self.tests, kept):
             rest = [mask & ~out for mask, out in zip(kept, fold.left_out, strict=True)]
             fit = self.of(candidate, rest)
-            scales = open_scales(self.tests, kept, fold.left_out)
-            found[fold.name] = error_on(fit, self.tests, fold.left_out, scales)
+            found[fold.name] = error_on(fit, self.tests, fold.left_out)
         return found

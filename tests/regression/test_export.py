@@ -90,12 +90,16 @@ def test_calculix_runs_the_glued_cuboid_to_the_same_curve(tmp_path, mode):
 
 
 @needs_calculix
-@pytest.mark.parametrize("contact", [STICKY, ContactSettings()], ids=["sticky", "default"])
+@pytest.mark.parametrize(
+    "contact",
+    [STICKY, ContactSettings(), ContactSettings(friction=0.0)],
+    ids=["sticky", "default", "smooth"],
+)
 def test_calculix_runs_a_touching_platen_to_the_same_curve(tmp_path, contact):
     """Slip counted from the start of the step instead of first touch would cost 2 %."""
     mesh = dome()
     boundary = platen_boundary(mesh, contact)
-    assert difference(tmp_path, mesh, boundary, 3.9e-3) < 0.0125  # measured 0.008
+    assert difference(tmp_path, mesh, boundary, 3.9e-3) < 0.0125  # measured 0.003 to 0.008
 
 
 @needs_calculix

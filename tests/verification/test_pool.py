@@ -138,7 +138,7 @@ def test_of_two_effects_as_good_as_each_other_both_are_followed(monkeypatch):
     scatter = np.array([-0.02, 0.0, 0.02])
     left = {"": 3.0, "a": 1.0, "b": 1.01, "c": 2.0, "ab": 0.99, "ac": 0.99, "bc": 0.2}
     errors = {frozenset(names): error + scatter for names, error in left.items()}
-    # "a" brings a scatter of its own that no third effect is lower beyond
+    # groups scatter so much with "a" that no third effect is significantly better
     errors[frozenset("a")] = 1.0 + 10.0 * scatter
     monkeypatch.setattr(
         pool, "_open", lambda own, others, asked, chosen: [n for n in "abc" if n not in chosen]

@@ -4,7 +4,6 @@ from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any, Self
 
-import numpy as np
 import pandas as pd
 
 from softsample.calibration.measured import MeasuredCurve, fitted_curves
@@ -41,19 +40,9 @@ class GroupCurves:
         tables: Iterable[pd.DataFrame],
         hold_out: Sequence[Mapping[str, Any]],
     ) -> Self:
-        """From the rows of the study table.
+        """From row, record, height [m] and table of unit-modulus curves of each sample.
 
-        Parameters
-        ----------
-        rows, records, heights, tables
-            Row, record, height of the idealised shape [m] and unit-modulus curves of each sample.
-        hold_out : sequence of mapping
-            Selections of the study's settings.
-
-        Raises
-        ------
-        CalibrationError
-            If all of it is held out.
+        Raises as `fitted_curves`, which says what of a loading `hold_out` leaves.
         """
         own = {row["sample"]: row for row in rows}
         measured = fitted_curves(own, records, heights, hold_out)
@@ -65,22 +54,21 @@ class GroupCurves:
         return cls({name: row["mode"] for name, row in own.items()}, responses, measured)
 
     def compared(self, fit: Fit) -> pd.DataFrame:
-        """Records and model: `sample`, `displacement_mm`, `measured_N`, `model_N`, in the signs
-        of the records.
+        """Records and model in the signs of the records.
+
+        Columns `sample`, `displacement_mm`, `measured_N`, `model_N`.
         """
         objective = AreaObjective(self.responses, self.measured)
         parts = []
         for name, loading in self.measured.items():
-            sign, model = travel_sign(self.modes[name]), objective.force(
-                name, fit.mu, fit.mu1_fraction
-            )  # fmt: skip
-            columns = (1e3 * loading.displacement, loading.force, model)
-            table = pd.DataFrame(
-                sign * np.column_stack(columns),
-                columns=["displacement_mm", "measured_N", "model_N"],
-            )
-            table.insert(0, "sample", name)
-            parts.append(table)
+            sign = travel_sign(self.modes[name])
+            columns = {
+                "sample": name,
+                "displacement_mm": sign * 1e3 * loading.displacement,
+                "measured_N": sign * loading.force,
+                "model_N": sign * objective.force(name, fit.mu, fit.mu1_fraction),
+            }
+            parts.append(pd.DataFrame(columns))
         return pd.concat(parts)
 
     def contact_zero(self, geometry: str, shift: float) -> dict[str, float]:

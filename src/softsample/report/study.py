@@ -165,7 +165,9 @@ class StudyReport:
     @cached_property
     def _scenes(self) -> dict[str, dict[str, Any]]:
         """Interactive views of the samples that were simulated."""
-        return {name: scene(found) for name in self.rows if (found := of(self.surfaces, name))}
+        return {
+            name: scene(found) for name in self.rows if (found := of_piece(self.surfaces, name))
+        }
 
     def _caption(self, name: str, **wildcards: str) -> str:
         return caption(self.parts / f"{name}.rst", self.config, **wildcards)
@@ -181,14 +183,14 @@ class StudyReport:
 
     def _sample(self, name: str) -> dict[str, Any]:
         """One sample: pictures with captions, and facts, which equal pieces share."""
-        found, meshes = self.inputs[name], of(self.meshes, name)
+        found, meshes = self.inputs[name], of_piece(self.meshes, name)
         facts: Mapping[str, Any] = {"facts": [("Record", record_fact(found["record"]))]}
         if meshes:
             others = self.segmentation.get(name), self.cuboid[name]
             facts = {
                 "limits": self._scenes[name]["limits"],
                 "geometries": list(meshes),
-                "facts": sample_facts(found, *others, meshes, of(self.runs, name)),
+                "facts": sample_facts(found, *others, meshes, of_piece(self.runs, name)),
             }
         return {
             "name": name,
@@ -212,7 +214,7 @@ class StudyReport:
         return {
             "name": name,
             "samples": [self._sample(member) for member in members],
-            "real": "real" in of(self.runs, self.piece_of[members[0]]),
+            "real": "real" in of_piece(self.runs, self.piece_of[members[0]]),
             "findings": findings_of([fit for fit in self.fits if fit["group"] == name]),
             "moduli": self.intervals[self.intervals["group"] == name].drop(columns="group"),
             "verdict": verdict["verdict"],
@@ -221,11 +223,11 @@ class StudyReport:
         }
 
 
-def of(found: Mapping[Run, Any], piece: str) -> dict[str, Any]:
+def of_piece(found: Mapping[Run, Any], piece: str) -> dict[str, Any]:
     """What was found of one piece, by geometry."""
     return {geometry: one for (name, geometry), one in found.items() if name == piece}
 
 
-def by(names: Iterable[Any], found: Iterable[Any]) -> dict[Any, Any]:
+def by_name(names: Iterable[Any], found: Iterable[Any]) -> dict[Any, Any]:
     """What was found, by name; of names that stand there several times, one each."""
     return dict(zip(dict.fromkeys(names), found, strict=True))

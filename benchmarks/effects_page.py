@@ -43,7 +43,8 @@ def page() -> str:
 
 def _section(effect: Effect) -> list[str]:
     confused = ", ".join(f"[`{name}`](#{name})" for name in effect.confused_with)
-    identifiable = "" if effect.identifiable else " No test at one speed can show it."
+    hidden = effect.sizes and not effect.identifiable
+    identifiable = " No test at one speed can show it." if hidden else ""
     return [
         f"## `{effect.name}`",
         "",
@@ -60,6 +61,8 @@ def _rows(effect: Effect) -> Iterator[str]:
     """Its lines of the table, one for each parameter."""
     tests = "all" if set(effect.modes) == ALL else ", ".join(effect.modes)
     about = [f"[`{effect.name}`](#{effect.name})", f"{tests}, time" if effect.of_time else tests]
+    if not effect.parameters:
+        yield f"| {' | '.join([*about, '–', '–', '–'])} |"
     for p in effect.parameters:
         unit = "" if p.unit == "1" else f" {p.unit}"
         null = f", null {p.neutral:g}" if p.neutral else ""

@@ -67,10 +67,15 @@ def ends_of(row: Mapping[str, str]) -> str | float | Indenter:
     return float(cell) if _is_number(cell) else cell
 
 
+def has_open_ends(row: Mapping[str, str]) -> bool:
+    """Whether the study leaves to the diagnosis what the ends of a sample do."""
+    return ends_of(row) == "unknown"
+
+
 def modelled_ends(row: Mapping[str, str]) -> str | float | Indenter:
     """The same in the model, which bonds ends that are unknown."""
     ends = ends_of(row)
-    return "bonded" if ends == "unknown" else ends
+    return "bonded" if has_open_ends(row) else ends
 
 
 def stated_shape(row: Mapping[str, str]) -> dict[str, str]:

@@ -17,7 +17,7 @@ TIMED = {
     "channel_lag", "dehydration", "force_drift", "poroelastic_drainage", "rate_stiffening",
     "viscoelastic_relaxation",
 }  # fmt: skip
-ALWAYS_ABSENT = {"ends", "channel_crosstalk", "specimen_stiffness", "compressible_foam"}
+ALWAYS_ABSENT = {"channel_crosstalk", "specimen_stiffness", "compressible_foam"}
 """Unless the study leaves open what the ends do, has normal forces or repeats, and curves are near
 those of a law."""
 
@@ -74,12 +74,6 @@ def test_without_recorded_time_there_are_no_effects_of_time(tests):
 def test_the_mains_show_where_their_ripple_is_folded_to_a_slow_beat(tests, rate, there):
     resampled = [replace(s, time=s.time * laboratory.RATE / rate) for s in tests]
     assert ("mains_pickup" in named(resampled)) == there
-
-
-def test_open_ends_are_a_candidate(tests):
-    change = {"ends_sliding": -0.1 * tests[0].elastic.curves.curve(0.5)}
-    elastic = replace(tests[0].elastic, perturbations={**tests[0].elastic.perturbations, **change})
-    assert "ends" in named([replace(tests[0], elastic=elastic), *tests[1:]])
 
 
 @pytest.mark.parametrize(

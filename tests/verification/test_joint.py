@@ -1,5 +1,6 @@
 """Whole way from simulation to verdict on a coarse mesh: ends that slide, force across a shear."""
 
+from dataclasses import replace
 from functools import cache
 
 import numpy as np
@@ -13,16 +14,20 @@ from softsample.fem.explicit import ExplicitModel, SolverSettings
 from softsample.loop.candidates import candidates
 from softsample.loop.diagnose import diagnose, judgement
 from softsample.loop.effects import library
+from softsample.loop.ends import Assumed, diagnose_ends, for_sliding, likelier
 from softsample.loop.held_out import Tables, specimens_of
+from softsample.loop.leave_out import left_out_errors
 from softsample.loop.model import Material, Model, State
 from softsample.loop.noise import NoiseSettings
+from softsample.loop.page import page
 from softsample.loop.posed import LoopSettings, pose
 from softsample.loop.screen import signatures
+from softsample.loop.verdict import document
 from softsample.meshing.sample import mesh_ideal
 from softsample.protocol import travel_sign
 from softsample.records import Record
 from softsample.response.changes import table_of_changes
-from softsample.response.perturbations import ENDS, perturbations_of
+from softsample.response.perturbations import perturbations_of
 from softsample.response.pieces import MechanicalTest, MeshedSample, PerturbationSettings
 from softsample.response.unit import (
     ResponseSettings,
@@ -61,19 +66,19 @@ def mesh_shifted(out):
 
 
 @cache
-def tables(mode):
-    """Response of the bonded block, and its changes, those of open ends among them."""
-    sample, nu = mesh_shifted(0.0), 0.49
-    held = mode_boundary(sample.mesh, mode, sample.glued, CONTACT)
-    fractions = modulus_fractions(ResponseSettings(5))
-    model = ExplicitModel(sample.mesh, SOLVER)
-    curves, _ = simulated_response(model, held, TRAVEL[mode], fractions, ALPHA, nu)
-    solid = unit_modulus(FRACTION, ALPHA, nu, 1000.0)
-    test = MechanicalTest(
-        mode, solid, TRAVEL[mode], CONTACT, SOLVER, PerturbationSettings(), "unknown"
-    )
+def tables(mode, ends="bonded"):
+    """Response of the block with bonded ends or with sliding ones, and its changes."""
+    law = modulus_fractions(ResponseSettings(5)), ALPHA, 0.49
+    if ends == "sliding":
+        curves, _ = homogeneous_response(BLOCK, mode, TRAVEL[mode], *law, SOLVER.curve_points)
+    else:
+        sample = mesh_shifted(0.0)
+        held = mode_boundary(sample.mesh, mode, sample.glued, CONTACT)
+        model = ExplicitModel(sample.mesh, SOLVER)
+        curves, _ = simulated_response(model, held, TRAVEL[mode], *law)
+    solid = unit_modulus(FRACTION, ALPHA, 0.49, 1000.0)
+    test = MechanicalTest(mode, solid, TRAVEL[mode], CONTACT, SOLVER, PerturbationSettings(), ends)
     grid, changes = perturbations_of("ideal", BLOCK, mesh_shifted, test)
-    assert ENDS in changes
     response = pd.DataFrame(response_table(curves, mode))
     return Tables(response, [table_of_changes(mode, FRACTION, grid, changes)], solid)
 
@@ -93,9 +98,10 @@ def record_of(mode, displacement, force, normal=None):
     return Record.of_table(pd.DataFrame(columns)).marked(mode)
 
 
-def specimens(ends):
-    """Tests of one block in three modes whose ends were bonded, or slid."""
-    found = []
+@cache
+def records(ends):
+    """Of one block in three modes whose ends were bonded, or slid."""
+    found = {}
     for mode, reach in TRAVEL.items():
         displacement = np.linspace(0.0, reach, 600)
         if ends == "sliding":  # in closed form
@@ -106,47 +112,86 @@ def specimens(ends):
             held = mode_boundary(sample.mesh, mode, sample.glued, CONTACT)
             run = ExplicitModel(sample.mesh, SOLVER).run(solid, held, reach, loading_time=1.0)
             force = np.interp(displacement, run.displacement, run.force)
-        record = record_of(mode, displacement, force)
-        found += specimens_of(row(mode), record, tables(mode), BLOCK, [])
+        found[mode] = record_of(mode, displacement, force)
+    return found
+
+
+@cache
+def models(ends):
+    """Records whose ends were bonded, or slid, beside the response of either."""
+    found = []
+    for model in ("bonded", "sliding"):
+        made = ((m, record, tables(m, model)) for m, record in records(ends).items())
+        tests = [test for m, *of in made for test in specimens_of(row(m), *of, BLOCK, [])]
+        known = {effect.name: effect for effect in candidates(tests, BLOCK.height, SOLID)}
+        names = ("poisson_ratio", "force_offset", "machine_compliance")
+        found.append(Assumed(tests, tests, [known[name] for name in names]))
     return found
 
 
 @cache
 def diagnosed(ends):
-    tests = specimens(ends)
-    known = {effect.name: effect for effect in candidates(tests, BLOCK.height, SOLID)}
-    names = ("ends", "poisson_ratio", "force_offset", "machine_compliance")
-    return diagnose(tests, SETTINGS, [known[name] for name in names])
+    return diagnose_ends(models(ends), SETTINGS)
 
 
-def test_ends_that_slid_are_found_on_a_bonded_model():
+def test_ends_that_slid_are_found_where_the_study_leaves_them_open():
     found = diagnosed("sliding")
-    assert found.verdict == "explained"
-    assert next(iter(found.selection.classes)) == "ends"
-    before, after = found.selection.base.state, found.selection.final.state
-    assert size(after, "ends", "share") == pytest.approx(1.0, abs=0.05)
-    assert after.material.mu == pytest.approx(MU, rel=0.02)
-    assert after.material.mu1_fraction == pytest.approx(FRACTION, abs=0.05)
-    assert abs(before.material.mu / MU - 1.0) > 0.1
-    (effect,) = (e for e in judgement(found, SETTINGS)["effects"] if e["name"] == "ends")
-    assert effect["parameters"]["share"]["high"] == 1.0
+    assert (found.verdict, found.slides, list(found.selection.classes)) == ("explained", True, [])
+    material, bonded = found.final.state.material, found.origin.first[1].state.material
+    assert material.mu == pytest.approx(MU, rel=0.01)
+    assert material.mu1_fraction == pytest.approx(FRACTION, abs=0.02)
+    assert abs(bonded.mu / MU - 1.0) > 0.1
+    verdict = document(found, ({}, {}), SETTINGS, SOLID, [row("shear")], "")
+    (effect,) = verdict["effects"]
+    assert (effect["name"], effect["class"], effect["parameters"]) == ("ends", ["ends"], {})
+    assert effect["evidence"] == -verdict["other_ends"]["evidence"] > 100.0
+    assert (verdict["ends"], verdict["other_ends"]["ends"]) == (["sliding"], "bonded")
+    assert verdict["theta_before"]["mu"]["value"] == bonded.mu
+    before, after = (verdict[f"error_{w}"]["compression"]["all"] for w in ("before", "after"))
+    assert after["rms_N"] < 0.2 * before["rms_N"]
+    assert verdict["recommended"]["models"][0]["effects"] == ["ends"]
+    text = page("G", verdict)
+    assert "## Sliding ends" in text
+    assert "The study leaves the ends open; in this model they slide. With bonded ends" in text
 
 
 def test_ends_that_were_bonded_do_not_slide():
     found = diagnosed("bonded")
-    assert found.verdict == "none"
+    assert (found.verdict, found.slides) == ("none", False)
     assert found.selection.final.state.material.mu == pytest.approx(MU, rel=0.01)
+    verdict = document(found, ({}, {}), SETTINGS, SOLID, [row("shear")], "")
+    assert (verdict["effects"], verdict["ends"]) == ([], ["bonded"])
+    assert verdict["other_ends"]["ends"] == "sliding"
+    assert verdict["other_ends"]["evidence"] < -100.0
 
 
-def test_a_share_of_slip_between_comes_back():
-    """Half of the change of every test, at the material of the changes."""
-    problem, _ = pose(specimens("bonded"), SETTINGS.noise)
-    model, material = Model((library()["ends"],)), Material(MU, FRACTION)
-    half = State(material, {"ends": {"share": 0.5}})
-    made = problem.with_forces(problem.predicted(model, half))
-    fit = made.fit(model, State(Material(1000.0, 0.5), {"ends": {"share": 0.05}}))
-    assert size(fit.state, "ends", "share") == pytest.approx(0.5, abs=0.01)
-    assert fit.state.material.mu == pytest.approx(MU, rel=1e-2)
+def test_a_test_that_is_left_out_is_predicted_with_the_ends_that_the_others_show():
+    before, after = left_out_errors(models("sliding"), {"tension": ["tension"]}, SETTINGS)
+    errors = [of["tension"]["tension"] for of in (before, after)]
+    assert errors[0].rms > 0.05 * errors[0].peak
+    assert errors[1].rms < 0.02 * errors[1].peak
+
+
+def test_ends_that_records_hardly_tell_are_those_of_the_likelier_model_and_not_named():
+    bonded, sliding = (diagnose(m.specimens, SETTINGS, []) for m in models("sliding"))
+    assert not likelier(bonded, bonded).slides
+    more = replace(sliding.selection.steps[0], threshold=2.0 * (bonded.left - sliding.left))
+    found = likelier(bonded, replace(sliding, selection=replace(sliding.selection, steps=[more])))
+    assert (found.slides, found.shows_sliding, found.verdict) == (True, False, "none")
+
+
+def test_other_groups_tell_what_the_platens_do():
+    bonded, sliding = (diagnose(m.specimens, SETTINGS, []) for m in models("sliding"))
+    evidence = bonded.left - sliding.left
+    found = likelier(bonded, sliding, -1.1 * evidence)
+    assert not found.slides
+    other = judgement(found, SETTINGS)["other_ends"]
+    assert other["evidence"] == pytest.approx(evidence)
+    assert other["evidence_of_other_groups"] == pytest.approx(-1.1 * evidence)
+    assert likelier(bonded, sliding, -0.9 * evidence).slides
+    assert for_sliding({"other_ends": other}) == pytest.approx(evidence)
+    told = judgement(likelier(bonded, sliding), SETTINGS)
+    assert for_sliding(told) == pytest.approx(evidence)
 
 
 DISC = IdealShape("cylinder", 20 * MM, 20 * MM, 6 * MM)

@@ -38,7 +38,7 @@ from softsample.validation import (
     DEFAULT_AXES,
     check_config,
     check_samples,
-    ends_of,
+    has_open_ends,
     modelled_ends,
     resolved,
 )
@@ -251,13 +251,8 @@ def row_value(column):
     return lambda wildcards: resolved(SAMPLES[known(wildcards.sample)])[column]
 
 
-def row_ends(wildcards):
-    """Params function: what the ends of the sample do on the platens."""
-    return ends_of(SAMPLES[known(wildcards.sample)])
-
-
 def row_modelled_ends(wildcards):
-    """Params function: the same in the model, which bonds ends that are unknown."""
+    """Params function: what the ends of the sample do in the model, which bonds unknown ones."""
     return modelled_ends(SAMPLES[known(wildcards.sample)])
 
 
@@ -317,6 +312,18 @@ def verdicts_of_others(kind):
     """Input function: verdicts of these groups, on all of their records or by themselves."""
     return lambda wildcards: [
         f"<results>/loop/{name}/{kind}/verdict.json" for name in others_of(wildcards.group)
+    ]
+
+
+def ends_of_others(wildcards):
+    """Input function: verdicts that tell what the platens do to ends that are open."""
+    open_ends = [
+        group for group in GROUPS if any(has_open_ends(SAMPLES[name]) for name in samples_of(group))
+    ]
+    return [
+        f"<results>/loop/{name}/alone/verdict.json"
+        for name in open_ends
+        if wildcards.group in open_ends and name != wildcards.group
     ]
 
 
@@ -456,17 +463,17 @@ def records_of_piece(wildcards):
     return [f"<results>/records/{name}.csv" for name in records_of(wildcards.sample)]
 
 
-def has_closed_form(piece, geometry):
+def has_closed_form(piece, geometry, ends=None):
     """Whether the piece deforms uniformly, so that its response needs no run."""
     row = SAMPLES[piece]
-    return geometry == "ideal" and is_homogeneous(row["mode"], modelled_ends(row))
+    return geometry == "ideal" and is_homogeneous(row["mode"], ends or modelled_ends(row))
 
 
-def mesh_of_runs(ending):
+def mesh_of_runs(ending, ends=None):
     """Input function: a mesh of the piece, none if its response has a closed form."""
     return lambda wildcards: (
         []
-        if has_closed_form(wildcards.sample, wildcards.geometry)
+        if has_closed_form(wildcards.sample, wildcards.geometry, ends)
         else f"<results>/mesh/{wildcards.sample}/{wildcards.geometry}{ending}.vtu"
     )
 
@@ -494,6 +501,27 @@ def of_diagnosed(pattern, geometry=None, of=lambda name: name):
     ]
 
 
+def of_sliding(pattern, geometry=None):
+    """Input function: files of the same pieces with sliding ends where these are unknown.
+
+    None if all ends are stated.
+    """
+
+    def find(wildcards):
+        pieces = [piece_of(name) for name in diagnosed(wildcards)]
+        which = {True: "_sliding", False: ""}
+        slide = [has_open_ends(SAMPLES[piece]) for piece in pieces]
+        return [
+            pattern.format(
+                sample=piece, geometry=geometry or PLAN.best(wildcards.group), ends=which[open_ends]
+            )
+            for piece, open_ends in zip(pieces, slide, strict=True)
+            if any(slide)
+        ]
+
+    return find
+
+
 def bonded_by_rule(wildcards):
     """Parameter: whether each of these samples has its real top bonded by a rule."""
     real = PLAN.best(wildcards.group) == "real"
@@ -514,6 +542,12 @@ def responses(geometry=None):
         ),
         "perturbations": of_diagnosed(
             "<results>/loop/perturbations/{sample}_{geometry}.csv", geometry, piece_of
+        ),
+        "sliding_curves": of_sliding(
+            "<results>/curves/{sample}/{geometry}/ogden2{ends}.csv", geometry
+        ),
+        "sliding_perturbations": of_sliding(
+            "<results>/loop/perturbations/{sample}_{geometry}{ends}.csv", geometry
         ),
         "fit": lambda wildcards: (
             f"<results>/calibration/{wildcards.group}/"

@@ -2,7 +2,7 @@
 
 OF_CHANGED_MODELS = {
     **OF_SHAPES,
-    "ends": row_ends,
+    "ends": row_modelled_ends,
     "region_stiffness": config["material"]["region_stiffness"],
     "element_size_mm": config["loop"]["element_size_mm"],
     "perturbations": config["loop"]["perturbations"],
@@ -48,12 +48,26 @@ rule perturbations:
         "../scripts/perturbations.py"
 
 
+use rule perturbations as perturbations_sliding with:
+    output:
+        changes="<results>/loop/perturbations/{sample}_{geometry}_sliding.csv",
+    log:
+        "<logs>/perturbations/{sample}_{geometry}_sliding.log",
+    benchmark:
+        "<benchmarks>/perturbations/{sample}_{geometry}_sliding.tsv"
+    params:
+        **{**OF_CHANGED_MODELS, "ends": "sliding"},
+    message:
+        "Changed models with sliding ends: {wildcards.sample}, {wildcards.geometry} geometry"
+
+
 rule diagnose:
     input:
         **responses(),
         bonds=bonds,
         whole=verdicts_of_others("whole"),
         alone=verdicts_of_others("alone"),
+        ends_of_others=ends_of_others,
         code=library("workflow/scripts/diagnose.py"),
     output:
         verdict="<results>/loop/{group}/verdict.json",
@@ -118,6 +132,8 @@ use rule diagnose as diagnose_ideal with:
     input:
         **responses("ideal"),
         real=of_diagnosed("<results>/curves/{sample}/real/ogden2.csv", of=piece_of),
+        sliding_real=of_sliding("<results>/curves/{sample}/real/ogden2{ends}.csv"),
+        ends_of_others=ends_of_others,
         code=library("workflow/scripts/diagnose.py"),
     output:
         verdict="<results>/loop/{group}/ideal/verdict.json",

@@ -36,6 +36,28 @@ rule simulate:
         "../scripts/simulate.py"
 
 
+# Ends that a study leaves open: the diagnosis compares both.
+use rule simulate as simulate_sliding with:
+    input:
+        mesh=mesh_of_runs("", "sliding"),
+        preliminary=mesh_of_runs("_coarse", "sliding"),
+        cuboid="<results>/cuboid/{sample}.json",
+        records=records_of_piece,
+        code=library("workflow/scripts/simulate.py"),
+    output:
+        curves="<results>/curves/{sample}/{geometry}/ogden2_sliding.csv",
+        report="<results>/curves/{sample}/{geometry}/ogden2_sliding.json",
+    log:
+        "<logs>/simulate/{sample}_{geometry}_ogden2_sliding.log",
+    benchmark:
+        "<benchmarks>/simulate/{sample}_{geometry}_ogden2_sliding.tsv"
+    params:
+        **{**OF_RUNS, "ends": "sliding"},
+        family=config["family"],
+    message:
+        "Unit-modulus response with sliding ends: {wildcards.sample}, {wildcards.geometry} geometry"
+
+
 rule one_term:
     input:
         curves="<results>/curves/{sample}/{geometry}/ogden2.csv",

@@ -25,12 +25,12 @@ def loop_figure(found: Diagnosis) -> Figure:
     Of many tests those with the largest error before are shown.
     """
     specimens, labels = found.problem.specimens, found.problem.labels
-    errors = [found.before.fitted[label]["all"] for label in labels]
+    errors = [found.origin.before.fitted[label]["all"] for label in labels]
     worst = np.argsort([-np.nan_to_num(error.rms / error.peak) for error in errors], kind="stable")
     shown = sorted(map(int, worst[:MOST]))
     figure = page_figure(140.0)
     axes = figure.subplots(3, len(shown), squeeze=False)
-    (first, plain), after = found.first, found.predicting
+    (first, plain), after = found.origin.first, found.predicting
     models = {
         "before": first.predicted(plain.model, plain.state),
         "after": found.problem.predicted(after.model, after.state),

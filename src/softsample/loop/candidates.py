@@ -9,7 +9,6 @@ from softsample.constitutive.material import Material
 from softsample.loop.effects import library
 from softsample.loop.effects.base import Effect, Parameter
 from softsample.loop.specimen import Specimen
-from softsample.response.perturbations import ENDS
 
 HEIGHTS = (6.5e-3, 26e-3)
 """Heights [m] of samples whose ranges of lengths hold as they are: 13 mm by a factor of two."""
@@ -47,7 +46,6 @@ def candidates(specimens: Sequence[Specimen], height: float, solid: Material) ->
     scales = {"mm": length, "mN": force, "mN/s": force, "mm/N": length / force}
     there = {
         RIPPLE: rippled,
-        "ends": _open_ends(specimens),
         "elastic_law": all(s.elastic.laws is not None for s in specimens),
         "ogden_exponents": all(s.elastic.laws is not None for s in specimens),
         "compressible_foam": all(s.elastic.knows_foams for s in specimens),
@@ -60,11 +58,6 @@ def candidates(specimens: Sequence[Specimen], height: float, solid: Material) ->
         for effect in library(solid, specimens).values()
         if (timed or not effect.of_time) and effect.name not in absent
     ]
-
-
-def _open_ends(specimens: Sequence[Specimen]) -> bool:
-    """Whether the study leaves open what the ends of a sample do."""
-    return any(ENDS in specimen.elastic.perturbations for specimen in specimens)
 
 
 def _rate(specimen: Specimen) -> float:

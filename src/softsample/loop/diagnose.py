@@ -16,7 +16,7 @@ from softsample.loop.average import (
     weighed,
 )
 from softsample.loop.correction import Confirmed, confirmed, learned
-from softsample.loop.effects import library, specimen_stiffness
+from softsample.loop.effects import ends, library, specimen_stiffness
 from softsample.loop.effects.base import Effect
 from softsample.loop.errors import (
     Errors,
@@ -41,13 +41,23 @@ from softsample.loop.pool import Group, Others, Pooled, pooled
 from softsample.loop.posed import LoopSettings, Posed
 from softsample.loop.resample import confidence
 from softsample.loop.scale import Scales, most_likely
-from softsample.loop.select import Candidate, Selection, Step, select, unusable
+from softsample.loop.select import (
+    Candidate,
+    Selection,
+    Step,
+    misfit_with_penalties,
+    select,
+    unusable,
+)
 from softsample.loop.specimen import Specimen
 
 Array = NDArray[np.float64]
 
 HELD_OUT = "held_out"
 """Fold of what a study holds out."""
+
+ENDS = ends.EFFECT.name
+"""Effect that stands for the model of sliding ends."""
 
 STIFFNESS = specimen_stiffness.EFFECT.name
 """Effect that stands for what scattered specimens differ in."""
@@ -92,6 +102,12 @@ class Diagnosis:
         Errors with it.
     told : Pooled or None
         What the other groups of the study have chosen, if the effects are theirs.
+    slides : bool
+        Whether the model is that of sliding ends, in place of the study's bonded ones.
+    other_ends : Diagnosis or None
+        That of the other ends, if the study leaves them open.
+    slid : float
+        Evidence of the other groups for sliding ends.
     """
 
     problem: Problem
@@ -107,13 +123,28 @@ class Diagnosis:
     correction: Confirmed | None = None
     corrected: Judged | None = None
     told: Pooled | None = None
+    slides: bool = False
+    other_ends: "Diagnosis | None" = None
+    slid: float = 0.0
+
+    @property
+    def origin(self) -> "Diagnosis":
+        """The one whose plain model is the calibrated one, of bonded ends if they are open."""
+        return self.other_ends if self.slides and self.other_ends else self
+
+    @property
+    def shows_sliding(self) -> bool:
+        """Whether these records and those of the other groups show that open ends slide."""
+        evidence = self.origin.left - self.left + self.slid
+        return self.slides and (bool(self.told) or evidence >= self.selection.steps[0].threshold)
 
     @property
     def verdict(self) -> str:
         """`explained`, `explained_class`, `none` or `unknown`."""
         if self.objection:
             return "explained_class" if self.correction else "unknown"
-        return "explained" if self.selection.classes or self.stiffness else "none"
+        named = self.selection.classes or self.stiffness or self.shows_sliding
+        return "explained" if named else "none"
 
     @property
     def after(self) -> Judged:
@@ -133,6 +164,14 @@ class Diagnosis:
     def predicting(self) -> Fit:
         """What predicts best what is not measured: `final`, with a correction that holds."""
         return self.correction.whole if self.correction else self.final
+
+    @property
+    def left(self) -> float:
+        """Misfit of what is reported, with the penalties for effects and single specimens."""
+        plain = self.selection.plain, self.selection.base
+        found = plain if self.objection else (self.selection.problem, self.selection.final)
+        specimens = max(0, len(self.stiffness) - 1)
+        return misfit_with_penalties(*found) + specimens * float(np.log(len(self.final.white)))
 
     @property
     def rest(self) -> Mapping[str, float]:
@@ -303,7 +342,8 @@ def _recommended(diagnosis: Diagnosis, settings: LoopSettings) -> dict[str, Any]
     """
     rest, several = diagnosis.rest, not (diagnosis.objection or diagnosis.told)
     of_final = Weighed(diagnosis.final, 1.0, bond_deviation(diagnosis.problem, diagnosis.final))
-    models = weighed(diagnosis.selection) if several else [of_final]
+    open_to = [diagnosis, *([diagnosis.other_ends] if diagnosis.other_ends else [])]
+    models = weighed(*(one.selection for one in open_to)) if several else [of_final]
     mu, low, high = averaged(models, settings.noise, diagnosis.stiffness)
     return {
         "mu": {
@@ -316,7 +356,7 @@ def _recommended(diagnosis: Diagnosis, settings: LoopSettings) -> dict[str, Any]
         "why": f"verdict {diagnosis.verdict}",
         "models": [
             {
-                "effects": list(one.fit.model.names),
+                "effects": [*([ENDS] if open_to[one.of].slides else []), *one.fit.model.names],
                 "weight": one.weight,
                 "mu": one.fit.state.material.mu,
             }
@@ -338,25 +378,30 @@ def judgement(diagnosis: Diagnosis, settings: LoopSettings) -> dict[str, Any]:
     selection, final = diagnosis.selection, diagnosis.final
     fractions = diagnosis.problem.fractions
     named = [] if diagnosis.objection else final.model.effects
-    stiffness = [_stiffness_report(diagnosis, settings.noise)] if diagnosis.stiffness else []
+    whole = [
+        *([_ends_report(diagnosis)] if diagnosis.shows_sliding else []),
+        *([_stiffness_report(diagnosis, settings.noise)] if diagnosis.stiffness else []),
+    ]
+    origin = diagnosis.origin
     return {
         "verdict": diagnosis.verdict,
         "objection": diagnosis.objection or None,
         "effects": [
-            *([] if diagnosis.objection else stiffness),
+            *([] if diagnosis.objection else whole),
             *(_effect_report(effect, selection, settings.noise) for effect in named),
         ],
         "specimen_stiffness": dict(diagnosis.stiffness),
-        "theta_before": _theta(diagnosis.first[1], settings.noise, fractions),
+        "theta_before": _theta(origin.first[1], settings.noise, fractions),
         "theta_after": _theta(final, settings.noise, fractions, diagnosis.stiffness),
         "withheld": _withheld(diagnosis, settings),
         "pooled": diagnosis.told.report() if diagnosis.told else None,
+        "other_ends": _other_ends(diagnosis),
         "correction": diagnosis.correction.report() if diagnosis.correction else None,
-        "error_before": error_report(diagnosis.before.fitted),
+        "error_before": error_report(origin.before.fitted),
         "error_after": error_report(diagnosis.after.fitted),
-        "folds_before": error_report(diagnosis.before.folds),
+        "folds_before": error_report(origin.before.folds),
         "folds_after": error_report(diagnosis.after.folds),
-        "held_out_before": _declared(diagnosis.before),
+        "held_out_before": _declared(origin.before),
         "held_out_after": _declared(diagnosis.after),
         "noise": {
             label: {
@@ -371,10 +416,10 @@ def judgement(diagnosis: Diagnosis, settings: LoopSettings) -> dict[str, Any]:
         "floor": asdict(settings.noise),
         "discrepancy_percent": {
             when: settings.noise.sizes(posed.variances)
-            for when, posed in (("before", diagnosis.first[0]), ("after", selection.problem))
+            for when, posed in (("before", origin.first[0]), ("after", selection.problem))
         },
         "reduced_chi_square": {
-            "before": diagnosis.first[1].cost / len(diagnosis.first[1].white),
+            "before": origin.first[1].cost / len(origin.first[1].white),
             "after": final.cost / len(final.white),
         },
         "path": [
@@ -395,7 +440,10 @@ def judgement(diagnosis: Diagnosis, settings: LoopSettings) -> dict[str, Any]:
             for step in selection.steps
         ],
         "not_identifiable": sorted(
-            {*selection.weak, *(e.name for e in library().values() if not e.identifiable)}
+            {
+                *selection.weak,
+                *(e.name for e in library().values() if e.sizes and not e.identifiable),
+            }
         ),
     }
 
@@ -466,6 +514,32 @@ def _theta(
             "low": max(fractions[0], r - NINETY * of_fraction),
             "high": min(fractions[1], r + NINETY * of_fraction),
         },
+    }
+
+
+def _ends_report(diagnosis: Diagnosis) -> dict[str, Any]:
+    """Sliding ends, which have no size."""
+    return {
+        "name": ENDS,
+        "class": [ENDS],
+        "parameters": {},
+        "evidence": diagnosis.origin.left - diagnosis.left + diagnosis.slid,
+        "separating_experiment": ends.EFFECT.experiment,
+    }
+
+
+def _other_ends(diagnosis: Diagnosis) -> dict[str, Any] | None:
+    """What the verdict would be with the other ends, if the study leaves them open."""
+    if (other := diagnosis.other_ends) is None:
+        return None
+    return {
+        "ends": "sliding" if other.slides else "bonded",
+        "verdict": other.verdict,
+        "effects": list(other.final.model.names),
+        "mu": {"value": other.final.state.material.mu, "unit": "Pa"},
+        "evidence": diagnosis.left - other.left,
+        "evidence_of_other_groups": diagnosis.slid if other.slides else -diagnosis.slid,
+        "held_out_if_given": _declared(other.after),
     }
 
 

@@ -5,8 +5,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from softsample.loop.diagnose import diagnose
-from softsample.loop.effects.base import Effect
+from softsample.loop.ends import Assumed, diagnose_ends
 from softsample.loop.errors import Error, held_out_errors
 from softsample.loop.posed import LoopSettings
 from softsample.loop.specimen import Specimen
@@ -15,25 +14,25 @@ Errors = dict[str, dict[str, Error]]
 
 
 def left_out_errors(
-    specimens: Sequence[Specimen],
+    models: Sequence[Assumed],
     folds: Mapping[str, Collection[str]],
     settings: LoopSettings,
-    effects: Sequence[Effect],
+    slid: float = 0.0,
     progress: Callable[[str, float], None] | None = None,
 ) -> tuple[Errors, Errors]:
     """Errors of what is left out, by fold and test, without and with effects.
 
-    The effects are selected anew on the rest of each fold, so that nothing of what is left out is
-    known. What the study holds out of a test is no part of its error.
+    Effects and open ends are selected anew on the rest of each fold, so that nothing of what is
+    left out is known. What the study holds out of a test is no part of its error.
 
     Parameters
     ----------
-    specimens : sequence of Specimen
-        All tests.
+    models : sequence of Assumed
+        As of `softsample.loop.ends.diagnose_ends`; every test counts.
     folds : mapping
         Names of the samples that are left out, by the name of the fold.
-    settings, effects
-        As of `softsample.loop.diagnose.diagnose`.
+    settings, slid
+        As of `softsample.loop.ends.diagnose_ends`.
     progress : callable, optional
         Told the fold and the finished part.
     """
@@ -42,18 +41,26 @@ def left_out_errors(
     for done, (name, samples) in enumerate(folds.items()):
         if progress is not None:
             progress(name, done / len(folds))
-        rest = [replace(s, held_out=_all(s)) if s.name in samples else s for s in specimens]
-        if all(s.held_out.all() for s in rest):
+        rest = [replace(one, specimens=_without(one.every, samples), others=None) for one in models]
+        if all(s.held_out.all() for s in rest[0].specimens):
             continue
-        found = diagnose(rest, settings, effects)
-        judged = [
-            replace(s, held_out=~s.held_out if s.name in samples else ~_all(s)) for s in specimens
-        ]
-        noise = found.noises[0].white
+        found = diagnose_ends(rest, settings, slid)
+        plain, judged = (_only(models[ends].every, samples) for ends in (0, found.slides))
+        noise, origin = found.noises[0].white, found.origin
         alike = [specimen.of_stiffness(found.stiffness) for specimen in judged]
-        before[name] = held_out_errors(found.first[1], judged, noise, found.scales_before)
+        before[name] = held_out_errors(origin.first[1], plain, noise, origin.scales_before)
         after[name] = held_out_errors(found.predicting, alike, noise, found.scales)
     return before, after
+
+
+def _without(specimens: Sequence[Specimen], samples: Collection[str]) -> list[Specimen]:
+    """Tests of which those of some samples are held out."""
+    return [replace(s, held_out=_all(s)) if s.name in samples else s for s in specimens]
+
+
+def _only(specimens: Sequence[Specimen], samples: Collection[str]) -> list[Specimen]:
+    """Tests of which all else is, but for what the study holds out of these."""
+    return [replace(s, held_out=~s.held_out if s.name in samples else ~_all(s)) for s in specimens]
 
 
 def _all(specimen: Specimen) -> np.ndarray:

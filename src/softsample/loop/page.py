@@ -29,6 +29,8 @@ def page(group: str, verdict: Mapping[str, Any]) -> str:
         parts += [_specimens(verdict["specimen_stiffness"]), ""]
     if verdict["pooled"]:
         parts += [_pooled(verdict["pooled"]), ""]
+    if verdict["other_ends"]:
+        parts += [_other_ends(verdict), ""]
     for effect in verdict["effects"]:
         parts += _effect(effect)
     if verdict["correction"]:
@@ -91,6 +93,20 @@ def _pooled(found: Mapping[str, Any]) -> str:
     )
 
 
+def _other_ends(verdict: Mapping[str, Any]) -> str:
+    """Two sentences on ends that the study leaves open."""
+    other, here = verdict["other_ends"], {"bonded": "slide", "sliding": "are bonded"}
+    told = other["evidence_of_other_groups"]
+    others = f", and {told:.0f} in the other groups" if told else ""
+    effects = f" ({', '.join(f'`{name}`' for name in other['effects'])})" * bool(other["effects"])
+    return (
+        f"The study leaves the ends open; in this model they {here[other['ends']]}. With "
+        f"{other['ends']} ends the verdict would be {other['verdict']}{effects} and the modulus "
+        f"{_shown(other['mu']['value'])} Pa (evidence {other['evidence']:.0f}"
+        f"{others})."
+    )
+
+
 def _specimens(stiffness: Mapping[str, float]) -> str:
     """One sentence on specimens that differ, where no effect is given."""
     named = ", ".join(f"{piece} {value:.3g}" for piece, value in stiffness.items())
@@ -110,17 +126,15 @@ def _effect(effect: Mapping[str, Any]) -> list[str]:
         named = ", ".join(f"`{name}`" for name in others)
         lines += [f"**Undecided:** these records cannot tell it from {named}.", ""]
     lines += [f"Signature: {known[effect['name']].signature}.", ""]
-    lines += _table(
-        ["parameter", "value", "90 % interval", "unit"],
-        [
-            [name, _shown(p["value"]), f"{_shown(p['low'])} to {_shown(p['high'])}", p["unit"]]
-            for name, p in effect["parameters"].items()
-        ],
-    )
+    sizes = [
+        [name, _shown(p["value"]), f"{_shown(p['low'])} to {_shown(p['high'])}", p["unit"]]
+        for name, p in effect["parameters"].items()
+    ]
+    if sizes:
+        lines += [*_table(["parameter", "value", "90 % interval", "unit"], sizes), ""]
     experiment = effect["separating_experiment"]
     return [
         *lines,
-        "",
         f"Evidence {effect['evidence']:.0f}. Discriminating experiment: {experiment}.",
         "",
     ]

@@ -41,7 +41,8 @@ OPEN_MODULUS = float(np.log(2.0))
 """Standard deviation of ln(mu) above which a fit leaves the modulus open: a factor of two."""
 
 RIVAL = 0.5
-"""Part of the best one's evidence from which on folds are asked whether they tell a candidate."""
+"""Part of the best one's evidence from which on folds are asked whether they tell a candidate, and
+below which none is chosen if the best explains nothing."""
 
 PROMISING = 0.1
 """Candidates whose linear gain is below this part of the best one's, or of the threshold, are not
@@ -479,6 +480,8 @@ def _round(
     if not inside:
         return Step(threshold, _one_of_each(candidates), None, refused=refused, why=why)
     best = min(inside, key=_comes_later)
+    if refused and _comes_later(best) and best.evidence < RIVAL * refused.evidence:
+        return Step(threshold, _one_of_each(candidates), None, refused=refused, why=why)
     if best.fit.model.effects[-1].is_law:
         best = _nearest_law(here, best, inside, settings)
     if not _beyond_doubt(here, best, threshold):

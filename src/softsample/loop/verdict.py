@@ -44,17 +44,25 @@ def document(
     """
     verdict = report(found, settings)
     for key, judged, errors in zip(
-        ("held_out_before", "held_out_after"), (found.before, found.after), left_out, strict=True
+        ("held_out_before", "held_out_after"),
+        (found.origin.before, found.after),
+        left_out,
+        strict=True,
     ):
         if errors:
             own = verdict[key] if judged.held_out else {}
             verdict[key] = {**own, **error_report(errors)}
     return {
         **verdict,
-        "rule": rule if found.before.held_out or left_out[0] else "",
+        "rule": rule if found.origin.before.held_out or left_out[0] else "",
         "elastic_law": elastic_law(found.final.state.values, solid),
-        "ends": sorted({row["ends"] for row in rows}),
+        "ends": sorted({_ends(row["ends"], found) for row in rows}),
     }
+
+
+def _ends(stated: str, found: Diagnosis) -> str:
+    """Ends of a sample in the model that is reported."""
+    return stated if stated != "unknown" else "sliding" if found.slides else "bonded"
 
 
 def elastic_law(values: Mapping[str, Values], solid: Material) -> dict[str, Any]:

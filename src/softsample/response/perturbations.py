@@ -52,9 +52,6 @@ axial test both diagonals are alike, so that each test has three of these runs."
 EXPONENTS, APART = (-20.0, 2.0, 25.0), 3.0
 """Exponents of the runs of single terms; one as near as that to one of the model's is left out."""
 
-ENDS = "ends_sliding"
-"""Perturbation that replaces bonded ends by sliding ones."""
-
 TILTS = {"x": (1.0, 0.0), "minus_x": (-1.0, 0.0), "y": (0.0, 1.0), "minus_y": (0.0, -1.0)}
 """Axes about which the platen is turned."""
 
@@ -91,13 +88,7 @@ def perturbations_of(
     """
     if geometry == "ideal" and is_homogeneous(test.mode, test.ends):
         return homogeneous_perturbations(shape, test)
-    grid, changes = simulate_perturbations(mesh_shifted, test, progress, turn=test.travel)
-    if test.ends == "unknown" and test.mode == "shear" and geometry == "ideal":
-        sheared = homogeneous_area(shape, test.mode, grid, test.material)
-        model = mesh_shifted(0.0)
-        bonded = paced(model.model(test.solver), test.material, test.held(model), grid[-1]).run
-        changes = {**changes, ENDS: sheared - bonded.force / test.material.shear_modulus}
-    return grid, changes
+    return simulate_perturbations(mesh_shifted, test, progress, turn=test.travel)
 
 
 def simulate_perturbations(
@@ -356,14 +347,11 @@ def changed_materials(test: MechanicalTest) -> dict[str, Material]:
 
 def changed_boundaries(sample: MeshedSample, test: MechanicalTest) -> dict[str, Boundary]:
     """Boundary conditions that differ in one thing, by the name of the perturbation."""
-    found = {}
-    if test.ends == "unknown" and test.mode != "shear":  # there in closed form alone
-        found[ENDS] = mode_boundary(sample.mesh, test.mode, sample.glued, test.contact, "sliding")
     if test.mode == "compression":
-        return found | _changed_platens(sample, test)
-    if test.mode in ("tension", "shear", "pure_shear") and test.base_ends == "bonded":
-        return found | _changed_bonds(sample, test)
-    return found
+        return _changed_platens(sample, test)
+    if test.mode in ("tension", "shear", "pure_shear") and test.ends == "bonded":
+        return _changed_bonds(sample, test)
+    return {}
 
 
 def _changed_bonds(sample: MeshedSample, test: MechanicalTest) -> dict[str, Boundary]:

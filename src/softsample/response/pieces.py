@@ -75,8 +75,7 @@ class MechanicalTest:
     steps : PerturbationSettings
         Steps of the changed models.
     ends : str or float
-        `bonded`, `sliding`, a coefficient of Coulomb friction, or `unknown`: bonded, and what
-        sliding ends change is a perturbation.
+        `bonded`, `sliding`, or a coefficient of Coulomb friction.
     normal : bool
         Whether the force along z is wanted too, beside that along the displacement.
     """
@@ -107,19 +106,14 @@ class MechanicalTest:
             given["normal"],
         )
 
-    @property
-    def base_ends(self) -> Ends:
-        """Ends of the unchanged model."""
-        return "bonded" if self.ends == "unknown" else self.ends
-
     def held(self, sample: "MeshedSample") -> Boundary:
         """What holds a sample in the unchanged model."""
-        return mode_boundary(sample.mesh, self.mode, sample.glued, self.contact, self.base_ends)
+        return mode_boundary(sample.mesh, self.mode, sample.glued, self.contact, self.ends)
 
     @property
     def platen_contact(self) -> ContactSettings:
         """Contact of a pressed sample, its friction that of the ends."""
-        ends = self.base_ends
+        ends = self.ends
         if isinstance(ends, Indenter) or ends == "bonded" or self.contact.friction is not None:
             return self.contact
         friction = 0.0 if isinstance(ends, str) else float(ends)

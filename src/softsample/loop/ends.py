@@ -1,0 +1,104 @@
+"""Ends that a study leaves open: models of bonded and of sliding ends, of which one is reported.
+
+Neither is more probable beforehand, and both may lack effects: each is diagnosed.
+"""
+
+from collections.abc import Collection, Mapping, Sequence
+from dataclasses import dataclass, replace
+from typing import Any, Self
+
+from softsample.constitutive.material import Material
+from softsample.loop.candidates import candidates
+from softsample.loop.diagnose import Diagnosis, diagnose
+from softsample.loop.effects.base import Effect
+from softsample.loop.pool import Others
+from softsample.loop.posed import LoopSettings
+from softsample.loop.specimen import Specimen
+
+
+@dataclass(frozen=True)
+class Assumed:
+    """Records beside the response of samples whose ends are taken to be bonded, or to slide.
+
+    Parameters
+    ----------
+    specimens : sequence of Specimen
+        Tests of the group.
+    every : sequence of Specimen
+        All tests that the diagnosis is told of.
+    effects : sequence of Effect
+        What may be named.
+    others : Others, optional
+        The other groups of the study, if all that was measured of them is known.
+    """
+
+    specimens: Sequence[Specimen]
+    every: Sequence[Specimen]
+    effects: Sequence[Effect]
+    others: Others | None = None
+
+    @classmethod
+    def of(
+        cls,
+        names: Collection[str],
+        tests: tuple[Sequence[Specimen], Sequence[Specimen]],
+        heights: Mapping[str, float],
+        groups: Mapping[str, Collection[str]],
+        verdicts: tuple[Sequence[Mapping[str, Any]], Sequence[Mapping[str, Any]]],
+        settings: LoopSettings,
+        solid: Material,
+    ) -> Self:
+        """From the tests of a study; `names` are the samples of the group.
+
+        Other arguments as of `softsample.loop.pool.Others.of`.
+        """
+        own = [test for test in tests[1] if test.name in names]
+        effects = candidates(own, heights[own[0].name], solid)
+        others = Others.of(groups, tests, heights, verdicts, settings, solid)
+        return cls(own, tests[1], effects, others)
+
+
+def diagnose_ends(
+    models: Sequence[Assumed], settings: LoopSettings, slid: float = 0.0
+) -> Diagnosis:
+    """Diagnosis of a group with the ends of the study; of two models, that of the likelier ends.
+
+    Parameters
+    ----------
+    models : sequence of Assumed
+        One, or first that of bonded ends and then that of sliding ones.
+    settings : LoopSettings
+        Noise, floor and rules of the selection.
+    slid : float
+        Evidence for sliding ends in the other groups of the study, which had the same platens.
+    """
+    found = [diagnose(one.specimens, settings, one.effects, one.others) for one in models]
+    return likelier(found[0], found[1], slid) if found[1:] else found[0]
+
+
+def for_sliding(verdict: Mapping[str, Any]) -> float:
+    """Evidence for sliding ends in a `verdict.json` whose study leaves them open."""
+    other = verdict["other_ends"]
+    return float(other["evidence"] if other["ends"] == "sliding" else -other["evidence"])
+
+
+def likelier(bonded: Diagnosis, sliding: Diagnosis, slid: float = 0.0) -> Diagnosis:
+    """The diagnosis to report; it knows the other one.
+
+    Where other groups have chosen the effects, they also choose the ends: by the error on what is
+    held out of them. Else it is the likelihood of what is reported with either, penalties
+    included, and what the other groups tell, `slid`.
+    """
+    bonded, sliding = replace(bonded, slid=slid), replace(sliding, slid=slid, slides=True)
+    if bonded.told or sliding.told:
+        slides = _error_of_others(sliding) < _error_of_others(bonded)
+    else:
+        slides = bonded.left - sliding.left + slid > 0.0
+    if slides:
+        return replace(sliding, other_ends=bonded)
+    return replace(bonded, other_ends=sliding)
+
+
+def _error_of_others(found: Diagnosis) -> float:
+    """Error on what is held out of the other groups with the effects that they have chosen."""
+    return found.told.after if found.told else float("inf")

@@ -149,3 +149,6 @@ def test_the_best_of_the_first_round_that_change_the_model_are_confirmed():
     ]
     verdict = {"path": [{"candidates": ranked}, {"candidates": []}]}
     assert list(sizes_to_confirm(verdict)) == ["poisson_ratio", "platen_tilt", "anisotropy"]
+    bonded, slid = ({"other_ends": {"ends": ends}} for ends in ("sliding", "bonded"))
+    assert sizes_to_confirm({**verdict, **bonded}) == sizes_to_confirm(verdict)
+    assert sizes_to_confirm({**verdict, **slid}) == {}

@@ -46,7 +46,12 @@ COLUMNS = (
 
 
 def sizes_to_confirm(verdict: Mapping[str, Any]) -> dict[str, Values]:
-    """Sizes of the best effects of the first round that change the solver's model."""
+    """Sizes of the best effects of the first round that change the solver's model.
+
+    None where open ends slide, since the runs have the study's bonded ones.
+    """
+    if (verdict.get("other_ends") or {}).get("ends") == "bonded":
+        return {}
     first = verdict["path"][0]["candidates"]
     best = [c for c in first if c["name"] in SIMULATED and c["evidence"] > 0.0]
     return {c["name"]: c["values"] for c in best[:MOST]}

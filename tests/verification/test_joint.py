@@ -12,7 +12,7 @@ from softsample.constitutive.ogden import unit_modulus
 from softsample.fem.boundary import ContactSettings, mode_boundary
 from softsample.fem.explicit import ExplicitModel, SolverSettings
 from softsample.loop.candidates import candidates
-from softsample.loop.diagnose import diagnose, judgement
+from softsample.loop.diagnose import diagnose, judgement, report
 from softsample.loop.effects import library
 from softsample.loop.ends import Assumed, diagnose_ends, for_sliding, likelier
 from softsample.loop.held_out import Tables, specimens_of
@@ -185,6 +185,7 @@ def test_other_groups_tell_what_the_platens_do():
     evidence = bonded.left - sliding.left
     found = likelier(bonded, sliding, -1.1 * evidence)
     assert not found.slides
+    assert report(found, SETTINGS)["recommended"]["models"][0]["effects"] == []
     other = judgement(found, SETTINGS)["other_ends"]
     assert other["evidence"] == pytest.approx(evidence)
     assert other["evidence_of_other_groups"] == pytest.approx(-1.1 * evidence)

@@ -53,15 +53,19 @@ class Weighed:
     of: int = 0
 
 
-def weighed(*selections: Selection) -> list[Weighed]:
-    """Models that selections fitted, which start from models equally probable beforehand.
+def weighed(*selections: Selection, against: Sequence[float] = (0.0,)) -> list[Weighed]:
+    """Models that selections fitted, `against` each of which that much misfit is known elsewhere.
 
     The likeliest comes first. Each set of effects of a selection counts once. Each effect makes a
     model less probable beforehand by the number of effects in the library, so that no effect is as
     probable as any one of them. If what the plain model is known to leave out was selected, no
     model without it counts.
     """
-    every = [(*model, of) for of, one in enumerate(selections) for model in _likeliest(one)]
+    every = [
+        (left + more, problem, fit, of)
+        for of, (one, more) in enumerate(zip(selections, against, strict=True))
+        for left, problem, fit in _likeliest(one)
+    ]
     least = min(left for left, *_ in every)
     weights = [float(np.exp(-0.5 * (left - least))) for left, *_ in every]
     found = [

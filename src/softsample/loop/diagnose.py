@@ -343,7 +343,9 @@ def _recommended(diagnosis: Diagnosis, settings: LoopSettings) -> dict[str, Any]
     rest, several = diagnosis.rest, not (diagnosis.objection or diagnosis.told)
     of_final = Weighed(diagnosis.final, 1.0, bond_deviation(diagnosis.problem, diagnosis.final))
     open_to = [diagnosis, *([diagnosis.other_ends] if diagnosis.other_ends else [])]
-    models = weighed(*(one.selection for one in open_to)) if several else [of_final]
+    against = [0.0 if one.slides else one.slid for one in open_to]
+    tried = [one.selection for one in open_to]
+    models = weighed(*tried, against=against) if several else [of_final]
     mu, low, high = averaged(models, settings.noise, diagnosis.stiffness)
     return {
         "mu": {

@@ -74,8 +74,8 @@ for sample_id in SAMPLES:
 
 
 onsuccess:
-    print(closing_words(complete=True))
+    print(words_of_success(config["results"], numbers_of_this_run(), LEFT_OUT, FAILURES))
 
 
 onerror:
-    print(closing_words(complete=False))
+    print(words_of_failure(failed_jobs(f"{config['results']}/logs")))

@@ -25,7 +25,12 @@ from softsample.report.html import (
     table,
     written,
 )
-from softsample.report.results import in_brief, study_results
+from softsample.report.results import (
+    in_brief,
+    study_results,
+    words_of_failure,
+    words_of_success,
+)
 from softsample.report.scene import MOST_FACES, scene
 from softsample.validation import refusals
 
@@ -309,3 +314,16 @@ def test_a_fine_surface_is_decimated_and_keeps_its_shape():
     corners = moved[faces]
     volume = np.linalg.det(corners).sum() / 6.0
     assert volume == pytest.approx(800.0, rel=0.01)
+
+
+def test_a_run_says_last_what_was_found_what_was_left_out_and_what_failed():
+    failures = [("mesh/A", "too thin")]
+    said = words_of_success("out", None, [], [])
+    assert said == "Done. Results are below out/ (tables, figures, checks)."
+    lines = words_of_success("out", {"groups": {}}, ["A", "B"], failures).splitlines()
+    assert lines[0].startswith("group  modulus to quote [Pa]")
+    assert lines[1:] == [
+        "All tables and figures: out/report.html", "Left out: A, B", "  mesh/A: too thin"
+    ]  # fmt: skip
+    assert words_of_failure(failures).splitlines()[1:] == ["  mesh/A: too thin"]
+    assert "run the same command again" in words_of_failure([])

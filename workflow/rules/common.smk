@@ -30,7 +30,7 @@ from softsample.formats import files_of
 from softsample.holdout import check_hold_out, folds, in_turn, wholly_held_out
 from softsample.io import read_json, read_samples, read_table, read_yaml
 from softsample.progress import show_jobs_in_lines
-from softsample.report.results import in_brief
+from softsample.report.results import words_of_failure, words_of_success
 from softsample.report.tables import LEVEL
 from softsample.response.unit import is_homogeneous
 from softsample.study.plan import GEOMETRIES, Plan
@@ -707,26 +707,11 @@ SHOWN_GEOMETRIES = GEOMETRIES if has_real(SHOWN) else ["ideal"]
 REAL_EXAMPLES = [name for name in EXAMPLES.values() if "real" in PLAN.geometries(name)]
 
 
-def closing_words(complete):
-    """What to look at, or what failed and why."""
-    numbers = Path(config["results"], "results.json")
-    if complete:
-        end = [f"Done. Results are below {config['results']}/ (tables, figures, checks)."]
-        if numbers.is_file() and numbers.stat().st_mtime >= STARTED:
-            page = f"All tables and figures: {config['results']}/report.html"
-            end = [in_brief(read_json(numbers)), page]
-        left_out = [f"Left out: {', '.join(LEFT_OUT)}", *told(FAILURES)] if LEFT_OUT else []
-        return "\n".join([*end, *left_out])
-    failed = failed_jobs(f"{config['results']}/logs")
-    if not failed:
-        return "The run stopped before it was complete; run the same command again."
-    told_first = "Some jobs failed; the others were finished where possible:"
-    return "\n".join([told_first, *told(failed)])
-
-
-def told(failed):
-    """A line for each job that failed."""
-    return [f"  {job}: {reason}" for job, reason in failed]
+def numbers_of_this_run():
+    """The document of all numbers, if this run has made it."""
+    path = Path(config["results"], "results.json")
+    made = path.is_file() and path.stat().st_mtime >= STARTED
+    return read_json(path) if made else None
 
 
 onstart:

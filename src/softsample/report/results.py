@@ -133,6 +133,37 @@ def _errors(errors: Report) -> dict[str, float]:
     return {mode: phases["all"]["rms_percent_structured"] for mode, phases in errors.items()}
 
 
+Failures = Sequence[tuple[str, str]]
+"""Name of each job that failed, with the reason."""
+
+
+def words_of_success(
+    results: str, document: Mapping[str, Any] | None, left_out: Sequence[str], failures: Failures
+) -> str:
+    """What a run says last: the moduli of `results.json` if it made that, and where to look.
+
+    Samples that were left out follow with the failures.
+    """
+    end = [f"Done. Results are below {results}/ (tables, figures, checks)."]
+    if document:
+        end = [in_brief(document), f"All tables and figures: {results}/report.html"]
+    if left_out:
+        end += [f"Left out: {', '.join(left_out)}", *_told(failures)]
+    return "\n".join(end)
+
+
+def words_of_failure(failures: Failures) -> str:
+    """What a run says last that did not come through."""
+    if not failures:
+        return "The run stopped before it was complete; run the same command again."
+    first = "Some jobs failed; the others were finished where possible:"
+    return "\n".join([first, *_told(failures)])
+
+
+def _told(failures: Failures) -> list[str]:
+    return [f"  {job}: {reason}" for job, reason in failures]
+
+
 def in_brief(document: Mapping[str, Any]) -> str:
     """The moduli and the verdict of every group as a table of text, a line each; then findings.
 

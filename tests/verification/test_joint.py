@@ -14,7 +14,7 @@ from softsample.fem.explicit import ExplicitModel, SolverSettings
 from softsample.loop.candidates import candidates
 from softsample.loop.diagnose import diagnose, judgement, report
 from softsample.loop.effects import library
-from softsample.loop.ends import Assumed, diagnose_ends, for_sliding, likelier
+from softsample.loop.ends import Assumed, _with_ends, diagnose_ends, for_sliding, likelier
 from softsample.loop.held_out import Tables, specimens_of
 from softsample.loop.leave_out import left_out_errors
 from softsample.loop.model import Material, Model, State
@@ -193,6 +193,8 @@ def test_other_groups_tell_what_the_platens_do():
     assert for_sliding({"other_ends": other}) == pytest.approx(evidence)
     told = judgement(likelier(bonded, sliding), SETTINGS)
     assert for_sliding(told) == pytest.approx(evidence)
+    assert _with_ends(told, slides=True) is told
+    assert _with_ends(told, slides=False)["path"] == judgement(bonded, SETTINGS)["path"]
 
 
 DISC = IdealShape("cylinder", 20 * MM, 20 * MM, 6 * MM)

@@ -33,7 +33,7 @@ with logged_to(snakemake):
         every = given.rows, records, [known[path] for path in curves], shapes
         tests = tests_of(*every, []), tests_of(*every, given.hold_out)
         about = heights, given.others, verdicts, settings, solid
-        models.append(Assumed.of(given.samples, tests, *about))
+        models.append(Assumed.of(bool(ends), given.samples, tests, *about))
     slid = sum(for_sliding(read_json(path)) for path in files.get("ends_of_others", []))
     found = diagnose_ends(models, settings, slid)
     left_out = left_out_errors(models, given.folds, settings, slid, progress_bar())

@@ -424,23 +424,7 @@ def judgement(diagnosis: Diagnosis, settings: LoopSettings) -> dict[str, Any]:
             "before": origin.first[1].cost / len(origin.first[1].white),
             "after": final.cost / len(final.white),
         },
-        "path": [
-            {
-                "threshold": step.threshold,
-                "chosen": step.chosen.name if step.chosen else None,
-                "candidates": [
-                    {
-                        "name": c.name,
-                        "gain": c.gain,
-                        "evidence": c.evidence,
-                        "cosine": c.cosine,
-                        "values": c.fit.state.values[c.name],
-                    }
-                    for c in step.candidates
-                ],
-            }
-            for step in selection.steps
-        ],
+        "path": _path(selection),
         "not_identifiable": sorted(
             {
                 *selection.weak,
@@ -448,6 +432,27 @@ def judgement(diagnosis: Diagnosis, settings: LoopSettings) -> dict[str, Any]:
             }
         ),
     }
+
+
+def _path(selection: Selection) -> list[dict[str, Any]]:
+    """Every round of a selection."""
+    return [
+        {
+            "threshold": step.threshold,
+            "chosen": step.chosen.name if step.chosen else None,
+            "candidates": [
+                {
+                    "name": c.name,
+                    "gain": c.gain,
+                    "evidence": c.evidence,
+                    "cosine": c.cosine,
+                    "values": c.fit.state.values[c.name],
+                }
+                for c in step.candidates
+            ],
+        }
+        for step in selection.steps
+    ]
 
 
 def _declared(judged: Judged) -> dict[str, Any]:
@@ -542,6 +547,7 @@ def _other_ends(diagnosis: Diagnosis) -> dict[str, Any] | None:
         "evidence": diagnosis.left - other.left,
         "evidence_of_other_groups": diagnosis.slid if other.slides else -diagnosis.slid,
         "held_out_if_given": _declared(other.after),
+        "path": _path(other.selection),
     }
 
 

@@ -40,6 +40,7 @@ class Assumed:
     @classmethod
     def of(
         cls,
+        slides: bool,
         names: Collection[str],
         tests: tuple[Sequence[Specimen], Sequence[Specimen]],
         heights: Mapping[str, float],
@@ -48,13 +49,15 @@ class Assumed:
         settings: LoopSettings,
         solid: Material,
     ) -> Self:
-        """From the tests of a study; `names` are the samples of the group.
+        """From the tests of a study, whose open ends are taken to slide or not.
 
-        Other arguments as of `softsample.loop.pool.Others.of`.
+        `names` are the samples of the group; other arguments as of
+        `softsample.loop.pool.Others.of`.
         """
         own = [test for test in tests[1] if test.name in names]
         effects = candidates(own, heights[own[0].name], solid)
-        others = Others.of(groups, tests, heights, verdicts, settings, solid)
+        told = [_with_ends(verdict, slides) for verdict in verdicts[0]], verdicts[1]
+        others = Others.of(groups, tests, heights, told, settings, solid)
         return cls(own, tests[1], effects, others)
 
 
@@ -74,6 +77,12 @@ def diagnose_ends(
     """
     found = [diagnose(one.specimens, settings, one.effects, one.others) for one in models]
     return likelier(found[0], found[1], slid) if found[1:] else found[0]
+
+
+def _with_ends(verdict: Mapping[str, Any], slides: bool) -> Mapping[str, Any]:
+    """A verdict, or what it has of the other ends if these are meant."""
+    other: Mapping[str, Any] | None = verdict["other_ends"]
+    return other if other and (other["ends"] == "sliding") == slides else verdict
 
 
 def for_sliding(verdict: Mapping[str, Any]) -> float:

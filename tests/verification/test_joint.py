@@ -197,6 +197,18 @@ def test_other_groups_tell_what_the_platens_do():
     assert _with_ends(told, slides=False)["path"] == judgement(bonded, SETTINGS)["path"]
 
 
+def test_where_nothing_explains_the_modulus_is_that_of_both_ends_as_far_as_they_are_open():
+    found = (diagnose(m.specimens, SETTINGS, []) for m in models("sliding"))
+    bonded, sliding = (replace(one, objection="an error is left") for one in found)
+    open_ends = likelier(bonded, sliding, sliding.left - bonded.left)
+    told = report(open_ends, SETTINGS)["recommended"]
+    assert [(m["effects"], m["weight"]) for m in told["models"]] == [
+        ([], pytest.approx(0.5)), (["ends"], pytest.approx(0.5))
+    ]  # fmt: skip
+    moduli = [one.final.state.material.mu for one in (bonded, sliding)]
+    assert told["mu"]["low"] < min(moduli) < max(moduli) < told["mu"]["high"]
+
+
 DISC = IdealShape("cylinder", 20 * MM, 20 * MM, 6 * MM)
 NEARLY = 0.4999
 """Poisson's ratio of a tissue that hardly changes its volume."""

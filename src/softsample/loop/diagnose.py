@@ -341,11 +341,11 @@ def _recommended(diagnosis: Diagnosis, settings: LoopSettings) -> dict[str, Any]
     reported; what an error without cause makes of it widens the interval.
     """
     rest, several = diagnosis.rest, not (diagnosis.objection or diagnosis.told)
-    of_final = Weighed(diagnosis.final, 1.0, bond_deviation(diagnosis.problem, diagnosis.final))
-    open_to = [diagnosis, *([diagnosis.other_ends] if diagnosis.other_ends else [])]
+    other = None if diagnosis.told else diagnosis.other_ends
+    open_to = [diagnosis, *([other] if other else [])]
     against = [0.0 if one.slides else one.slid for one in open_to]
     tried = [one.selection for one in open_to]
-    models = weighed(*tried, against=against) if several else [of_final]
+    models = weighed(*tried, against=against) if several else _reported(open_to, against)
     mu, low, high = averaged(models, settings.noise, diagnosis.stiffness)
     return {
         "mu": {
@@ -367,6 +367,17 @@ def _recommended(diagnosis: Diagnosis, settings: LoopSettings) -> dict[str, Any]
         ],
         "widened_by_rest": any(abs(factor - 1.0) > SHOWN for factor in rest.values()),
     }
+
+
+def _reported(open_to: Sequence[Diagnosis], against: Sequence[float]) -> list[Weighed]:
+    """What is reported with each kind of ends that is open, the likeliest first."""
+    left = np.array([one.left for one in open_to]) + against
+    weights = np.exp(-0.5 * (left - left.min()))
+    found = [
+        Weighed(one.final, weight, bond_deviation(one.problem, one.final), of)
+        for of, (one, weight) in enumerate(zip(open_to, weights / weights.sum(), strict=True))
+    ]
+    return sorted(found, key=lambda one: -one.weight)
 
 
 def _first_size(effect: Effect, multiple: float) -> dict[str, float | str]:

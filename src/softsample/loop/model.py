@@ -99,17 +99,25 @@ class Model:
         """Travel that reaches the sample (n,) [m], and the force on it (n,) [N].
 
         Sample and machine are springs in series: what the machine reports is the travel plus the
-        compliance times the force. Newton's iteration with the elastic slope.
+        compliance times the force. The first step is Newton's, with the elastic slope; then that
+        of each point is the slope between its last two travels, where these are apart.
         """
         reported = self._reported(specimen, state)
         travel, force = reported, self._force(specimen, state, reported)
         compliance = sum(e.compliance(specimen, state.values[e.name]) for e in self.effects)
-        for _ in range(ITERATIONS if compliance else 0):
+        if not compliance:
+            return travel, force
+        slope, close = self._slope(specimen, state, travel), CLOSE * specimen.reach
+        for _ in range(ITERATIONS):
             excess = travel + compliance * force - reported
-            if np.abs(excess).max() < CLOSE * specimen.reach:
+            if np.abs(excess).max() < close:
                 break
-            travel = travel - excess / (1.0 + compliance * self._slope(specimen, state, travel))
-            force = self._force(specimen, state, travel)
+            step = -excess / (1.0 + compliance * slope)
+            further = self._force(specimen, state, travel + step)
+            apart = np.abs(step) > close
+            secant = np.divide(further - force, step, out=np.zeros_like(step), where=apart)
+            slope = np.where(apart & (secant > 0.0), secant, slope)
+            travel, force = travel + step, further
         return travel, force
 
     def _reported(self, specimen: Specimen, state: "State") -> Array:

@@ -8,7 +8,7 @@ J. A. Hoeting, D. Madigan, A. E. Raftery, C. T. Volinsky, Statistical Science 14
 doi:10.1214/ss/1009212519.
 """
 
-from collections.abc import Iterable, Iterator, Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -43,40 +43,20 @@ class Weighed:
         Its probability; those of all models add up to 1.
     bond : float
         Standard deviation of ln(mu) by what the bonded area leaves open.
-    of : int
-        Number of the selection that it comes from.
     """
 
     fit: Fit
     weight: float
     bond: float = 0.0
-    of: int = 0
 
 
-def weighed(*selections: Selection, against: Sequence[float] = (0.0,)) -> list[Weighed]:
-    """Models that selections fitted, `against` each of which that much misfit is known elsewhere.
+def weighed(selection: Selection) -> list[Weighed]:
+    """Models that the selection fitted, the likeliest first.
 
-    The likeliest comes first. Each set of effects of a selection counts once. Each effect makes a
-    model less probable beforehand by the number of effects in the library, so that no effect is as
-    probable as any one of them. If what the plain model is known to leave out was selected, no
-    model without it counts.
+    Each set of effects counts once. Each effect makes a model less probable beforehand by the
+    number of effects in the library, so that no effect is as probable as any one of them. If what
+    the plain model is known to leave out was selected, no model without it counts.
     """
-    every = [
-        (left + more, problem, fit, of)
-        for of, (one, more) in enumerate(zip(selections, against, strict=True))
-        for left, problem, fit in _likeliest(one)
-    ]
-    least = min(left for left, *_ in every)
-    weights = [float(np.exp(-0.5 * (left - least))) for left, *_ in every]
-    found = [
-        Weighed(fit, weight / sum(weights), bond_deviation(problem, fit), of)
-        for (_, problem, fit, of), weight in zip(every, weights, strict=True)
-    ]
-    return sorted(found, key=lambda one: -one.weight)
-
-
-def _likeliest(selection: Selection) -> Iterable[tuple[float, Problem, Fit]]:
-    """Misfit with all penalties, records and fit: the likeliest of each set of effects."""
     known = {effect.name for effect in selection.final.model.effects if effect.idealised}
     likeliest: dict[frozenset[str], tuple[float, Problem, Fit]] = {}
     odds = 2.0 * np.log(len(selection.library) or 1)
@@ -88,7 +68,13 @@ def _likeliest(selection: Selection) -> Iterable[tuple[float, Problem, Fit]]:
         left = misfit_with_penalties(problem, fit) + odds * len(effects)
         if names not in likeliest or left < likeliest[names][0]:
             likeliest[names] = left, problem, fit
-    return likeliest.values()
+    least = min(left for left, *_ in likeliest.values())
+    weights = [float(np.exp(-0.5 * (left - least))) for left, *_ in likeliest.values()]
+    found = [
+        Weighed(fit, weight / sum(weights), bond_deviation(problem, fit))
+        for (_, problem, fit), weight in zip(likeliest.values(), weights, strict=True)
+    ]
+    return sorted(found, key=lambda one: -one.weight)
 
 
 def _models(selection: Selection) -> Iterator[tuple[Problem, Fit]]:

@@ -2,10 +2,12 @@
 
 from collections.abc import Mapping, Sequence
 from dataclasses import asdict, dataclass, replace
+from functools import cached_property
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
+from scipy.special import expit
 
 from softsample.loop.accept import Judged, objection_to
 from softsample.loop.average import (
@@ -45,6 +47,7 @@ from softsample.loop.select import (
     Candidate,
     Selection,
     Step,
+    doubted,
     misfit_with_penalties,
     select,
     unusable,
@@ -165,13 +168,25 @@ class Diagnosis:
         """What predicts best what is not measured: `final`, with a correction that holds."""
         return self.correction.whole if self.correction else self.final
 
-    @property
+    @cached_property
     def left(self) -> float:
-        """Misfit of what is reported, with the penalties for effects and single specimens."""
+        """Misfit of what is reported, with the penalties for effects and single specimens.
+
+        Errors of geometry and mesh may look like other ends, so they are as large as is doubted.
+        """
         plain = self.selection.plain, self.selection.base
         found = plain if self.objection else (self.selection.problem, self.selection.final)
-        specimens = max(0, len(self.stiffness) - 1)
-        return misfit_with_penalties(*found) + specimens * float(np.log(len(self.final.white)))
+        specimens = max(0, len(self.stiffness) - 1) * float(np.log(len(self.final.white)))
+        return misfit_with_penalties(*doubted(*found)) + specimens
+
+    @property
+    def of_ends(self) -> "list[tuple[Diagnosis, float]]":
+        """Diagnoses of both ends if they are open, the reported one first, with probabilities."""
+        if self.other_ends is None or self.told:
+            return [(self, 1.0)]
+        against = self.other_ends.left - self.left + (self.slid if self.slides else -self.slid)
+        part = float(expit(0.5 * against))
+        return [(self, part), (self.other_ends, 1.0 - part)]
 
     @property
     def rest(self) -> Mapping[str, float]:
@@ -341,11 +356,9 @@ def _recommended(diagnosis: Diagnosis, settings: LoopSettings) -> dict[str, Any]
     reported; what an error without cause makes of it widens the interval.
     """
     rest, several = diagnosis.rest, not (diagnosis.objection or diagnosis.told)
-    other = None if diagnosis.told else diagnosis.other_ends
-    open_to = [diagnosis, *([other] if other else [])]
-    against = [0.0 if one.slides else one.slid for one in open_to]
-    tried = [one.selection for one in open_to]
-    models = weighed(*tried, against=against) if several else _reported(open_to, against)
+    tried = [(one, model) for one, part in diagnosis.of_ends for model in _weighed(one, part)]
+    tried.sort(key=lambda pair: -pair[1].weight)
+    models = [model for _, model in tried]
     mu, low, high = averaged(models, settings.noise, diagnosis.stiffness)
     return {
         "mu": {
@@ -358,26 +371,23 @@ def _recommended(diagnosis: Diagnosis, settings: LoopSettings) -> dict[str, Any]
         "why": f"verdict {diagnosis.verdict}",
         "models": [
             {
-                "effects": [*([ENDS] if open_to[one.of].slides else []), *one.fit.model.names],
-                "weight": one.weight,
-                "mu": one.fit.state.material.mu,
+                "effects": [*([ENDS] if one.slides else []), *model.fit.model.names],
+                "weight": model.weight,
+                "mu": model.fit.state.material.mu,
             }
-            for one in models
-            if one.weight >= SHOWN
+            for one, model in tried
+            if model.weight >= SHOWN
         ],
         "widened_by_rest": any(abs(factor - 1.0) > SHOWN for factor in rest.values()),
     }
 
 
-def _reported(open_to: Sequence[Diagnosis], against: Sequence[float]) -> list[Weighed]:
-    """What is reported with each kind of ends that is open, the likeliest first."""
-    left = np.array([one.left for one in open_to]) + against
-    weights = np.exp(-0.5 * (left - left.min()))
-    found = [
-        Weighed(one.final, weight, bond_deviation(one.problem, one.final), of)
-        for of, (one, weight) in enumerate(zip(open_to, weights / weights.sum(), strict=True))
-    ]
-    return sorted(found, key=lambda one: -one.weight)
+def _weighed(diagnosis: Diagnosis, part: float) -> list[Weighed]:
+    """Models of a diagnosis, whose weights add up to a part."""
+    found = [Weighed(diagnosis.final, 1.0, bond_deviation(diagnosis.problem, diagnosis.final))]
+    if not (diagnosis.objection or diagnosis.told):
+        found = weighed(diagnosis.selection)
+    return [replace(one, weight=part * one.weight) for one in found]
 
 
 def _first_size(effect: Effect, multiple: float) -> dict[str, float | str]:

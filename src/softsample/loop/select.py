@@ -273,8 +273,7 @@ class _Visited:
     @property
     def doubted(self) -> float:
         """The same with errors of geometry and mesh that no record may show."""
-        posed = self.problem.with_least(self.problem.settings.doubt({}, floor=True))
-        return misfit_with_penalties(posed, posed.fit(self.fit.model, self.fit.state))
+        return misfit_with_penalties(*doubted(self.problem, self.fit))
 
 
 @dataclass
@@ -424,6 +423,12 @@ class _Search:
 def misfit_with_penalties(problem: Problem, fit: Fit) -> float:
     """Twice the negative logarithm of the likelihood, with the penalties for all effects."""
     return problem.misfit(fit) + sum(penalty(e, len(fit.white)) for e in fit.model.effects)
+
+
+def doubted(problem: Problem, fit: Fit) -> tuple[Problem, Fit]:
+    """A model fitted with errors of geometry and mesh that no record may show."""
+    posed = problem.with_least(problem.settings.doubt({}, floor=True))
+    return posed, posed.fit(fit.model, fit.state)
 
 
 def driven_to_an_end(fit: Fit) -> str:

@@ -218,7 +218,8 @@ def test_samples_of_any_shape_are_added_to_one_table(study, capsys):
     capsys.readouterr()
     assert main(["check", str(study)]) == 0
     told = capsys.readouterr().out
-    assert "cylinder of diameter 20 mm, height 10 mm: section 314.2 mm2" in told
+    assert "cylinder of diameter 20 mm, height 10 mm: section 314.2 mm2\n    ends 0.3\n" in told
+    assert "ends bonded, as the cell is empty (unknown: the diagnosis compares" in told
     assert "nominal strain -20 to 0" in told
     assert "nominal stress -2.8" in told
     assert re.search(r"sample of about 9\.\d+ x [78]\.\d+ x 8(\.\d+)? mm, 6\d\d(\.\d)? mm3", told)

@@ -43,6 +43,9 @@ from softsample.validation import (
 
 MM = 1e-3
 
+SLIDING_MODES = ("tension", "compression", "shear", "pure_shear")
+"""Modes of a stated shape whose ends may slide."""
+
 
 @dataclass
 class Inspection:
@@ -299,6 +302,9 @@ def _size(row: Mapping[str, str], told: list[str]) -> IdealShape | None:
         return None
     sizes = [f"{name[:-3]} {row[name]} mm" for name in DIMENSIONS[shape.kind]]
     told.append(f"  {shape.kind} of {', '.join(sizes)}: section {shape.area / MM**2:.4g} mm2")
+    if row.get("mode") in SLIDING_MODES:
+        none_given = "bonded, as the cell is empty (unknown: the diagnosis compares sliding ones)"
+        told.append(f"    ends {row.get('ends', none_given)}")
     return shape
 
 

@@ -26,7 +26,6 @@ from softsample.loop.verdict import document
 from softsample.meshing.sample import mesh_ideal
 from softsample.protocol import travel_sign
 from softsample.records import Record
-from softsample.response.changes import table_of_changes
 from softsample.response.perturbations import perturbations_of
 from softsample.response.pieces import MechanicalTest, MeshedSample, PerturbationSettings
 from softsample.response.unit import (
@@ -78,9 +77,9 @@ def tables(mode, ends="bonded"):
         curves, _ = simulated_response(model, held, TRAVEL[mode], *law)
     solid = unit_modulus(FRACTION, ALPHA, 0.49, 1000.0)
     test = MechanicalTest(mode, solid, TRAVEL[mode], CONTACT, SOLVER, PerturbationSettings(), ends)
-    grid, changes = perturbations_of("ideal", BLOCK, mesh_shifted, test)
+    changes = perturbations_of("ideal", BLOCK, mesh_shifted, test)
     response = pd.DataFrame(response_table(curves, mode))
-    return Tables(response, [table_of_changes(mode, FRACTION, grid, changes)], solid)
+    return Tables(response, [changes], solid)
 
 
 def record_of(mode, displacement, force, normal=None):

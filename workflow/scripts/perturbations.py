@@ -11,7 +11,6 @@ from softsample.io import (
     write_table,
 )
 from softsample.records import reach
-from softsample.response.changes import table_of_changes
 from softsample.response.perturbations import perturbations_of
 from softsample.response.pieces import MechanicalTest, mesher
 from softsample.shapes import IdealShape
@@ -28,8 +27,5 @@ with logged_to(snakemake):
     mesh_shifted = mesher(geometry, shape, lambda: (grid(), marks()), given)
     material = of_fit(read_json(files.fit))
     test = MechanicalTest.of(material, reach(records, given["mode"]), given)
-    displacement, changes = perturbations_of(geometry, shape, mesh_shifted, test, progress_bar())
-    write_table(
-        snakemake.output.changes,
-        table_of_changes(test.mode, test.material.mu1_fraction, displacement, changes),
-    )
+    changes = perturbations_of(geometry, shape, mesh_shifted, test, progress_bar())
+    write_table(snakemake.output.changes, changes)

@@ -116,6 +116,25 @@ def for_all_fractions(
     return {name: curves.like(follows.get(name, forces) * part) for name, part in parts.items()}
 
 
+def between_fractions(
+    found: Mapping[float, Mapping[str, ResponseCurves]],
+) -> dict[str, ResponseCurves]:
+    """Changes for all fractions from those of one, or linearly between those of two.
+
+    The force per modulus is linear in the fraction, and its change nearly so.
+    """
+    (low, first), *more = sorted(found.items())
+    if not more:
+        return dict(first)
+    ((high, second),) = more
+    changes = {}
+    for name, one in first.items():
+        part = (one.fractions - low) / (high - low)
+        at_ends = one.curve(low), second[name].curve(high)
+        changes[name] = one.like(np.outer(1.0 - part, at_ends[0]) + np.outer(part, at_ends[1]))
+    return changes
+
+
 def _smooth_part(travel: Array, change: Array, force: Array) -> Array:
     """Polynomial (n,) for a change as a part of the force, fitted where there is force."""
     weight = 1.0 / (np.abs(force) + TOUCH * np.abs(force).max())

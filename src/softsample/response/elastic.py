@@ -11,7 +11,12 @@ from numpy.typing import NDArray
 
 from softsample.constitutive.material import Material, compressibility
 from softsample.protocol import PRESSED_MODES
-from softsample.response.changes import for_all_fractions, read_changes, split_laws
+from softsample.response.changes import (
+    between_fractions,
+    for_all_fractions,
+    read_changes,
+    split_laws,
+)
 from softsample.response.curves import ResponseCurves
 from softsample.response.law_response import LawResponse
 from softsample.response.memory import remembered
@@ -89,10 +94,13 @@ class Elastic:
         perturbations: dict[str, ResponseCurves | Array] = {}
         runs: dict[float, Array] = {}
         for table in changes:
-            simulated, single = split_laws(read_changes(table, found, mode, channel))
-            fraction = float(table["mu1_fraction"][0])
-            perturbations |= for_all_fractions(simulated, found, fraction)
-            runs |= single
+            of_fraction = {}
+            for fraction in map(float, table["mu1_fraction"].unique()):
+                part = table[table["mu1_fraction"] == fraction]
+                simulated, single = split_laws(read_changes(part, found, mode, channel))
+                of_fraction[fraction] = for_all_fractions(simulated, found, fraction)
+                runs |= single
+            perturbations |= between_fractions(of_fraction)
         if real is not None:
             difference = ResponseCurves.of_table(real, mode, channel).minus(found)
             perturbations["real_geometry"] = difference

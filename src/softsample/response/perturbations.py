@@ -7,6 +7,7 @@ from dataclasses import replace
 from functools import partial
 
 import numpy as np
+import pandas as pd
 from numpy.typing import NDArray
 
 from softsample.constitutive.material import Material
@@ -16,8 +17,20 @@ from softsample.fem.boundary import Boundary, mode_boundary, platen_boundary
 from softsample.fem.explicit import ExplicitModel, Run
 from softsample.meshing.bond import partial_bond
 from softsample.protocol import DIRECTIONS, History
-from softsample.response.changes import LAW, NORMAL, PRESSED, PRESSED_ELSEWHERE, elsewhere
-from softsample.response.pieces import MechanicalTest, MeshedSample, PerturbationSettings
+from softsample.response.changes import (
+    LAW,
+    NORMAL,
+    PRESSED,
+    PRESSED_ELSEWHERE,
+    elsewhere,
+    table_of_changes,
+)
+from softsample.response.pieces import (
+    INNER,
+    MechanicalTest,
+    MeshedSample,
+    PerturbationSettings,
+)
 from softsample.response.unit import (
     REACHED,
     Pace,
@@ -74,8 +87,10 @@ def perturbations_of(
     mesh_shifted: Callable[[float], MeshedSample],
     test: MechanicalTest,
     progress: Callable[[str, float], None] | None = None,
-) -> tuple[Array, Mapping[str, Array]]:
-    """Changes by all perturbations, in closed form where the response is.
+) -> pd.DataFrame:
+    """File of the changes by all perturbations, in closed form where the response is.
+
+    In closed form they are computed at two modulus fractions, else at that of the material.
 
     Parameters
     ----------
@@ -87,8 +102,11 @@ def perturbations_of(
         As of `simulate_perturbations`.
     """
     if geometry == "ideal" and is_homogeneous(test.mode, test.ends):
-        return homogeneous_perturbations(shape, test)
-    return simulate_perturbations(mesh_shifted, test, progress, turn=test.travel)
+        at_both = [(r, *homogeneous_perturbations(shape, test.at_fraction(r))) for r in INNER]
+        tables = [table_of_changes(test.mode, *found) for found in at_both]
+        return pd.concat(tables, ignore_index=True)
+    found = simulate_perturbations(mesh_shifted, test, progress, turn=test.travel)
+    return table_of_changes(test.mode, test.material.mu1_fraction, *found)
 
 
 def simulate_perturbations(

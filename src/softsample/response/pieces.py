@@ -106,6 +106,12 @@ class MechanicalTest:
             given["normal"],
         )
 
+    def at_fraction(self, fraction: float) -> Self:
+        """The same test of a material with another modulus fraction."""
+        solid = self.material
+        other = unit_modulus(fraction, solid.alpha, solid.poisson_ratio, solid.shear_modulus)
+        return replace(self, material=other)
+
     def held(self, sample: "MeshedSample") -> Boundary:
         """What holds a sample in the unchanged model."""
         return mode_boundary(sample.mesh, self.mode, sample.glued, self.contact, self.ends)

@@ -15,12 +15,13 @@ from softsample.loop.average import (
     log_modulus_deviation,
     weighed,
 )
-from softsample.loop.diagnose import diagnose, report
+from softsample.loop.diagnose import diagnose
 from softsample.loop.effects import library
 from softsample.loop.noise import NoiseSettings
 from softsample.loop.page import page
 from softsample.loop.posed import LoopSettings, pose
 from softsample.loop.screen import penalty
+from softsample.loop.verdict import report
 
 NOISE, SETTINGS = NoiseSettings(scale_percent=3.0), LoopSettings()
 

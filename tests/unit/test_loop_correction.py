@@ -9,13 +9,14 @@ import pytest
 import laboratory
 from softsample.figures.loop import loop_figure
 from softsample.loop.correction import NAME, _can_tell, _within, confirmed, learned
-from softsample.loop.diagnose import diagnose, judgement, report
+from softsample.loop.diagnose import diagnose
 from softsample.loop.discrepancy import settled
 from softsample.loop.effects import library
 from softsample.loop.errors import cross_validated, folds, held_out_errors
 from softsample.loop.page import page
 from softsample.loop.posed import LoopSettings, pose
 from softsample.loop.specimen import Specimen
+from softsample.loop.verdict import judgement, report
 from softsample.response.curves import ResponseCurves
 
 SETTINGS = LoopSettings()

@@ -11,7 +11,7 @@ from scipy.linalg import block_diag
 import laboratory
 from laboratory import elastic
 from softsample.loop.average import weighed
-from softsample.loop.diagnose import diagnose, judgement, report
+from softsample.loop.diagnose import diagnose
 from softsample.loop.discrepancy import estimated, settled
 from softsample.loop.effects import library
 from softsample.loop.effects.viscoelastic_relaxation import within
@@ -54,6 +54,7 @@ from softsample.loop.select import (
     unusable,
 )
 from softsample.loop.specimen import Specimen, blocks
+from softsample.loop.verdict import judgement, report
 from softsample.response.curves import ResponseCurves
 from softsample.response.elastic import Elastic
 

@@ -6,10 +6,11 @@ import numpy as np
 import pytest
 
 import laboratory
-from softsample.loop.diagnose import diagnose, report
+from softsample.loop.diagnose import diagnose
 from softsample.loop.effects import library
 from softsample.loop.model import Model, State
 from softsample.loop.posed import LoopSettings
+from softsample.loop.verdict import report
 from softsample.response.curves import ResponseCurves
 
 SETTINGS = LoopSettings()

@@ -8,12 +8,13 @@ import pytest
 
 import laboratory
 from softsample.loop.accept import objection_to
-from softsample.loop.diagnose import diagnose, error_report, judgement
+from softsample.loop.diagnose import diagnose
 from softsample.loop.effects import library
 from softsample.loop.model import Model
 from softsample.loop.noise import NoiseSettings
 from softsample.loop.posed import LoopSettings
 from softsample.loop.select import driven_to_an_end
+from softsample.loop.verdict import error_report, judgement
 
 OFFSET = library()["force_offset"]
 

@@ -9,11 +9,12 @@ import pytest
 from scipy.integrate import cumulative_trapezoid
 
 import laboratory
-from softsample.loop.diagnose import diagnose, report
+from softsample.loop.diagnose import diagnose
 from softsample.loop.effects import library
 from softsample.loop.effects.base import SOLID
 from softsample.loop.model import Material, Model, State
 from softsample.loop.posed import LoopSettings
+from softsample.loop.verdict import report
 from softsample.shapes import IdealShape
 
 PLUG = IdealShape("cylinder", 15e-3, 15e-3, 10e-3)

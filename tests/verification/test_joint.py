@@ -12,7 +12,7 @@ from softsample.constitutive.ogden import unit_modulus
 from softsample.fem.boundary import ContactSettings, mode_boundary
 from softsample.fem.explicit import ExplicitModel, SolverSettings
 from softsample.loop.candidates import candidates
-from softsample.loop.diagnose import diagnose, judgement, report
+from softsample.loop.diagnose import diagnose
 from softsample.loop.effects import library
 from softsample.loop.ends import Assumed, _with_ends, diagnose_ends, for_sliding, likelier
 from softsample.loop.held_out import Tables, specimens_of
@@ -22,7 +22,7 @@ from softsample.loop.noise import NoiseSettings
 from softsample.loop.page import page
 from softsample.loop.posed import LoopSettings, pose
 from softsample.loop.screen import signatures
-from softsample.loop.verdict import document
+from softsample.loop.verdict import document, judgement, report
 from softsample.meshing.sample import mesh_ideal
 from softsample.protocol import travel_sign
 from softsample.records import Record

@@ -9,10 +9,11 @@ import pytest
 import laboratory
 from laboratory import PLANTED, Lab
 from softsample.loop import effects
-from softsample.loop.diagnose import diagnose, report
+from softsample.loop.diagnose import diagnose
 from softsample.loop.noise import NoiseSettings
 from softsample.loop.posed import LoopSettings
 from softsample.loop.select import SelectionSettings
+from softsample.loop.verdict import report
 
 SETTINGS = LoopSettings()
 EXACT = LoopSettings(

@@ -11,13 +11,14 @@ import pytest
 
 import laboratory
 from softsample.loop import pool
-from softsample.loop.diagnose import diagnose, judgement
+from softsample.loop.diagnose import diagnose
 from softsample.loop.effects import library
 from softsample.loop.effects.base import SOLID
 from softsample.loop.errors import held_out_errors
 from softsample.loop.pool import Group, Others
 from softsample.loop.posed import LoopSettings, Posed
 from softsample.loop.select import SelectionSettings
+from softsample.loop.verdict import judgement
 from softsample.shapes import IdealShape
 
 PLUG = IdealShape("cylinder", 15e-3, 15e-3, 10e-3)

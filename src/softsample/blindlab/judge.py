@@ -14,9 +14,10 @@ import pandas as pd
 from softsample.blindlab.bodies import ALPHA, MM, POISSON, Body
 from softsample.blindlab.models import calibrated
 from softsample.blindlab.records import Record as Written
-from softsample.loop.diagnose import diagnose, judgement
+from softsample.loop.diagnose import diagnose
 from softsample.loop.posed import LoopSettings
 from softsample.loop.specimen import Specimen
+from softsample.loop.verdict import judgement
 from softsample.records import Record
 from softsample.response.changes import for_all_fractions, split_laws
 from softsample.response.curves import ResponseCurves, before_zero

@@ -21,7 +21,7 @@ def page(group: str, verdict: Mapping[str, Any]) -> str:
     group : str
         Name of the group.
     verdict : mapping
-        Report of a diagnosis, see `softsample.loop.diagnose.report`.
+        Report of a diagnosis, see `softsample.loop.verdict.report`.
     """
     parts = [f"# Verdict for {group}: {verdict['verdict']}", "", SAYING[verdict["verdict"]], ""]
     parts += [_recommended(verdict["recommended"]), ""]

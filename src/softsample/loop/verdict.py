@@ -1,13 +1,42 @@
 """The document `verdict.json`: a diagnosis, the model it is of, and what was held out."""
 
 from collections.abc import Mapping, Sequence
+from dataclasses import asdict, replace
 from typing import Any
 
+import numpy as np
+
 from softsample.constitutive.material import Material
-from softsample.loop.diagnose import Diagnosis, error_report, report
-from softsample.loop.effects.base import Values
-from softsample.loop.leave_out import Errors
+from softsample.loop.accept import Judged
+from softsample.loop.average import (
+    Weighed,
+    averaged,
+    bond_deviation,
+    log_modulus_deviation,
+    weighed,
+)
+from softsample.loop.diagnose import STIFFNESS, Diagnosis
+from softsample.loop.effects import ends, library, specimen_stiffness
+from softsample.loop.effects.base import Effect, Values
+from softsample.loop.errors import Errors
+from softsample.loop.fit import Fit
+from softsample.loop.limits import detection_limits
+from softsample.loop.model import FIXED
+from softsample.loop.noise import FORM, NoiseSettings
 from softsample.loop.posed import LoopSettings
+from softsample.loop.select import Selection
+
+HELD_OUT = "held_out"
+"""Fold of what a study holds out."""
+
+ENDS = ends.EFFECT.name
+"""Effect that stands for the model of sliding ends."""
+
+SHOWN = 0.005
+"""Weight of a model, or change of the modulus, as a part, from which on it is named."""
+
+NINETY = 1.6449
+"""Standard deviations of a two-sided 90 % interval."""
 
 
 def document(
@@ -77,3 +106,295 @@ def elastic_law(values: Mapping[str, Values], solid: Material) -> dict[str, Any]
                 "poisson_ratio": solid.poisson_ratio, "share": one_term["share"]}  # fmt: skip
     alpha = list(values.get("ogden_exponents", {}).values()) or list(solid.alpha)
     return {"name": "ogden", "alpha": alpha, "poisson_ratio": solid.poisson_ratio}
+
+
+def report(diagnosis: Diagnosis, settings: LoopSettings) -> dict[str, Any]:
+    """What `verdict.json` holds."""
+    found = judgement(diagnosis, settings)
+    limits = detection_limits(diagnosis.selection, diagnosis.final)
+    law = diagnosis.final.model.law
+    unseen = {e.name for e in diagnosis.selection.library if law.admits(e)} - set(limits)
+    return {
+        **found,
+        "recommended": _recommended(diagnosis, settings),
+        "not_identifiable": sorted({*found["not_identifiable"], *unseen}),
+        "detection_limits": {
+            e.name: {
+                **_first_size(e, limits[e.name].multiple),
+                "modulus_percent": 100.0 * (limits[e.name].modulus - 1.0),
+            }
+            for e in diagnosis.selection.library
+            if e.name in limits
+        },
+    }
+
+
+def _recommended(diagnosis: Diagnosis, settings: LoopSettings) -> dict[str, Any]:
+    """The modulus to quote: averaged over the models that the records leave open.
+
+    Where the selected effects do not hold, or other groups chose them, it is that of what is
+    reported; what an error without cause makes of it widens the interval.
+    """
+    rest, several = diagnosis.rest, not (diagnosis.objection or diagnosis.told)
+    tried = [(one, model) for one, part in diagnosis.of_ends for model in _weighed(one, part)]
+    tried.sort(key=lambda pair: -pair[1].weight)
+    models = [model for _, model in tried]
+    mu, low, high = averaged(models, settings.noise, diagnosis.stiffness)
+    return {
+        "mu": {
+            "value": mu,
+            "unit": "Pa",
+            "low": low * min([1.0, *rest.values()]),
+            "high": high * max([1.0, *rest.values()]),
+        },
+        "estimate": "averaged over the models fitted" if several else "of the model reported",
+        "why": f"verdict {diagnosis.verdict}",
+        "models": [
+            {
+                "effects": [*([ENDS] if one.slides else []), *model.fit.model.names],
+                "weight": model.weight,
+                "mu": model.fit.state.material.mu,
+            }
+            for one, model in tried
+            if model.weight >= SHOWN
+        ],
+        "widened_by_rest": any(abs(factor - 1.0) > SHOWN for factor in rest.values()),
+    }
+
+
+def _weighed(diagnosis: Diagnosis, part: float) -> list[Weighed]:
+    """Models of a diagnosis, whose weights add up to a part."""
+    found = [Weighed(diagnosis.final, 1.0, bond_deviation(diagnosis.problem, diagnosis.final))]
+    if not (diagnosis.objection or diagnosis.told):
+        found = weighed(diagnosis.selection)
+    return [replace(one, weight=part * one.weight) for one in found]
+
+
+def _first_size(effect: Effect, multiple: float) -> dict[str, float | str]:
+    """Distance of the first size from its neutral value at a multiple of the nominal one."""
+    first = next(p for p in effect.sizes if p.nominal != p.neutral)
+    return {"value": multiple * abs(first.nominal - first.neutral), "unit": first.unit}
+
+
+def judgement(diagnosis: Diagnosis, settings: LoopSettings) -> dict[str, Any]:
+    """What `verdict.json` holds, but for the sizes that would have been seen."""
+    selection, final = diagnosis.selection, diagnosis.final
+    fractions = diagnosis.problem.fractions
+    named = [] if diagnosis.objection else final.model.effects
+    whole = [
+        *([_ends_report(diagnosis)] if diagnosis.shows_sliding else []),
+        *([_stiffness_report(diagnosis, settings.noise)] if diagnosis.stiffness else []),
+    ]
+    origin = diagnosis.origin
+    return {
+        "verdict": diagnosis.verdict,
+        "objection": diagnosis.objection or None,
+        "effects": [
+            *([] if diagnosis.objection else whole),
+            *(_effect_report(effect, selection, settings.noise) for effect in named),
+        ],
+        "specimen_stiffness": dict(diagnosis.stiffness),
+        "theta_before": _theta(origin.first[1], settings.noise, fractions),
+        "theta_after": _theta(final, settings.noise, fractions, diagnosis.stiffness),
+        "withheld": _withheld(diagnosis, settings),
+        "pooled": diagnosis.told.report() if diagnosis.told else None,
+        "other_ends": _other_ends(diagnosis),
+        "correction": diagnosis.correction.report() if diagnosis.correction else None,
+        "error_before": error_report(origin.before.fitted),
+        "error_after": error_report(diagnosis.after.fitted),
+        "folds_before": error_report(origin.before.folds),
+        "folds_after": error_report(diagnosis.after.folds),
+        "held_out_before": _declared(origin.before),
+        "held_out_after": _declared(diagnosis.after),
+        "noise": {
+            label: {
+                "white_N": n.white,
+                "slow_N": n.slow,
+                "grain_percent": 100.0 * specimen.elastic.grain,
+            }
+            for label, n, specimen in zip(
+                diagnosis.problem.labels, diagnosis.noises, diagnosis.problem.specimens, strict=True
+            )
+        },
+        "floor": asdict(settings.noise),
+        "discrepancy_percent": {
+            when: settings.noise.sizes(posed.variances)
+            for when, posed in (("before", origin.first[0]), ("after", selection.problem))
+        },
+        "reduced_chi_square": {
+            "before": origin.first[1].cost / len(origin.first[1].white),
+            "after": final.cost / len(final.white),
+        },
+        "path": _path(selection),
+        "not_identifiable": sorted(
+            {
+                *selection.weak,
+                *(e.name for e in library().values() if e.sizes and not e.identifiable),
+            }
+        ),
+    }
+
+
+def _path(selection: Selection) -> list[dict[str, Any]]:
+    """Every round of a selection."""
+    return [
+        {
+            "threshold": step.threshold,
+            "chosen": step.chosen.name if step.chosen else None,
+            "candidates": [
+                {
+                    "name": c.name,
+                    "gain": c.gain,
+                    "evidence": c.evidence,
+                    "cosine": c.cosine,
+                    "values": c.fit.state.values[c.name],
+                }
+                for c in step.candidates
+            ],
+        }
+        for step in selection.steps
+    ]
+
+
+def _declared(judged: Judged) -> dict[str, Any]:
+    """What the study holds out, or the folds of what is fitted if it holds nothing out."""
+    return error_report({HELD_OUT: judged.held_out} if judged.held_out else judged.folds)
+
+
+def _withheld(diagnosis: Diagnosis, settings: LoopSettings) -> list[dict[str, Any]]:
+    """Effects that the records ask for and are not given, why, and what they would do."""
+    selection, found = diagnosis.selection, []
+    if diagnosis.objection:
+        found = [
+            {
+                **_effect_report(effect, selection, settings.noise),
+                "reason": diagnosis.objection,
+                "held_out_if_given": _declared(diagnosis.selected),
+            }
+            for effect in selection.final.model.effects
+        ]
+    last = selection.steps[-1]
+    if (refused := last.refused) and diagnosis.refused:
+        effect = refused.settled.model.effects[-1]
+        values = refused.settled.state.values[effect.name]
+        found.append(
+            {
+                "name": effect.name,
+                "parameters": {
+                    p.name: {"value": values[p.name], "unit": p.unit} for p in effect.parameters
+                },
+                "evidence": refused.evidence,
+                "reason": last.why,
+                "held_out_if_given": _declared(diagnosis.refused),
+            }
+        )
+    return found
+
+
+def error_report(found: Errors) -> dict[str, Any]:
+    """Errors by two names, in newton and percent."""
+    return {
+        name: {part: error.report() for part, error in parts.items()}
+        for name, parts in found.items()
+    }
+
+
+def _theta(
+    fit: Fit,
+    noise: NoiseSettings,
+    fractions: tuple[float, float],
+    stiffness: Mapping[str, float] | None = None,
+) -> dict[str, dict[str, float | str]]:
+    """Material with 90 % intervals."""
+    of_modulus = log_modulus_deviation(fit, noise, stiffness or {})
+    of_fraction = float(np.sqrt(fit.covariance[1, 1]))
+    mu, r = fit.state.material.mu, fit.state.material.mu1_fraction
+    return {
+        "mu": {
+            "value": mu,
+            "unit": "Pa",
+            "low": mu * float(np.exp(-NINETY * of_modulus)),
+            "high": mu * float(np.exp(NINETY * of_modulus)),
+        },
+        "mu1_fraction": {
+            "value": r,
+            "unit": "1",
+            "low": max(fractions[0], r - NINETY * of_fraction),
+            "high": min(fractions[1], r + NINETY * of_fraction),
+        },
+    }
+
+
+def _ends_report(diagnosis: Diagnosis) -> dict[str, Any]:
+    """Sliding ends, which have no size."""
+    return {
+        "name": ENDS,
+        "class": [ENDS],
+        "parameters": {},
+        "evidence": diagnosis.origin.left - diagnosis.left + diagnosis.slid,
+        "separating_experiment": ends.EFFECT.experiment,
+    }
+
+
+def _other_ends(diagnosis: Diagnosis) -> dict[str, Any] | None:
+    """What the verdict would be with the other ends, if the study leaves them open."""
+    if (other := diagnosis.other_ends) is None:
+        return None
+    return {
+        "ends": "sliding" if other.slides else "bonded",
+        "verdict": other.verdict,
+        "effects": list(other.final.model.names),
+        "mu": {"value": other.final.state.material.mu, "unit": "Pa"},
+        "evidence": diagnosis.left - other.left,
+        "evidence_of_other_groups": diagnosis.slid if other.slides else -diagnosis.slid,
+        "held_out_if_given": _declared(other.after),
+        "path": _path(other.selection),
+    }
+
+
+def _stiffness_report(diagnosis: Diagnosis, noise: NoiseSettings) -> dict[str, Any]:
+    """Stiffness of each specimen over that of the group, which the scale of a test leaves open."""
+    factor = float(np.exp(NINETY * 0.01 * noise.scale_percent))
+    (problem, fit), selection = diagnosis.first, diagnosis.selection
+    return {
+        "name": STIFFNESS,
+        "class": [STIFFNESS],
+        "parameters": {
+            piece: {"value": x, "unit": "1", "low": x / factor, "high": x * factor}
+            for piece, x in diagnosis.stiffness.items()
+        },
+        "evidence": problem.misfit(fit) - selection.plain.misfit(selection.base),
+        "separating_experiment": specimen_stiffness.EFFECT.experiment,
+    }
+
+
+def _effect_report(effect: Effect, selection: Selection, noise: NoiseSettings) -> dict[str, Any]:
+    """Sizes with 90 % intervals: of the fit, and of an error of form that is a part of the size."""
+    final = selection.final
+    doubt = 0.01 * noise.sizes(selection.problem.variances).get(FORM, 0.0)
+    deviation = np.sqrt(np.diag(final.covariance))[FIXED:]
+    deviation[~final.jacobian[:, FIXED:].any(axis=0)] = np.inf  # nothing in the records shows it
+    unit = {
+        (e.name, p.name): float(d) * (p.high - p.low)
+        for (e, p), d in zip(final.model.parameters, deviation, strict=True)
+    }
+    chosen = [
+        step.chosen for step in selection.steps if step.chosen and step.chosen.name == effect.name
+    ][-1]  # one that was dropped can come back
+    parameters = {}
+    for p in effect.parameters:
+        value = final.state.values[effect.name][p.name]
+        spread = np.hypot(unit[effect.name, p.name], doubt * abs(value - p.neutral))
+        parameters[p.name] = {
+            "value": value,
+            "unit": p.unit,
+            "low": max(p.low, value - NINETY * spread),
+            "high": min(p.high, value + NINETY * spread),
+        }
+    return {
+        "name": effect.name,
+        "class": selection.classes[effect.name],
+        "parameters": parameters,
+        "evidence": chosen.evidence,
+        "separating_experiment": effect.experiment,
+    }

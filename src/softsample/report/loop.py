@@ -15,7 +15,7 @@ def verdict_table(verdicts: Verdicts) -> pd.DataFrame:
     Parameters
     ----------
     verdicts : mapping
-        `softsample.loop.diagnose.report` by group and geometry of the model.
+        `softsample.loop.verdict.report` by group and geometry of the model.
 
     Returns
     -------

@@ -18,10 +18,11 @@ from softsample.loop.ends import Assumed, _with_ends, diagnose_ends, for_sliding
 from softsample.loop.held_out import Tables, specimens_of
 from softsample.loop.leave_out import left_out_errors
 from softsample.loop.model import Material, Model, State
-from softsample.loop.noise import NoiseSettings
+from softsample.loop.noise import GEOMETRY, NoiseSettings
 from softsample.loop.page import page
 from softsample.loop.posed import LoopSettings, pose
 from softsample.loop.screen import signatures
+from softsample.loop.select import doubted, misfit_with_penalties
 from softsample.loop.verdict import document, judgement, report
 from softsample.meshing.sample import mesh_ideal
 from softsample.protocol import travel_sign
@@ -194,6 +195,17 @@ def test_other_groups_tell_what_the_platens_do():
     assert for_sliding(told) == pytest.approx(evidence)
     assert _with_ends(told, slides=True) is told
     assert _with_ends(told, slides=False)["path"] == judgement(bonded, SETTINGS)["path"]
+
+
+def test_evidence_on_ends_is_doubted_by_errors_of_geometry_that_no_record_shows():
+    found = [diagnose(m.specimens, SETTINGS, []) for m in models("sliding")]
+    plain = [(one.selection.plain, one.selection.base) for one in found]
+    sharp = np.subtract(*(misfit_with_penalties(*model) for model in plain))
+    less = np.subtract(*(misfit_with_penalties(*doubted(*model)) for model in plain))
+    assert 0.0 < less < 0.7 * sharp
+    assert found[0].left - found[1].left == pytest.approx(less, rel=1e-4)
+    for posed, _ in (doubted(*model) for model in plain):
+        assert min(posed.variances[name] for name in GEOMETRY) >= SETTINGS.noise.spread**2
 
 
 def test_where_nothing_explains_the_modulus_is_that_of_both_ends_as_far_as_they_are_open():

@@ -74,8 +74,7 @@ def has_open_ends(row: Mapping[str, str]) -> bool:
 
 def modelled_ends(row: Mapping[str, str]) -> str | float | Indenter:
     """The same in the model, which bonds ends that are unknown."""
-    ends = ends_of(row)
-    return "bonded" if has_open_ends(row) else ends
+    return "bonded" if has_open_ends(row) else ends_of(row)
 
 
 def stated_shape(row: Mapping[str, str]) -> dict[str, str]:

@@ -47,6 +47,7 @@ from softsample.loop.select import (
     SelectionSettings,
     Step,
     _members,
+    _round,
     _Search,
     explained_alike,
     plain_model,
@@ -857,3 +858,27 @@ def test_the_bend_of_a_ramp_is_not_taken_for_noise():
         record = laboratory.record_of(ramp.reset_index(drop=True), mode)
         specimen = Specimen.of_record("x", mode, record, elastic(mode))
         assert measure_noise(specimen, SETTINGS).slow < 2.5 * laboratory.SLOW
+
+
+@pytest.mark.parametrize(("evidence", "why"), [(30.0, "at an end"), (60.0, WITHIN_DOUBT)])
+def test_nothing_is_chosen_beside_a_refused_effect_of_more_than_twice_the_evidence(
+    monkeypatch, evidence, why
+):
+    """Another one that is nearly as good goes on to the doubt, which refuses it here."""
+
+    def one(name, evidence):
+        fit = SimpleNamespace(model=Model((library()[name],)), name=name)
+        return Candidate(name, fit, None, fit, evidence, evidence, doubted=False)
+
+    found = [one("uneven_contact", 100.0), one("late_contact", evidence)]
+    here = SimpleNamespace(settled=SimpleNamespace(misfit=lambda fit: 0.0), base=None)
+    for name, stands_in in {
+        "_fitted": lambda *given: found,
+        "_without": lambda *given: (here.settled, None),
+        "unusable": lambda fit: "at an end" if fit.name == "uneven_contact" else "",
+        "_beyond_doubt": lambda *given: False,
+    }.items():
+        monkeypatch.setattr(f"softsample.loop.select.{name}", stands_in)
+    step = _round(here, [], 12.0, SelectionSettings())
+    assert (step.chosen, step.why) == (None, why)
+    assert step.refused.name == ("uneven_contact" if why == "at an end" else "late_contact")

@@ -13,7 +13,7 @@ from softsample.loop.candidates import candidates
 from softsample.loop.diagnose import diagnose
 from softsample.loop.effects import library
 from softsample.loop.effects.base import SOLID
-from softsample.loop.ends import Assumed
+from softsample.loop.ends import AssumedEnds
 from softsample.loop.errors import held_out_errors
 from softsample.loop.held_out import Tables, specimens_of
 from softsample.loop.leave_out import left_out_errors
@@ -254,7 +254,7 @@ def test_a_compliant_machine_and_its_sample_are_springs_in_series():
 
 def assumed(tests):
     """The one model of tests whose ends are stated."""
-    return [Assumed(tests, tests, EFFECTS)]
+    return [AssumedEnds(tests, tests, EFFECTS)]
 
 
 def test_a_test_that_is_left_out_is_predicted_by_a_diagnosis_of_the_others():

@@ -14,7 +14,7 @@ from softsample.fem.explicit import ExplicitModel, SolverSettings
 from softsample.loop.candidates import candidates
 from softsample.loop.diagnose import diagnose
 from softsample.loop.effects import library
-from softsample.loop.ends import Assumed, _with_ends, diagnose_ends, for_sliding, likelier
+from softsample.loop.ends import AssumedEnds, _with_ends, diagnose_ends, for_sliding, likelier
 from softsample.loop.held_out import Tables, specimens_of
 from softsample.loop.leave_out import left_out_errors
 from softsample.loop.model import Material, Model, State
@@ -125,7 +125,7 @@ def models(ends):
         tests = [test for m, *of in made for test in specimens_of(row(m), *of, BLOCK, [])]
         known = {effect.name: effect for effect in candidates(tests, BLOCK.height, SOLID)}
         names = ("poisson_ratio", "force_offset", "machine_compliance")
-        found.append(Assumed(tests, tests, [known[name] for name in names]))
+        found.append(AssumedEnds(tests, tests, [known[name] for name in names]))
     return found
 
 

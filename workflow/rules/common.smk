@@ -509,15 +509,10 @@ def of_sliding(pattern, geometry=None):
 
     def find(wildcards):
         pieces = [piece_of(name) for name in diagnosed(wildcards)]
-        which = {True: "_sliding", False: ""}
-        slide = [has_open_ends(SAMPLES[piece]) for piece in pieces]
-        return [
-            pattern.format(
-                sample=piece, geometry=geometry or PLAN.best(wildcards.group), ends=which[open_ends]
-            )
-            for piece, open_ends in zip(pieces, slide, strict=True)
-            if any(slide)
-        ]
+        ends = ["_sliding" if has_open_ends(SAMPLES[piece]) else "" for piece in pieces]
+        shape = geometry or PLAN.best(wildcards.group)
+        found = zip(pieces, ends, strict=True) if any(ends) else []
+        return [pattern.format(sample=piece, geometry=shape, ends=end) for piece, end in found]
 
     return find
 

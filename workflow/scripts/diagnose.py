@@ -4,7 +4,7 @@ from softsample.constitutive.ogden import of_fit
 from softsample.figures.loop import loop_figure
 from softsample.figures.style import save
 from softsample.io import read_json, read_record, read_table, write_json, write_text, written_aside
-from softsample.loop.ends import Assumed, diagnose_ends, for_sliding
+from softsample.loop.ends import AssumedEnds, diagnose_ends, for_sliding
 from softsample.loop.held_out import Tables, hold_out_text, tests_of
 from softsample.loop.leave_out import left_out_errors
 from softsample.loop.page import page
@@ -33,10 +33,10 @@ with logged_to(snakemake):
         every = given.rows, records, [known[path] for path in curves], shapes
         tests = tests_of(*every, []), tests_of(*every, given.hold_out)
         about = heights, given.others, verdicts, settings, solid
-        models.append(Assumed.of(bool(ends), given.samples, tests, *about))
-    slid = sum(for_sliding(read_json(path)) for path in files.get("ends_of_others", []))
-    found = diagnose_ends(models, settings, slid)
-    left_out = left_out_errors(models, given.folds, settings, slid, progress_bar())
+        models.append(AssumedEnds.of(bool(ends), given.samples, tests, *about))
+    elsewhere = sum(for_sliding(read_json(path)) for path in files.get("ends_of_others", []))
+    found = diagnose_ends(models, settings, elsewhere)
+    left_out = left_out_errors(models, given.folds, settings, elsewhere, progress_bar())
     rule = hold_out_text(given.hold_out, given.leave_out, bool(given.others))
     verdict = document(found, left_out, settings, solid, given.rows, rule)
     write_json(snakemake.output.verdict, {**verdict, "provenance": provenance(snakemake)})

@@ -82,7 +82,7 @@ class Diagnosis:
         Whether the model is that of sliding ends, in place of the study's bonded ones.
     other_ends : Diagnosis or None
         That of the other ends, if the study leaves them open.
-    slid : float
+    elsewhere : float
         Evidence of the other groups for sliding ends.
     """
 
@@ -101,7 +101,7 @@ class Diagnosis:
     told: Pooled | None = None
     slides: bool = False
     other_ends: "Diagnosis | None" = None
-    slid: float = 0.0
+    elsewhere: float = 0.0
 
     @property
     def origin(self) -> "Diagnosis":
@@ -111,7 +111,7 @@ class Diagnosis:
     @property
     def shows_sliding(self) -> bool:
         """Whether these records and those of the other groups show that open ends slide."""
-        evidence = self.origin.left - self.left + self.slid
+        evidence = self.origin.left - self.left + self.elsewhere
         return self.slides and (bool(self.told) or evidence >= self.selection.steps[0].threshold)
 
     @property
@@ -157,7 +157,8 @@ class Diagnosis:
         """Diagnoses of both ends if they are open, the reported one first, with probabilities."""
         if self.other_ends is None or self.told:
             return [(self, 1.0)]
-        against = self.other_ends.left - self.left + (self.slid if self.slides else -self.slid)
+        told = self.elsewhere if self.slides else -self.elsewhere
+        against = self.other_ends.left - self.left + told
         part = float(expit(0.5 * against))
         return [(self, part), (self.other_ends, 1.0 - part)]
 

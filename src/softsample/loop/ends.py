@@ -17,7 +17,7 @@ from softsample.loop.specimen import Specimen
 
 
 @dataclass(frozen=True)
-class Assumed:
+class AssumedEnds:
     """Records beside the response of samples whose ends are taken to be bonded, or to slide.
 
     Parameters
@@ -62,21 +62,21 @@ class Assumed:
 
 
 def diagnose_ends(
-    models: Sequence[Assumed], settings: LoopSettings, slid: float = 0.0
+    models: Sequence[AssumedEnds], settings: LoopSettings, elsewhere: float = 0.0
 ) -> Diagnosis:
     """Diagnosis of a group with the ends of the study; of two models, that of the likelier ends.
 
     Parameters
     ----------
-    models : sequence of Assumed
+    models : sequence of AssumedEnds
         One, or first that of bonded ends and then that of sliding ones.
     settings : LoopSettings
         Noise, floor and rules of the selection.
-    slid : float
+    elsewhere : float
         Evidence for sliding ends in the other groups of the study, which had the same platens.
     """
     found = [diagnose(one.specimens, settings, one.effects, one.others) for one in models]
-    return likelier(found[0], found[1], slid) if found[1:] else found[0]
+    return likelier(found[0], found[1], elsewhere) if found[1:] else found[0]
 
 
 def _with_ends(verdict: Mapping[str, Any], slides: bool) -> Mapping[str, Any]:
@@ -91,18 +91,19 @@ def for_sliding(verdict: Mapping[str, Any]) -> float:
     return float(other["evidence"] if other["ends"] == "sliding" else -other["evidence"])
 
 
-def likelier(bonded: Diagnosis, sliding: Diagnosis, slid: float = 0.0) -> Diagnosis:
+def likelier(bonded: Diagnosis, sliding: Diagnosis, elsewhere: float = 0.0) -> Diagnosis:
     """The diagnosis to report; it knows the other one.
 
     Where other groups have chosen the effects, they also choose the ends: by the error on what is
     held out of them. Else it is the likelihood of what is reported with either, penalties
-    included, and what the other groups tell, `slid`.
+    included, and what the other groups tell, `elsewhere`.
     """
-    bonded, sliding = replace(bonded, slid=slid), replace(sliding, slid=slid, slides=True)
+    bonded = replace(bonded, elsewhere=elsewhere)
+    sliding = replace(sliding, elsewhere=elsewhere, slides=True)
     if bonded.told or sliding.told:
         slides = _error_of_others(sliding) < _error_of_others(bonded)
     else:
-        slides = bonded.left - sliding.left + slid > 0.0
+        slides = bonded.left - sliding.left + elsewhere > 0.0
     if slides:
         return replace(sliding, other_ends=bonded)
     return replace(bonded, other_ends=sliding)

@@ -5,7 +5,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from softsample.loop.ends import Assumed, diagnose_ends
+from softsample.loop.ends import AssumedEnds, diagnose_ends
 from softsample.loop.errors import Error, held_out_errors
 from softsample.loop.posed import LoopSettings
 from softsample.loop.specimen import Specimen
@@ -14,10 +14,10 @@ Errors = dict[str, dict[str, Error]]
 
 
 def left_out_errors(
-    models: Sequence[Assumed],
+    models: Sequence[AssumedEnds],
     folds: Mapping[str, Collection[str]],
     settings: LoopSettings,
-    slid: float = 0.0,
+    elsewhere: float = 0.0,
     progress: Callable[[str, float], None] | None = None,
 ) -> tuple[Errors, Errors]:
     """Errors of what is left out, by fold and test, without and with effects.
@@ -27,11 +27,11 @@ def left_out_errors(
 
     Parameters
     ----------
-    models : sequence of Assumed
+    models : sequence of AssumedEnds
         As of `softsample.loop.ends.diagnose_ends`; every test counts.
     folds : mapping
         Names of the samples that are left out, by the name of the fold.
-    settings, slid
+    settings, elsewhere
         As of `softsample.loop.ends.diagnose_ends`.
     progress : callable, optional
         Told the fold and the finished part.
@@ -44,7 +44,7 @@ def left_out_errors(
         rest = [replace(one, specimens=_without(one.every, samples), others=None) for one in models]
         if all(s.held_out.all() for s in rest[0].specimens):
             continue
-        found = diagnose_ends(rest, settings, slid)
+        found = diagnose_ends(rest, settings, elsewhere)
         plain, judged = (_only(models[ends].every, samples) for ends in (0, found.slides))
         noise, origin = found.noises[0].white, found.origin
         alike = [specimen.of_stiffness(found.stiffness) for specimen in judged]

@@ -331,7 +331,7 @@ def _ends_report(diagnosis: Diagnosis) -> dict[str, Any]:
         "name": ENDS,
         "class": [ENDS],
         "parameters": {},
-        "evidence": diagnosis.origin.left - diagnosis.left + diagnosis.slid,
+        "evidence": diagnosis.origin.left - diagnosis.left + diagnosis.elsewhere,
         "separating_experiment": ends.EFFECT.experiment,
     }
 
@@ -346,7 +346,7 @@ def _other_ends(diagnosis: Diagnosis) -> dict[str, Any] | None:
         "effects": list(other.final.model.names),
         "mu": {"value": other.final.state.material.mu, "unit": "Pa"},
         "evidence": diagnosis.left - other.left,
-        "evidence_of_other_groups": diagnosis.slid if other.slides else -diagnosis.slid,
+        "evidence_of_other_groups": (1.0 if other.slides else -1.0) * diagnosis.elsewhere,
         "held_out_if_given": _declared(other.after),
         "path": _path(other.selection),
     }

@@ -5,6 +5,7 @@ import fcntl
 import glob
 import hashlib
 import os
+import shutil
 from collections.abc import Iterable, Iterator
 from contextlib import contextmanager, suppress
 from pathlib import Path
@@ -34,6 +35,12 @@ def written_aside(path: PathLike) -> Iterator[Path]:
         os.replace(aside, target)
     finally:
         aside.unlink(missing_ok=True)
+
+
+def copy(source: PathLike, target: PathLike) -> None:
+    """Copy a file, whole or not at all."""
+    with written_aside(target) as aside:
+        shutil.copyfile(source, aside)
 
 
 def _flush_to_disk(path: Path) -> None:

@@ -1,6 +1,6 @@
 """Test protocol: how the moving platen travels over time, and where a record's loadings lie."""
 
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 from itertools import pairwise
 from typing import Self
@@ -68,6 +68,12 @@ FEWEST_JUMPS = 10
 def travel_sign(mode: str) -> float:
     """Sign of displacement and force while loading: -1 in compression, +1 otherwise."""
     return float(sum(DIRECTIONS[mode]))
+
+
+def loading(modes: Iterable[str]) -> str:
+    """Loading of a group in one word: its modes, shear before the others, joined by a plus."""
+    order = ("shear", *(mode for mode in MODES if mode != "shear"))
+    return "+".join(sorted(set(modes), key=order.index))
 
 
 def smooth_step(fraction: ArrayLike) -> Array:

@@ -209,6 +209,11 @@ class RecordSettings:
     sheet: str | None = None
     block: str = ""
 
+    @property
+    def of_files(self) -> tuple[Mapping[str, str], Mapping[str, str], str | None, str]:
+        """What `softsample.formats.machine.read` is told of files: columns, units, sheet, block."""
+        return self.columns, self.units, self.sheet, self.block
+
     def setting(self, **keys: Any) -> str:
         """A line of settings that gives these keys other values, for messages."""
         return records_setting(keys, self.block)

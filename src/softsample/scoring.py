@@ -4,13 +4,15 @@ Only the target `score` comes here; no stage of the study reads a truth file.
 """
 
 from collections.abc import Mapping, Sequence
-from typing import Any
+from dataclasses import dataclass
+from typing import Any, Self
 
 import numpy as np
 import pandas as pd
 
 from softsample.calibration.measured import MeasuredCurve
 from softsample.calibration.slsqp import CalibrationSettings, fit_ogden
+from softsample.records import Record
 from softsample.response.curves import ResponseCurves
 from softsample.response.sensitivity import COARSE
 
@@ -189,6 +191,86 @@ def noise_part(curve: MeasuredCurve) -> float:
     second = np.diff(curve.force, 2)
     sigma = 1.4826 * np.median(np.abs(second - np.median(second))) / np.sqrt(6.0)
     return 100.0 * float(sigma / np.linalg.norm(curve.force))
+
+
+@dataclass(frozen=True, eq=False)
+class CohortSample:
+    """A sample of a virtual cohort.
+
+    Parameters
+    ----------
+    name, mode : str
+    truth, cuboid : mapping
+        What its record was made with, and `cuboid/{sample}.json`.
+    family : ResponseCurves
+        On the real geometry.
+    measured : MeasuredCurve
+    """
+
+    name: str
+    mode: str
+    truth: Truth
+    cuboid: Mapping[str, Any]
+    family: ResponseCurves
+    measured: MeasuredCurve
+
+    @classmethod
+    def of(
+        cls,
+        name: str,
+        mode: str,
+        truth: Truth,
+        cuboid: Mapping[str, Any],
+        curves: pd.DataFrame,
+        record: Record,
+    ) -> Self:
+        """From what the files of a sample hold."""
+        family = ResponseCurves.of_table(curves, mode)
+        return cls(name, mode, truth, cuboid, family, MeasuredCurve.of_record(record, mode))
+
+
+def recovery(
+    samples: Sequence[CohortSample],
+    groups: Mapping[str, Sequence[str]],
+    moduli: Mapping[str, float],
+    settings: CalibrationSettings,
+    score: pd.DataFrame,
+    sensitivity: pd.DataFrame,
+    band: pd.DataFrame,
+) -> pd.DataFrame:
+    """`recovery_table` of a cohort.
+
+    Parameters
+    ----------
+    samples : sequence of CohortSample
+    groups, moduli : mapping
+        Samples, and modulus on the real geometry [Pa], by group.
+    settings : CalibrationSettings
+    score, sensitivity, band
+        As of `recovery_table`.
+    """
+    pressed = [s for s in samples if s.mode == "compression"]
+    starts = {s.name: contact_zero_error(s.truth, s.cuboid) for s in pressed}
+    own = {s.name: s for s in samples}
+    parts = {
+        group: contact_zero_part(
+            {name: own[name].family for name in members},
+            {name: own[name].measured for name in members},
+            starts,
+            moduli[group],
+            settings,
+        )
+        for group, members in groups.items()
+    }
+    return recovery_table(
+        score,
+        parts,
+        {name: 1e3 * start for name, start in starts.items()},
+        {s.name: noise_part(s.measured) for s in samples},
+        {s.name: against_truth_mesh(s.truth, s.cuboid) for s in samples},
+        sensitivity,
+        band,
+    )
 
 
 def recovery_table(

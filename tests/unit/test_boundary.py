@@ -162,10 +162,7 @@ def test_ends_that_a_mode_cannot_have_are_refused(cuboid, mode, ends, message):
 def test_set_up_passes_the_ends_on(cuboid):
     glued = np.isin(np.arange(len(cuboid.points)), cuboid.glued(0.0))
 
-    def friction(**ends):
-        return set_up(
-            cuboid, {"glued": glued}, {}, "compression", solver={}, contact={}, material={}, **ends
-        )[1].friction
+    sample, sections = (cuboid, {"glued": glued}, {}), {"solver": {}, "contact": {}, "material": {}}
 
-    assert friction() == (np.inf, np.inf)
-    assert friction(ends=0.2) == (0.2, 0.2)
+    assert set_up(sample, "compression", sections)[1].friction == (np.inf, np.inf)
+    assert set_up(sample, "compression", sections, 0.2)[1].friction == (0.2, 0.2)

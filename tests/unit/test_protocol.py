@@ -8,6 +8,7 @@ from softsample.protocol import (
     MODES,
     Course,
     denoised,
+    loading,
     loading_ramp,
     phases,
     smooth_step,
@@ -191,8 +192,8 @@ def test_a_shear_cycle_goes_to_both_sides(first, timed):
     sides = [(2.0, first), (4.0, -first)] * 3
     _, d, found = course((1.0, 0.0), *sides, (2.0, 0.0), mode="shear", timed=timed)
     assert len(found.loadings) == 3
-    for loading in found.loadings:
-        np.testing.assert_allclose(ends(d, loading), [[0.0, 2.0]], atol=0.05)
+    for one in found.loadings:
+        np.testing.assert_allclose(ends(d, one), [[0.0, 2.0]], atol=0.05)
     assert {"ramp", "unloading"} <= set(found.phase[d < -0.1])
 
 
@@ -237,3 +238,10 @@ def test_a_travel_that_bends_is_followed(digit):
     read = np.round(read / digit) * digit if digit else read
     away = denoised(time, read) - bent
     assert np.sqrt(np.mean(away**2)) < max(0.5e-6, 0.2 * digit)
+
+
+def test_loading_does_not_depend_on_the_order_of_samples():
+    assert loading(["compression", "tension"]) == loading(["tension", "compression"])
+    assert loading(["tension", "compression"]) == "tension+compression"
+    assert loading(["shear", "shear"]) == "shear"
+    assert loading(["confined_compression", "pure_shear"]) == "pure_shear+confined_compression"

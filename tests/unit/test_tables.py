@@ -15,7 +15,6 @@ from softsample.report.stress import mean_curve, nominal_curve, stress_strain_ta
 from softsample.report.tables import (
     direct_table,
     geometry_table,
-    loading,
     moduli_shown,
     moduli_table,
     summary_table,
@@ -87,13 +86,6 @@ def test_row_of_table_2_has_the_name_of_the_compression_sample(paper):
     assert list(table.iloc[0])[:8] == [
         "C3", "compression", 1600.0, 800.0, -50.0, 1543.9, 1013.5, -34.4
     ]  # fmt: skip
-
-
-def test_loading_does_not_depend_on_the_order_of_samples():
-    assert loading(["compression", "tension"]) == loading(["tension", "compression"])
-    assert loading(["tension", "compression"]) == "tension+compression"
-    assert loading(["shear", "shear"]) == "shear"
-    assert loading(["confined_compression", "pure_shear"]) == "pure_shear+confined_compression"
 
 
 def test_a_group_that_lacks_the_ideal_geometry_is_left_out_with_a_note(paper):

@@ -141,7 +141,7 @@ class Project:
         held = HeldJob(self.folder)
         script = self.folder / f"workflow/scripts/{rule}.py"
         wait = HELD.format(sample=sample, pid=str(held.pid_file), gate=str(held.gate))
-        before, writes, after = script.read_text().partition("    write_json(")
+        before, writes, after = script.read_text().partition("    io.write_json(")
         assert writes
         script.write_text(before + wait + writes + after)
         return held

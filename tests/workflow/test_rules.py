@@ -440,9 +440,9 @@ def test_a_killed_run_leaves_no_half_file_and_resumes(project):
     whole = script.read_text()
     marker = project.folder / "writing"
     slow = whole.replace(
-        "    write_json(",
+        "    io.write_json(",
         f"    import pathlib, time\n    pathlib.Path({str(marker)!r}).touch()\n"
-        "    time.sleep(120)\n    write_json(",
+        "    time.sleep(120)\n    io.write_json(",
     )
     assert slow != whole
     script.write_text(slow)

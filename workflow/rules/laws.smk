@@ -38,8 +38,8 @@ rule laws_of_group:
         curves=of_law_pieces("<results>/curves/{sample}/{geometry}/ogden2.csv"),
         reports=of_law_pieces("<results>/curves/{sample}/{geometry}/ogden2.json"),
         qualities=of_law_pieces("<results>/mesh/{sample}/{geometry}.json"),
-        fit=lambda wildcards: [
-            calibration_of(piece, PLAN.best(piece), "json") for piece in law_pieces(wildcards)[:1]
+        fits=lambda wildcards: [
+            calibration_of(piece, PLAN.best(piece), "json") for piece in law_pieces(wildcards)
         ],
         code=library("workflow/scripts/laws.py"),
     output:
@@ -103,7 +103,7 @@ rule confirm_law:
         report="<results>/laws/{group}.json",
         laws="<results>/laws/{group}.csv",
         records=of_members("<results>/records/{sample}.csv"),
-        cuboids=of_law_pieces("<results>/cuboid/{sample}.json"),
+        cuboids=of_pieces("<results>/cuboid/{sample}.json"),
         meshes=of_law_pieces("<results>/mesh/{sample}/{geometry}.vtu"),
         reports=of_law_pieces("<results>/curves/{sample}/{geometry}/ogden2.json"),
         code=library("workflow/scripts/confirm_law.py"),
@@ -116,10 +116,9 @@ rule confirm_law:
     resources:
         **OF_MESHES,
     params:
-        samples=lambda wildcards: samples_of(wildcards.group),
+        rows=lambda wildcards: rows_of(samples_of(wildcards.group)),
         pieces=lambda wildcards: [piece_of(name) for name in samples_of(wildcards.group)],
         simulated=law_pieces,
-        modes=lambda wildcards: [SAMPLES[name]["mode"] for name in law_pieces(wildcards)],
         ends=lambda wildcards: [modelled_ends(SAMPLES[name]) for name in law_pieces(wildcards)],
         material=config["material"],
         laws=config["laws"],

@@ -10,19 +10,17 @@ from softsample.workflow import logged_to, progress_bar
 with logged_to(snakemake):
     given, files = snakemake.params, snakemake.input
     curves = dict(zip(given.names, map(read_table, files.curves), strict=True))
-    models = {
-        name: elastics(read_table(file), Body.named(name))
-        for name, file in zip(given.names, files.models, strict=True)
-    }
-    loop = LoopSettings.of_config(given.loop)
-    resolution, benches = Resolution(**given.noise), Benches(**given.bodies)
+    changes = zip(given.names, map(read_table, files.models), strict=True)
+    models = {name: elastics(table, Body.named(name)) for name, table in changes}
+    loop, resolution = LoopSettings.of_config(given.loop), Resolution(**given.noise)
     extent = Extent(**given.extent)
-    part = plan(extent)[given.part :: given.parts]
+    every = plan(extent)
+    numbers = range(given.part, len(every), given.parts)
     tell, answers = progress_bar(), {}
-    for done, experiment in enumerate(part):
-        tell("experiments", done / len(part))
-        body = experiment.body(benches)
-        number = given.part + done * given.parts
+    for number in numbers:
+        tell("experiments", numbers.index(number) / len(numbers))
+        experiment = every[number]
+        body = experiment.body(Benches(**given.bodies))
         answers[number] = answer(
             experiment.records(body, curves[body.name], extent.floor(experiment)),
             models[body.name],

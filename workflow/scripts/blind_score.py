@@ -2,9 +2,9 @@
 
 from softsample.blindlab.score import Case, confusion, opened, score
 from softsample.figures.confusion import confusion_figure
-from softsample.figures.style import save
+from softsample.figures.style import write
 from softsample.files import sha256
-from softsample.io import read_json, write_json, write_table, written_aside
+from softsample.io import read_json, write_json, write_table
 from softsample.workflow import logged_to, provenance
 
 with logged_to(snakemake):
@@ -14,8 +14,7 @@ with logged_to(snakemake):
     cases = [Case(planted[k], answers[k]) for k in sorted(answers)]
     table = confusion(cases)
     write_table(snakemake.output.confusion, table)
-    with written_aside(snakemake.output.figure) as aside:
-        save(confusion_figure(table), aside)
+    write(confusion_figure(table), snakemake.output.figure)
     write_json(
         snakemake.output.score,
         {

@@ -1,8 +1,8 @@
 """Check the record of one sample, and its image if it has one (rule `check_inputs`)."""
 
+from softsample import io
 from softsample.formats.machine import read
 from softsample.images import check_image
-from softsample.io import read_image, read_samples, read_yaml, write_json, write_table
 from softsample.manifest import check_files
 from softsample.plausibility import Limits, doubts
 from softsample.records import RecordSettings, aligned_record
@@ -13,24 +13,17 @@ with logged_to(snakemake):
     files, given = snakemake.input, snakemake.params
     if files.manifest:
         shipped = [files.table, *files.image, *files.surface, files.record]
-        check_files(read_samples(files.manifest), files.manifest, shipped)
+        check_files(io.read_samples(files.manifest), files.manifest, shipped)
     settings = RecordSettings(**given.records)
-    raw = read(
-        files.record,
-        settings.columns,
-        settings.units,
-        settings.sheet,
-        settings.block,
-        given.mode,
-    )
+    raw = read(files.record, *settings.of_files, given.mode)
     size = IdealShape.of_row(given.shape) if given.shape else None
-    schema, test = read_yaml(files.schema), (given.mode, settings)
+    schema, test = io.read_yaml(files.schema), (given.mode, settings)
     record, facts = aligned_record(
         raw.table, raw.reading, *test, schema, files.record, size, given.cycle
     )
     facts["warnings"] += doubts(facts, size, Limits(**given.plausibility), block=settings.block)
     report = {"sample": snakemake.wildcards.sample, "mode": given.mode, "record": facts}
     if files.image:
-        report["image"] = check_image(*read_image(files.image[0]), files.image[0])
-    write_table(snakemake.output.record, record)
-    write_json(snakemake.output.report, {**report, "provenance": provenance(snakemake)})
+        report["image"] = check_image(*io.read_image(files.image[0]), files.image[0])
+    io.write_table(snakemake.output.record, record)
+    io.write_json(snakemake.output.report, {**report, "provenance": provenance(snakemake)})

@@ -1,8 +1,8 @@
 """Which law each group follows: table, choice and figure (rule `choose_law`)."""
 
 from softsample.figures.laws import laws_figure
-from softsample.figures.style import save
-from softsample.io import read_json, read_table, write_json, write_table, written_aside
+from softsample.figures.style import write
+from softsample.io import read_json, read_table, write_json, write_table
 from softsample.laws.group import LawSettings
 from softsample.laws.table import choices, law_table, model_errors
 from softsample.workflow import logged_to, provenance
@@ -21,6 +21,4 @@ with logged_to(snakemake):
     best = {group: choice["best"] for group, choice in chosen.items()}
     titles = {candidate.name: candidate.title for candidate in candidates}
     figure = laws_figure(curves, best, titles)
-    for path in snakemake.output.figures:
-        with written_aside(path) as aside:
-            save(figure, aside)
+    write(figure, *snakemake.output.figures)

@@ -1,7 +1,7 @@
 """Evidence of a verdict's effects, run at their sizes (rule `confirm_verdict`)."""
 
+from softsample import io
 from softsample.constitutive.ogden import of_fit
-from softsample.io import read_json, read_record, read_table, write_table
 from softsample.loop.candidates import candidates
 from softsample.loop.confirm import confirmations, sizes_to_confirm
 from softsample.loop.held_out import Tables, tests_of
@@ -11,23 +11,18 @@ from softsample.workflow import logged_to
 
 with logged_to(snakemake):
     given, files = snakemake.params, snakemake.input
-    verdict = read_json(files.verdict)
-    solid = of_fit(read_json(files.fit))
+    verdict, solid = io.read_json(files.verdict), of_fit(io.read_json(files.fit))
     responses = [
-        Tables(read_table(curves), [*map(read_table, changes)], solid)
+        Tables(io.read_table(curves), [*map(io.read_table, changes)], solid)
         for curves, *changes in zip(files.curves, files.perturbations, files.runs, strict=True)
     ]
-    records = [read_record(path) for path in files.records]
-    shapes = [IdealShape.of_report(read_json(path)) for path in files.cuboids]
+    records = [io.read_record(path) for path in files.records]
+    shapes = [IdealShape.of_report(io.read_json(path)) for path in files.cuboids]
     tests = tests_of(given.rows, records, responses, shapes, given.hold_out)
-    table = confirmations(
-        tests,
-        sizes_to_confirm(verdict),
-        verdict["path"][0]["threshold"],
-        LoopSettings.of_config(given.loop),
-        {effect.name: effect for effect in candidates(tests, shapes[0].height, solid)},
-        verdict["specimen_stiffness"],
-    )
-    table.insert(0, "geometry", snakemake.wildcards.geometry)
-    table.insert(0, "group", snakemake.wildcards.group)
-    write_table(snakemake.output.table, table)
+    effects = {effect.name: effect for effect in candidates(tests, shapes[0].height, solid)}
+    told = sizes_to_confirm(verdict), verdict["path"][0]["threshold"]
+    settings, stiffness = LoopSettings.of_config(given.loop), verdict["specimen_stiffness"]
+    table = confirmations(tests, *told, settings, effects, stiffness)
+    for place, name in enumerate(("group", "geometry")):
+        table.insert(place, name, snakemake.wildcards[name])
+    io.write_table(snakemake.output.table, table)

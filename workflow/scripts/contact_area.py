@@ -1,8 +1,8 @@
 """Contact area in compression: means over samples and curves (rule `contact_area`)."""
 
 from softsample.figures.contact import contact_figure
-from softsample.figures.style import save
-from softsample.io import read_json, read_table, write_table, written_aside
+from softsample.figures.style import write
+from softsample.io import read_json, read_table, write_table
 from softsample.report.contact import contact_share, contact_table
 from softsample.workflow import logged_to
 
@@ -12,6 +12,4 @@ with logged_to(snakemake):
     shares = {tuple(run): contact_share(*pair) for run, pair in zip(given.runs, pairs, strict=True)}
     write_table(snakemake.output.table, contact_table(shares))
     figure = contact_figure(shares, given.ideal)
-    for path in (snakemake.output.png, snakemake.output.pdf):
-        with written_aside(path) as aside:
-            save(figure, aside)
+    write(figure, snakemake.output.png, snakemake.output.pdf)

@@ -1,11 +1,11 @@
 """Trace what the calibrated model leaves over to the effect that it lacks (rule `diagnose`)."""
 
+from softsample import io
 from softsample.constitutive.ogden import of_fit
 from softsample.figures.loop import loop_figure
-from softsample.figures.style import save
-from softsample.io import read_json, read_record, read_table, write_json, write_text, written_aside
-from softsample.loop.ends import AssumedEnds, diagnose_ends, for_sliding
-from softsample.loop.held_out import Tables, hold_out_text, tests_of
+from softsample.figures.style import write
+from softsample.loop.ends import Recorded, diagnose_ends, for_sliding
+from softsample.loop.held_out import Tables, hold_out_text
 from softsample.loop.leave_out import left_out_errors
 from softsample.loop.page import page
 from softsample.loop.posed import LoopSettings
@@ -14,32 +14,29 @@ from softsample.shapes import IdealShape
 from softsample.workflow import logged_to, progress_bar, provenance
 
 with logged_to(snakemake):
-    given, files = snakemake.params, snakemake.input
-    settings, solid = LoopSettings.of_config(given.loop), of_fit(read_json(files.fit))
-    reports = map(read_json, files.get("bonds", []))
+    given, files, out = snakemake.params, snakemake.input, snakemake.output
+    settings, solid = LoopSettings.of_config(given.loop), of_fit(io.read_json(files.fit))
+    reports = map(io.read_json, files.get("bonds", []))
     bonds = [next(reports, None) if bonded else None for bonded in given.bonded]
-    records = [read_record(path) for path in files.records]
-    shapes = [IdealShape.of_report(read_json(path)) for path in files.cuboids]
-    heights = {row["sample"]: shape.height for row, shape in zip(given.rows, shapes, strict=True)}
-    verdicts = [[read_json(path) for path in files.get(kind, [])] for kind in ("whole", "alone")]
+    records = [*map(io.read_record, files.records)]
+    shapes = [IdealShape.of_report(io.read_json(path)) for path in files.cuboids]
+    verdicts = [[*map(io.read_json, files.get(kind, []))] for kind in ("whole", "alone")]
+    told = given.samples, given.rows, records, shapes, given.hold_out, given.others, verdicts
     models = []
     for ends in ("", "sliding_")[: 2 if files.get("sliding_curves") else 1]:
-        real = [read_table(p) for p in files.get(f"{ends}real", [])] or [None] * len(given.rows)
-        curves, changes = files[f"{ends}curves"], files[f"{ends}perturbations"]
+        real = [*map(io.read_table, files.get(f"{ends}real", []))] or [None] * len(given.rows)
+        curves, changes = files[f"{ends}curves"], map(io.read_table, files[f"{ends}perturbations"])
         known = {
-            path: Tables(read_table(path), [read_table(change)], solid, *of_piece)
+            path: Tables(io.read_table(path), [change], solid, *of_piece)
             for path, change, *of_piece in zip(curves, changes, real, bonds, strict=True)
         }
-        every = given.rows, records, [known[path] for path in curves], shapes
-        tests = tests_of(*every, []), tests_of(*every, given.hold_out)
-        about = heights, given.others, verdicts, settings, solid
-        models.append(AssumedEnds.of(bool(ends), given.samples, tests, *about))
-    elsewhere = sum(for_sliding(read_json(path)) for path in files.get("ends_of_others", []))
+        tables = [known[path] for path in curves]
+        models.append(Recorded(*told).with_ends(bool(ends), tables, settings, solid))
+    elsewhere = sum(map(for_sliding, map(io.read_json, files.get("ends_of_others", []))))
     found = diagnose_ends(models, settings, elsewhere)
     left_out = left_out_errors(models, given.folds, settings, elsewhere, progress_bar())
     rule = hold_out_text(given.hold_out, given.leave_out, bool(given.others))
     verdict = document(found, left_out, settings, solid, given.rows, rule)
-    write_json(snakemake.output.verdict, {**verdict, "provenance": provenance(snakemake)})
-    write_text(snakemake.output.page, page(snakemake.wildcards.group, verdict))
-    with written_aside(snakemake.output.figure) as aside:
-        save(loop_figure(found), aside)
+    io.write_json(out.verdict, {**verdict, "provenance": provenance(snakemake)})
+    io.write_text(out.page, page(snakemake.wildcards.group, verdict))
+    write(loop_figure(found), out.figure)

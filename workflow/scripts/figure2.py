@@ -4,9 +4,9 @@ import numpy as np
 
 from softsample.figures.geometry import SegmentedImage, geometry_figure
 from softsample.figures.render import available_renderer
-from softsample.figures.style import save
+from softsample.figures.style import write
 from softsample.figures.surface import mesh_surface
-from softsample.io import read_distance, read_image, read_json, read_mesh, written_aside
+from softsample.io import read_distance, read_image, read_json, read_mesh
 from softsample.workflow import logged_to
 
 with logged_to(snakemake):
@@ -22,6 +22,4 @@ with logged_to(snakemake):
         *((mesh_surface(mesh), len(mesh.hexes)) for mesh in meshes),
         renderer=available_renderer(),
     )
-    for path in snakemake.output:
-        with written_aside(path) as aside:
-            save(figure, aside)
+    write(figure, *snakemake.output)

@@ -4,8 +4,8 @@ import numpy as np
 
 from softsample.figures.boundary import HeldSample, boundary_figure
 from softsample.figures.render import available_renderer
-from softsample.figures.style import save
-from softsample.io import read_mesh_with_data, written_aside
+from softsample.figures.style import write
+from softsample.io import read_mesh_with_data
 from softsample.shapes import Indenter
 from softsample.validation import resolved
 from softsample.workflow import logged_to
@@ -26,6 +26,4 @@ with logged_to(snakemake):
             for sample, (mesh, points, _) in meshes
         ]
     figure = boundary_figure(rows, available_renderer())
-    for path in snakemake.output:
-        with written_aside(path) as aside:
-            save(figure, aside)
+    write(figure, *snakemake.output)

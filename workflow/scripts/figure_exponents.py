@@ -2,8 +2,8 @@
 
 from softsample.calibration.profile import normal_quantile
 from softsample.figures.profiles import profile_figure
-from softsample.figures.style import save
-from softsample.io import read_table, written_aside
+from softsample.figures.style import write
+from softsample.io import read_table
 from softsample.workflow import logged_to
 
 with logged_to(snakemake):
@@ -13,6 +13,4 @@ with logged_to(snakemake):
         level=normal_quantile(given.confidence) ** 2,
         study={"alpha1": given.alpha[0], "alpha2": given.alpha[1]},
     )
-    for path in snakemake.output:
-        with written_aside(path) as aside:
-            save(figure, aside)
+    write(figure, *snakemake.output)

@@ -1,8 +1,8 @@
 """Figures 5 and 6: fitted curves and moduli (rules `figure5`, `figure6`)."""
 
 from softsample.figures.moduli import GroupCurves, limits_of, moduli_figure
-from softsample.figures.style import save
-from softsample.io import read_json, read_table, written_aside
+from softsample.figures.style import write
+from softsample.io import read_json, read_table
 from softsample.workflow import logged_to
 
 with logged_to(snakemake):
@@ -21,6 +21,4 @@ with logged_to(snakemake):
         limits = limits_of(intervals, group, shown.model)
         groups.append(GroupCurves(row.group, row.mode, curves, trusted, limits))
     figure = moduli_figure(groups, moduli, shown.ideal)
-    for path in snakemake.output:
-        with written_aside(path) as aside:
-            save(figure, aside)
+    write(figure, *snakemake.output)

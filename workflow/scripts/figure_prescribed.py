@@ -1,8 +1,8 @@
 """Figure: prescribed displacements in place of contact (rule `figure_prescribed`)."""
 
 from softsample.figures.geometry_effects import prescribed_figure
-from softsample.figures.style import save
-from softsample.io import read_table, written_aside
+from softsample.figures.style import write
+from softsample.io import read_table
 from softsample.workflow import logged_to
 
 with logged_to(snakemake):
@@ -10,6 +10,4 @@ with logged_to(snakemake):
     keys = zip(shown.samples, shown.geometries, strict=True)
     curves = dict(zip(keys, map(read_table, given.curves), strict=True))
     figure = prescribed_figure(curves, read_table(given.table))
-    for path in snakemake.output:
-        with written_aside(path) as aside:
-            save(figure, aside)
+    write(figure, *snakemake.output)

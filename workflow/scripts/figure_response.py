@@ -1,8 +1,8 @@
 """Record and calibrated model of one sample (rule `figure_response`)."""
 
 from softsample.figures.response import response_figure
-from softsample.figures.style import save
-from softsample.io import read_table, written_aside
+from softsample.figures.style import write
+from softsample.io import read_table
 from softsample.workflow import logged_to
 
 with logged_to(snakemake):
@@ -13,5 +13,4 @@ with logged_to(snakemake):
         for geometry, table in zip(shown.geometries, tables, strict=True)
     }
     figure = response_figure(curves, shown.mode, shown.ideal)
-    with written_aside(snakemake.output.png) as aside:
-        save(figure, aside)
+    write(figure, snakemake.output.png)

@@ -5,14 +5,8 @@ import numpy as np
 from softsample.figures.geometry import SegmentedImage
 from softsample.figures.render import available_renderer
 from softsample.figures.sample import sample_figure
-from softsample.figures.style import save
-from softsample.io import (
-    read_distance,
-    read_image,
-    read_json,
-    read_mesh_with_data,
-    written_aside,
-)
+from softsample.figures.style import write
+from softsample.io import read_distance, read_image, read_json, read_mesh_with_data
 from softsample.workflow import logged_to
 
 with logged_to(snakemake):
@@ -25,12 +19,6 @@ with logged_to(snakemake):
         *read_distance(given.distance, given.segmentation),
         np.array(report["sample_to_world"]),
     )
-    figure = sample_figure(
-        image,
-        sigma,
-        mesh,
-        cell_data["scaled_jacobian"],
-        renderer=available_renderer(),
-    )
-    with written_aside(snakemake.output.png) as aside:
-        save(figure, aside)
+    quality = cell_data["scaled_jacobian"]
+    figure = sample_figure(image, sigma, mesh, quality, renderer=available_renderer())
+    write(figure, snakemake.output.png)

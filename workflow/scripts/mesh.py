@@ -2,14 +2,7 @@
 
 from functools import partial
 
-from softsample.io import (
-    read_distance,
-    read_json,
-    read_marks,
-    write_json,
-    write_mesh,
-    write_surface,
-)
+from softsample import io
 from softsample.meshing.surface import boundary_surface
 from softsample.response.pieces import sample_mesher
 from softsample.shapes import IdealShape, element_size
@@ -19,13 +12,13 @@ MM = 1e-3
 
 with logged_to(snakemake):
     given, files = snakemake.params, snakemake.input
-    ideal = IdealShape.of_report(read_json(files.cuboid))
+    ideal = IdealShape.of_report(io.read_json(files.cuboid))
     wanted = given.mesh["element_size_mm"] * MM
     size = given.coarsening * element_size(ideal, wanted, given.mesh["elements_across"])
-    grid = partial(read_distance, files.distance, files.segmentation)
-    marks = partial(read_marks, files.bond_mask, files.labels, files.segmentation)
+    grid = partial(io.read_distance, files.distance, files.segmentation)
+    marks = partial(io.read_marks, files.bond_mask, files.labels, files.segmentation)
     real = (lambda: (grid(), marks())) if files.distance else None
     made = sample_mesher(ideal, size, given.coarsening, real, dict(given.items()))(0.0)
-    write_mesh(snakemake.output.mesh, made.mesh, made.point_data, made.cell_data)
-    write_surface(snakemake.output.surface, boundary_surface(made.mesh))
-    write_json(snakemake.output.report, {**made.report, "provenance": provenance(snakemake)})
+    io.write_mesh(snakemake.output.mesh, made.mesh, made.point_data, made.cell_data)
+    io.write_surface(snakemake.output.surface, boundary_surface(made.mesh))
+    io.write_json(snakemake.output.report, {**made.report, "provenance": provenance(snakemake)})

@@ -3,13 +3,7 @@
 from functools import partial
 
 from softsample.constitutive.ogden import of_fit
-from softsample.io import (
-    read_distance,
-    read_json,
-    read_marks,
-    read_record,
-    write_table,
-)
+from softsample.io import read_distance, read_json, read_marks, read_record, write_table
 from softsample.records import reach
 from softsample.response.perturbations import perturbations_of
 from softsample.response.pieces import MechanicalTest, mesher

@@ -1,31 +1,23 @@
 """The deforming sample as a series of meshes for ParaView (rule `series`)."""
 
-import numpy as np
-
 from softsample.constitutive.ogden import of_fit
 from softsample.export.series import write_series
 from softsample.fem.setup import set_up
 from softsample.io import read_json, read_mesh_with_data, read_record
 from softsample.records import reach
-from softsample.response.optimum import loading_time
+from softsample.response.optimum import SNAPSHOTS, loading_time
 from softsample.workflow import logged_to, progress_bar
 
 with logged_to(snakemake):
     given = snakemake.params
-    model, boundary = set_up(
-        *read_mesh_with_data(snakemake.input.mesh),
-        given.mode,
-        solver=given.solver,
-        contact=given.contact,
-        material=given.material,
-        ends=given.ends,
-    )
+    sample = read_mesh_with_data(snakemake.input.mesh)
+    model, boundary = set_up(sample, given.mode, given, given.ends)
     bar = progress_bar()
     run = model.run(
         of_fit(read_json(snakemake.input.fit)),
         boundary,
         reach([read_record(path) for path in snakemake.input.records], given.mode),
-        snapshots=np.linspace(0.05, 1.0, 20),
+        snapshots=SNAPSHOTS,
         loading_time=loading_time(read_json(snakemake.input.response), model),
         progress=lambda fraction: bar("run with snapshots", fraction),
     )

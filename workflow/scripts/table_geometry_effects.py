@@ -3,32 +3,22 @@
 import pandas as pd
 
 from softsample.io import read_json, read_table, write_table
-from softsample.report.geometry_effects import effects_table, needed_table, shares_table
-from softsample.report.tables import loading
+from softsample.report.geometry_effects import (
+    biases_of_groups,
+    effects_table,
+    needed_table,
+    shares_table,
+    summits_of_modes,
+)
 from softsample.workflow import logged_to
 
 with logged_to(snakemake):
-    given, files = snakemake.params, snakemake.input
-    biases = pd.concat(
-        [
-            read_table(path).assign(group=group)
-            for group, path in zip(given.groups, files.biases, strict=True)
-        ],
-        ignore_index=True,
-    )
-    whole = biases["group"].map({group: loading(modes) for group, modes in given.groups.items()})
-    biases["mode"] = whole.where(biases["terms"] == 2, "compression")
-    summits = {}
-    for mode, path in zip(given.modes, files.cuboids, strict=True):
-        cuboid = read_json(path)
-        summit = cuboid["highest_point_mm"] - cuboid["height_mm"]
-        for name in {name for name in biases["mode"] if mode in name}:
-            summits.setdefault(name, []).append(summit)
+    given, files, out = snakemake.params, snakemake.input, snakemake.output
+    biases = biases_of_groups([*map(read_table, files.biases)], given.groups)
+    summits = summits_of_modes(given.modes, [*map(read_json, files.cuboids)], biases["mode"])
+    paper = pd.DataFrame(columns=["quantity", "mode", "mean_percent"])
+    paper = read_table(files.paper) if files.paper else paper
     effects = effects_table(biases)
-    write_table(snakemake.output.effects, effects)
-    write_table(snakemake.output.shares, shares_table(biases))
-    if files.paper:
-        paper = read_table(files.paper)
-    else:
-        paper = pd.DataFrame(columns=["quantity", "mode", "mean_percent"])
-    write_table(snakemake.output.needed, needed_table(effects, given.preload_mm, summits, paper))
+    write_table(out.effects, effects)
+    write_table(out.shares, shares_table(biases))
+    write_table(out.needed, needed_table(effects, given.preload_mm, summits, paper))

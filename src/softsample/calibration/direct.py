@@ -1,13 +1,17 @@
 """Calibration as the study did it: a simulation for every evaluation of the objective."""
 
 import time
+from collections.abc import Iterable, Mapping
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
+from softsample.calibration.group import GroupCurves
 from softsample.constitutive.ogden import unit_modulus
-from softsample.fem.boundary import Boundary
+from softsample.fem.boundary import Boundary, Ends
 from softsample.fem.explicit import ExplicitModel, Run
+from softsample.fem.setup import Sample, set_up
 
 Array = NDArray[np.float64]
 
@@ -63,3 +67,44 @@ class SimulatedCurves:
             self.cpu_s += time.process_time() - before
         run = self._runs[mu, fraction]
         return np.interp(displacement, run.displacement, run.force)
+
+
+def simulated_curves(
+    group: GroupCurves,
+    samples: Iterable[Sample],
+    ends: Iterable[Ends],
+    reports: Iterable[Mapping[str, Any]],
+    sections: Mapping[str, Any],
+) -> dict[str, SimulatedCurves]:
+    """Curves of the samples of a group that are calibrated.
+
+    Parameters
+    ----------
+    group : GroupCurves
+    samples, ends, reports : iterable
+        Of every sample of the group: mesh with its data, ends as of `softsample.fem.setup.set_up`,
+        report of the unit-modulus response.
+    sections : mapping
+        `solver`, `contact` and `material` of the config.
+    """
+    law, found = sections["material"], {}
+    each = zip(group.modes.items(), samples, ends, reports, strict=True)
+    for (name, mode), sample, held, report in each:
+        if name in group.measured:
+            found[name] = SimulatedCurves(
+                *set_up(sample, mode, sections, held),
+                group.measured[name].travel,
+                report["loading_time_s"],
+                law["alpha"],
+                law["poisson_ratio"],
+                group.responses[name].bounds["mu1_fraction"],
+            )
+    return found
+
+
+def costs(simulated: Mapping[str, SimulatedCurves]) -> dict[str, float]:
+    """Number of simulations so far, and their CPU time [s]."""
+    return {
+        "simulations": sum(curves.simulations for curves in simulated.values()),
+        "simulations_cpu_s": sum(curves.cpu_s for curves in simulated.values()),
+    }

@@ -91,6 +91,19 @@ class ExponentFamily:
             partial(nominal_stress, mode, displacement / height),
         )
 
+    @classmethod
+    def of_tables(
+        cls,
+        table: pd.DataFrame,
+        fine: pd.DataFrame,
+        mode: str,
+        height: float,
+        alpha: Sequence[float],
+    ) -> Self:
+        """`of_table`, at the level of the curves `fine` of the study's mesh and exponents."""
+        family = cls.of_table(table, mode, height)
+        return family.anchored(ResponseCurves.of_table(fine, mode), alpha)
+
     def force_per_mu(self, fraction: float, alpha1: float, alpha2: float) -> Array:
         """Force per modulus [m2] (n,) at the family's displacements."""
         area = self._area
@@ -144,6 +157,29 @@ def exponent_report(
         "interval": {name: profile.ends() for name, profile in profiles.items()},
         "deviance_of_study": deviance,
         "area_of_study_over_free": float(np.exp(0.5 * deviance / likelihood.points)),
+    }
+
+
+def confirmation(measured: MeasuredCurve, direct: Array, modelled: Array) -> dict[str, float]:
+    """What a run at an optimum says of the fit.
+
+    Parameters
+    ----------
+    measured : MeasuredCurve
+    direct, modelled : (n,) float64
+        Force of the run, and what the fit took for it [N].
+
+    Returns
+    -------
+    dict
+        `area_error_percent` of the run; `against_calibrated_curve_percent`: largest difference, of
+        the peak; `modulus_percent`: by which the modulus differs.
+    """
+    difference = np.abs(direct - modelled).max() / np.abs(modelled).max()
+    return {
+        "area_error_percent": 100.0 * measured.area_between(direct) / measured.area,
+        "against_calibrated_curve_percent": 100.0 * float(difference),
+        "modulus_percent": 100.0 * (measured.scale_of(direct) / measured.scale_of(modelled) - 1.0),
     }
 
 

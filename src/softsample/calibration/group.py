@@ -79,10 +79,25 @@ class GroupCurves:
         pressed = [name for name in self.measured if self.modes[name] == "compression"]
         return dict.fromkeys(pressed, shift) if geometry == "real" else {}
 
-    def report(self) -> dict[str, list[str]]:
-        """Samples with their modes, and those that are held out."""
+    def report(
+        self, of: Mapping[str, str], material: Mapping[str, Any], fit: Fit
+    ) -> dict[str, Any]:
+        """What was fitted to what, and the fit.
+
+        Parameters
+        ----------
+        of : mapping
+            `group`, `geometry` and `model`: `ogden1` or `ogden2`.
+        material : mapping
+            Section of the config.
+        fit : Fit
+        """
         return {
+            **{name: of[name] for name in ("group", "geometry", "model")},
             "samples": list(self.measured),
             "modes": [self.modes[name] for name in self.measured],
             "held_out": [name for name in self.modes if name not in self.measured],
+            "alpha": material["alpha"][: 1 if of["model"] == "ogden1" else 2],
+            "poisson_ratio": material["poisson_ratio"],
+            **fit.report(),
         }

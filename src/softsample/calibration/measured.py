@@ -5,6 +5,7 @@ from dataclasses import dataclass
 from typing import Any, Self
 
 import numpy as np
+import pandas as pd
 from numpy.typing import NDArray
 
 from softsample.errors import CalibrationError
@@ -44,6 +45,16 @@ class MeasuredCurve:
         crossed = gap[:-1] * gap[1:] < 0.0
         height[crossed] -= (before * after)[crossed] / (before + after)[crossed]
         return float(height @ np.diff(self.displacement[order]))
+
+    def along(self, displacement: Array, force: Array) -> Array:
+        """Force of another curve (m,) at the displacements of this one (n,)."""
+        return np.interp(self.displacement, displacement, force)
+
+    def along_table(self, table: pd.DataFrame, mode: str) -> Array:
+        """Force (n,) [N] of a table `displacement_mm`, `force_N` in the signs of the mode."""
+        sign = travel_sign(mode)
+        displacement, force = (table[name].to_numpy() for name in ("displacement_mm", "force_N"))
+        return self.along(sign * 1e-3 * displacement, sign * force)
 
     def scale_of(self, force: Array) -> float:
         """Factor that brings `force` (n,) at the same displacements closest to this curve.

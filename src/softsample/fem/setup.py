@@ -11,34 +11,24 @@ from softsample.fem.explicit import ExplicitModel, SolverSettings
 from softsample.meshing.mesh import HexMesh
 from softsample.meshing.regions import relative_stiffness
 
-Section = Mapping[str, Any]
+Sample = tuple[HexMesh, Mapping[str, NDArray[Any]], Mapping[str, NDArray[Any]]]
+"""Mesh [m], node data and element data, as `softsample.io.read_mesh_with_data` returns them."""
 
 
 def set_up(
-    mesh: HexMesh,
-    point_data: Mapping[str, NDArray],
-    cell_data: Mapping[str, NDArray],
-    mode: str,
-    *,
-    solver: Section,
-    contact: Section,
-    material: Section,
-    ends: Ends = BONDED,
+    sample: Sample, mode: str, sections: Mapping[str, Any], ends: Ends = BONDED
 ) -> tuple[ExplicitModel, Boundary]:
     """Model and boundary conditions of one test.
 
     Parameters
     ----------
-    mesh : HexMesh
-        The sample [m].
-    point_data : mapping
-        Flag `glued` (n_nodes,) of the nodes that the moving platen is glued to.
-    cell_data : mapping
-        `region` (n_elements,), the labels of regions of different stiffness, where there are any.
+    sample : tuple
+        Its mesh; flag `glued` (n_nodes,) of the nodes that the moving platen is glued to; `region`
+        (n_elements,), the labels of regions of different stiffness, where there are any.
     mode : str
         One of `softsample.protocol.DIRECTIONS`.
-    solver, contact, material : mapping
-        Sections of the config.
+    sections : mapping
+        Sections `solver`, `contact` and `material` of the config.
     ends : str or float
         What the ends of the sample do on the platens, see `mode_boundary`.
 
@@ -50,11 +40,13 @@ def set_up(
     MeshError
         If an element has no positive volume.
     """
+    mesh, point_data, cell_data = sample
     stiffness = (
-        relative_stiffness(cell_data["region"], material["region_stiffness"])
+        relative_stiffness(cell_data["region"], sections["material"]["region_stiffness"])
         if "region" in cell_data
         else None
     )
-    model = ExplicitModel(mesh, SolverSettings(**solver), stiffness)
+    model = ExplicitModel(mesh, SolverSettings(**sections["solver"]), stiffness)
     glued = np.flatnonzero(point_data["glued"])
-    return model, mode_boundary(mesh, mode, glued, ContactSettings(**contact), ends)
+    contact = ContactSettings(**sections["contact"])
+    return model, mode_boundary(mesh, mode, glued, contact, ends)

@@ -30,6 +30,9 @@ from softsample.shapes import MM, Indenter
 
 Array = NDArray[np.float64]
 
+Fields = tuple[HexMesh, Mapping[str, Array], Mapping[str, Array]]
+"""Mesh [m], node data and element data of a run, as its `fields` file has them."""
+
 PANELS = ("surface", "real", "ideal")
 ALONE_WIDTH_MM = 130.0
 """Width of a figure of ideal shapes alone."""
@@ -68,13 +71,22 @@ class Deformed:
             mesh, strain = HexMesh(mesh.points, mesh.hexes[behind]), strain[behind]
         return cls(mesh_surface(mesh), mesh_surface(mesh, displacement_mm, strain))
 
+    @classmethod
+    def of_fields(
+        cls,
+        mesh: HexMesh,
+        points: Mapping[str, Array],
+        cells: Mapping[str, Array],
+        cut: bool = False,
+    ) -> Self:
+        """Surfaces of a run from its `fields` file."""
+        displacement_mm, strain = points["displacement_mm"], cells["max_principal_hencky_strain"]
+        return cls.of_run(mesh, displacement_mm, strain, cut)
 
-def moved_surface(
-    mesh: HexMesh, points: Mapping[str, Array], cells: Mapping[str, Array]
-) -> tuple[Array, Array, NDArray[np.int64], Array]:
+
+def moved_surface(*fields: *Fields) -> tuple[Array, Array, NDArray[np.int64], Array]:
     """Points [mm] before and after a run, faces, and strain there; from its `fields` file."""
-    run = points["displacement_mm"], cells["max_principal_hencky_strain"]
-    shape = Deformed.of_run(mesh, *run)
+    shape = Deformed.of_fields(*fields)
     values = shape.after.values
     assert values is not None  # of a run
     return shape.before.points, shape.after.points, shape.after.faces, values
@@ -107,6 +119,24 @@ class StrainRow:
     shapes: Mapping[str, Deformed]
     indenter: Indenter | None = None
     tip_mm: float = 0.0
+
+    @classmethod
+    def of(
+        cls,
+        row: Mapping[str, str],
+        surface: Surface | None,
+        runs: Mapping[str, Fields],
+        travel_mm: float,
+        height_mm: float,
+    ) -> Self:
+        """From a row of the study table with its defaults, and the fields of a run by geometry.
+
+        Travel of the platen and height of the ideal shape are in mm.
+        """
+        indenter = Indenter.of_row(row)
+        shapes = {k: Deformed.of_fields(*run, cut=indenter is not None) for k, run in runs.items()}
+        strain, tip = travel_mm / height_mm, height_mm - travel_mm
+        return cls(row["sample"], row["mode"], strain, surface, shapes, indenter, tip)
 
 
 @styled

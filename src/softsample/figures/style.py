@@ -13,6 +13,8 @@ from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.colors import to_hex, to_rgb
 from matplotlib.figure import Figure
 
+from softsample.files import written_aside
+
 P = ParamSpec("P")
 
 PAGE_WIDTH_MM = 180.0
@@ -92,6 +94,13 @@ def save(
     metadata = {"CreationDate": None} if is_pdf else {"Software": None}
     figure.savefig(path, dpi=dots_per_inch, metadata=metadata)
     return figure
+
+
+def write(figure: Figure, *paths: str) -> None:
+    """Write a figure to files, each whole or not at all."""
+    for path in paths:
+        with written_aside(path) as aside:
+            save(figure, aside)
 
 
 def colours(count: int) -> list[str]:

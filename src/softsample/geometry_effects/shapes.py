@@ -5,9 +5,10 @@ holds a part only), the areas of its sections (a top smaller than the base), and
 the sections. `docs/geometry_effects.md` has the definitions.
 """
 
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from functools import cached_property
+from typing import Any, Self
 
 import numpy as np
 from numpy.typing import NDArray
@@ -15,7 +16,8 @@ from scipy.interpolate import RBFInterpolator
 
 from softsample.errors import MeshError
 from softsample.meshing.mesh import HexMesh, face_vectors
-from softsample.shapes import IdealShape
+from softsample.meshing.sample import mesh_ideal, mesh_real
+from softsample.shapes import IdealShape, element_size
 
 Array = NDArray[np.float64]
 Ids = NDArray[np.int64]
@@ -73,6 +75,40 @@ class Shape:
     cuboid: HexMesh
     ideal: IdealShape
     normal_deg: float
+
+    @classmethod
+    def of(
+        cls,
+        distance: tuple[Array, Array, float],
+        ideal: IdealShape,
+        mesh: Mapping[str, Any],
+        element_size_mm: float,
+        preload: float,
+        normal_deg: float,
+    ) -> Self:
+        """From a segmented sample.
+
+        Parameters
+        ----------
+        distance : tuple
+            As `softsample.io.read_distance` returns it.
+        ideal : IdealShape
+        mesh : mapping
+            Section `mesh` of the config.
+        element_size_mm : float
+            Edge of the elements [mm], where the study's mesh has its own; as much coarser where
+            that mesh is finer or coarser for the size of the sample.
+        preload : float
+            Depth of the glue [m].
+        normal_deg : float
+            As of the class.
+        """
+        usual = mesh["element_size_mm"]
+        own = element_size(ideal, MM * usual, mesh["elements_across"])
+        size = element_size_mm / usual * own
+        shift = MM * mesh["boundary_shift_mm"]
+        real = mesh_real(*distance, size, preload, boundary_shift=shift)
+        return cls(real.mesh, mesh_ideal(ideal, size).mesh, ideal, normal_deg)
 
     @cached_property
     def top(self) -> Ids:

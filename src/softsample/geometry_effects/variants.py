@@ -1,7 +1,8 @@
 """Unit-modulus curves of a sample with its shape, its cuboid and their boundaries changed."""
 
-from collections.abc import Callable
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
+from typing import Any, Self
 
 import numpy as np
 import pandas as pd
@@ -13,10 +14,14 @@ from softsample.fem.explicit import ExplicitModel, SolverSettings
 from softsample.geometry_effects.shapes import Shape, section_areas
 from softsample.meshing.mesh import HexMesh
 from softsample.meshing.sample import ideal_hexes
-from softsample.response.unit import unit_runs
+from softsample.protocol import PRESSED_MODES
+from softsample.response.bond import CONTACT, BondSettings, touched_nodes
+from softsample.response.unit import ResponseSettings, modulus_fractions, unit_runs
 from softsample.shapes import IdealShape
 
 Array = NDArray[np.float64]
+
+MM = 1e-3
 
 
 @dataclass(frozen=True)
@@ -141,50 +146,99 @@ def _mean_section(shape: Shape) -> float:
     )
 
 
-def simulate(
-    found: dict[str, Variant],
-    mode: str,
-    travel: float,
-    fractions: list[float],
-    alpha: tuple[float, float],
-    poisson_ratio: float,
-    contact: ContactSettings,
-    solver: SolverSettings,
-    loading_time: float,
-    progress: Callable[[str, float], None] | None = None,
-) -> pd.DataFrame:
-    """Curves of all variants and mixtures in one table.
+@dataclass(frozen=True)
+class ShapeTest:
+    """The test that is repeated with changed shapes.
 
     Parameters
     ----------
-    found
-        Variants by name.
-    mode, travel
-        Mode of the test and its travel [m].
-    fractions
-        Mixtures mu1 / mu; 1 stands for the one-term material.
+    mode : str
+        One of `softsample.protocol.DIRECTIONS`.
+    travel : float
+        Largest displacement of the platen [m].
+    preload : float
+        Depth of the glue, and way of the platen in the pre-load [m].
+    bond : BondSettings
+        Of the study.
     alpha, poisson_ratio
         Of the material.
+    fractions : sequence of float
+        Modulus fractions mu1/mu; 1 stands for the one-term material.
     contact, solver
         As of the config.
-    loading_time
+    loading_time : float
         Solver time of the ramp that is slow enough for the real geometry [s].
-    progress
-        Told the variant and the finished part.
-
-    Returns
-    -------
-    DataFrame
-        `variant`, `mu1_fraction`, `displacement` along the travel [m], `force_per_mu` [m2].
     """
-    modulus, tables = solver.reference_modulus_pa, []
-    for done, (name, variant) in enumerate(found.items()):
-        if progress is not None:
-            progress(name, done / len(found))
-        model, boundary = ExplicitModel(variant.mesh, solver), variant.boundary(mode, contact)
-        solids = [unit_modulus(r, alpha, poisson_ratio, modulus) for r in fractions]
-        runs = unit_runs(model, boundary, travel, solids, loading_time)
-        for fraction, (run, _) in zip(fractions, runs, strict=True):
-            columns = {"displacement": run.displacement, "force_per_mu": run.force / modulus}
-            tables.append(pd.DataFrame({"variant": name, "mu1_fraction": fraction, **columns}))
-    return pd.concat(tables, ignore_index=True)
+
+    mode: str
+    travel: float
+    preload: float
+    bond: BondSettings
+    alpha: tuple[float, float]
+    poisson_ratio: float
+    fractions: Sequence[float]
+    contact: ContactSettings
+    solver: SolverSettings
+    loading_time: float
+
+    @classmethod
+    def of(cls, travel: float, loading_time: float, given: Mapping[str, Any]) -> Self:
+        """From a displacement [m], a loading time [s], and the parameters of the job.
+
+        These are `mode`, `preload_mm`, `bond`, `material`, `family`, `contact` and `solver`.
+        """
+        return cls(
+            given["mode"],
+            travel,
+            MM * given["preload_mm"],
+            BondSettings(**given["bond"]),
+            given["material"]["alpha"],
+            given["material"]["poisson_ratio"],
+            modulus_fractions(ResponseSettings(**given["family"])).tolist(),
+            ContactSettings(**given["contact"]),
+            SolverSettings(**given["solver"]),
+            loading_time,
+        )
+
+    def touched(self, shape: Shape) -> NDArray[np.int64] | None:
+        """Nodes of the sample that its platen touches in the pre-load, if it is glued then."""
+        if self.mode in PRESSED_MODES:
+            return None
+        model, fill = ExplicitModel(shape.real, self.solver), MM * self.bond.fill_mm
+        law = self.alpha, self.poisson_ratio
+        return touched_nodes(model, self.preload, fill, *law, self.contact)
+
+    def variants(self, shape: Shape, settings: EffectSettings) -> dict[str, Variant]:
+        """All changed samples and cuboids by name, see `variants`."""
+        by_contact = self.bond.rule == CONTACT
+        return variants(shape, self.mode, self.preload, settings, self.touched(shape), by_contact)
+
+    def simulate(
+        self, found: dict[str, Variant], progress: Callable[[str, float], None] | None = None
+    ) -> pd.DataFrame:
+        """Curves of all variants and modulus fractions in one table.
+
+        Parameters
+        ----------
+        found
+            Variants by name.
+        progress
+            Told the variant and the finished part.
+
+        Returns
+        -------
+        DataFrame
+            `variant`, `mu1_fraction`, `displacement` along the travel [m], `force_per_mu` [m2].
+        """
+        modulus, tables = self.solver.reference_modulus_pa, []
+        solids = [unit_modulus(r, self.alpha, self.poisson_ratio, modulus) for r in self.fractions]
+        for done, (name, variant) in enumerate(found.items()):
+            if progress is not None:
+                progress(name, done / len(found))
+            model = ExplicitModel(variant.mesh, self.solver)
+            boundary = variant.boundary(self.mode, self.contact)
+            runs = unit_runs(model, boundary, self.travel, solids, self.loading_time)
+            for fraction, (run, _) in zip(self.fractions, runs, strict=True):
+                columns = {"displacement": run.displacement, "force_per_mu": run.force / modulus}
+                tables.append(pd.DataFrame({"variant": name, "mu1_fraction": fraction, **columns}))
+        return pd.concat(tables, ignore_index=True)

@@ -148,6 +148,12 @@ class Segmentation:
     flags: tuple[str, ...]
 
     @property
+    def grids_mm(self) -> dict[str, NDArray[np.float32]]:
+        """`distance` and `sigma` as images have them [mm]."""
+        grids = {"distance": self.distance, "sigma": self.sigma}
+        return {name: (1e3 * grid).astype(np.float32) for name, grid in grids.items()}
+
+    @property
     def volume(self) -> float:
         """Volume above the base plane [m3]."""
         return sdf.volume_above_base(self.distance, self.origin, self.spacing)

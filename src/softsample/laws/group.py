@@ -44,6 +44,11 @@ class LawSettings:
     element_size_mm: float = 1.0
     curve_error_percent: float = 0.3
 
+    @property
+    def tolerance(self) -> float:
+        """The error, as a part of the peak."""
+        return 0.01 * self.curve_error_percent
+
     def laws(self, alpha: Sequence[float]) -> list[Candidate]:
         """The candidates, and the study's pair of exponents last."""
         return [*map(Candidate.of, self.candidates), Candidate.of_pair(alpha)]

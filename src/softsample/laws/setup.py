@@ -1,124 +1,181 @@
-"""From the files of a group to tests with their responses."""
+"""The samples of a group as tests of elastic laws."""
 
 from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
 import pandas as pd
 
+from softsample.fem.boundary import Ends
+from softsample.fem.setup import Sample, set_up
 from softsample.holdout import held_out
 from softsample.laws.candidates import Candidate
 from softsample.laws.response import HomogeneousResponse
 from softsample.laws.simulate import SimulatedResponse
 from softsample.laws.test import LawTest, Response
-from softsample.records import Record
+from softsample.records import Record, reach
 from softsample.response.curves import ResponseCurves
-from softsample.response.unit import Test
+from softsample.response.floor import FloorSettings
+from softsample.shapes import IdealShape
 
 
-def simulated(
-    test: Test,
-    travel: float,
-    uniform: HomogeneousResponse,
-    alpha: Sequence[float],
-    known: tuple[pd.DataFrame, Mapping[str, Any]],
-    mu1_fraction: float,
-) -> SimulatedResponse:
-    """Response of a piece by runs on a coarse mesh, at the level of the study's mesh.
+@dataclass(frozen=True, eq=False)
+class SimulatedPiece:
+    """A piece whose response has no closed form.
 
     Parameters
     ----------
-    test : tuple
-        Model of the coarse mesh and what holds it.
-    travel : float
-        Largest displacement of the records [m].
-    uniform : HomogeneousResponse
-        Test of the ideal shape without friction.
-    alpha : sequence of float
-        Exponents of the study.
-    known : tuple
-        Response at these exponents on the study's mesh, and its report.
-    mu1_fraction : float
-        Calibrated modulus fraction, at which both meshes are compared.
+    name : str
+    ends : str or float
+        As of `softsample.fem.setup.set_up`.
+    sample : tuple
+        Mesh of the runs with its data.
+    report : mapping
+        Of the response at the exponents of the study.
     """
-    curves, report = known
-    reached = report["reached"] * travel
-    found = SimulatedResponse(*test, reached, report["loading_time_s"], uniform)
-    coarse = found.simulate(Candidate.of_pair(alpha), np.array([mu1_fraction]))
-    fine = ResponseCurves.of_table(curves, uniform.mode)
-    found.anchor_to(fine.force_per_mu(mu1_fraction, found.grid), coarse)
-    return found
+
+    name: str
+    ends: Ends
+    sample: Sample
+    report: Mapping[str, Any]
 
 
-def tests_of(
-    rows: Sequence[Mapping[str, str]],
-    records: Sequence[Record],
-    responses: Sequence[Response],
-    heights: Sequence[float],
-    scale_errors: Sequence[float],
-    hold_out: Sequence[Mapping[str, Any]],
-) -> list[LawTest]:
-    """Tests of a group.
+@dataclass(frozen=True, eq=False)
+class SamplesOfGroup:
+    """The samples of a group.
 
     Parameters
     ----------
-    rows, records, responses, heights, scale_errors : sequence
-        Of each sample: row with defaults filled in, record, response, height [m], standard
-        deviation of the response's scale as a part of it.
-    hold_out : sequence of mapping
-        Selections of the study's settings.
+    rows, pieces, records, shapes : sequence
+        Of each sample: row with defaults filled in, name of its piece, record, ideal shape.
+    sections : mapping
+        `solver`, `contact` and `material` of the config.
     """
-    return [
-        LawTest.of(
-            row,
-            record,
-            np.asarray(held_out(record, row, height, "force", hold_out)),
-            response,
-            height,
-            stated=not (row.get("image") or row.get("surface")),
-            scale_error=scale_error,
-        )
-        for row, record, response, height, scale_error in zip(
-            rows, records, responses, heights, scale_errors, strict=True
-        )
-    ]
 
+    rows: Sequence[Mapping[str, str]]
+    pieces: Sequence[str]
+    records: Sequence[Record]
+    shapes: Sequence[IdealShape]
+    sections: Mapping[str, Any]
 
-def confirmed(
-    response: SimulatedResponse,
-    candidate: Candidate,
-    fitted: Mapping[str, Any],
-    curves: pd.DataFrame,
-) -> list[dict[str, Any]]:
-    """Run a fitted law on the study's mesh and compare with what the fit took for its force.
+    @property
+    def homogeneous(self) -> dict[str, HomogeneousResponse]:
+        """Test of the ideal shape of each piece without friction, by piece."""
+        poisson_ratio = self.sections["material"]["poisson_ratio"]
+        return {
+            piece: HomogeneousResponse(shape, row["mode"], poisson_ratio)
+            for piece, shape, row in zip(self.pieces, self.shapes, self.rows, strict=True)
+        }
 
-    Parameters
-    ----------
-    response : SimulatedResponse
-        Of the study's mesh.
-    candidate : Candidate
-    fitted : mapping
-        `law_report` of it.
-    curves : DataFrame
-        `group_report` of the samples that share the piece.
+    def response(self, piece: SimulatedPiece) -> SimulatedResponse:
+        """Response of any law on the mesh of a piece."""
+        uniform = self.homogeneous[piece.name]
+        own = [r for r, name in zip(self.records, self.pieces, strict=True) if name == piece.name]
+        travel = piece.report["reached"] * reach(own, uniform.mode)
+        test = set_up(piece.sample, uniform.mode, self.sections, piece.ends)
+        return SimulatedResponse(*test, travel, piece.report["loading_time_s"], uniform)
 
-    Returns
-    -------
-    list of dict
-        `sample`, `law`, `difference_percent` (largest, of the peak force), `elements`.
-    """
-    force = fitted["mu_pa"] * response.simulate(candidate, np.array(list(fitted["shape"].values())))
-    rows = []
-    for sample, table in curves[curves["law"] == candidate.name].groupby("sample", sort=False):
-        way = np.abs(table["displacement_mm"].to_numpy()) * 1e-3
+    def anchored(
+        self, piece: SimulatedPiece, fine: pd.DataFrame, mu1_fraction: float
+    ) -> SimulatedResponse:
+        """Response on a coarse mesh of a piece, at the level of the study's mesh.
+
+        Parameters
+        ----------
+        piece : SimulatedPiece
+        fine : DataFrame
+            Response on the study's mesh, at the exponents of the study.
+        mu1_fraction : float
+            Calibrated modulus fraction, at which both meshes are compared.
+        """
+        found = self.response(piece)
+        pair = Candidate.of_pair(self.sections["material"]["alpha"])
+        coarse = found.simulate(pair, np.array([mu1_fraction]))
+        curves = ResponseCurves.of_table(fine, found.homogeneous.mode)
+        found.anchor_to(curves.force_per_mu(mu1_fraction, found.grid), coarse)
+        return found
+
+    def tests(
+        self,
+        simulated: Mapping[str, SimulatedResponse],
+        element_sizes_mm: Mapping[str, float],
+        floor: FloorSettings,
+        hold_out: Sequence[Mapping[str, Any]],
+    ) -> list[LawTest]:
+        """Tests of all samples.
+
+        Parameters
+        ----------
+        simulated, element_sizes_mm : mapping
+            Of each piece that has no closed form: response, element size of the study's mesh [mm].
+        floor : FloorSettings
+        hold_out : sequence of mapping
+            Selections of the study's settings.
+        """
+        responses: dict[str, Response] = {**self.homogeneous, **simulated}
+        scale_errors = {
+            piece: floor.scale_error(simulated[piece].homogeneous.mode, size)
+            for piece, size in element_sizes_mm.items()
+        }
+        return [
+            LawTest.of(
+                row,
+                record,
+                np.asarray(held_out(record, row, shape.height, "force", hold_out)),
+                responses[piece],
+                shape.height,
+                stated=not (row.get("image") or row.get("surface")),
+                scale_error=scale_errors.get(piece, 0.0),
+            )
+            for row, piece, record, shape in zip(
+                self.rows, self.pieces, self.records, self.shapes, strict=True
+            )
+        ]
+
+    def confirmed(
+        self,
+        piece: SimulatedPiece,
+        candidate: Candidate,
+        fitted: Mapping[str, Any],
+        curves: pd.DataFrame,
+    ) -> pd.DataFrame:
+        """Run a fitted law on the study's mesh and compare with what the fit took for its force.
+
+        Parameters
+        ----------
+        piece : SimulatedPiece
+            With the study's mesh.
+        candidate : Candidate
+        fitted : mapping
+            `law_report` of it.
+        curves : DataFrame
+            `group_report` of the group.
+
+        Returns
+        -------
+        DataFrame
+            Of each sample of the piece: `sample`, `law`, `difference_percent` (largest, of the peak
+            force), `elements`.
+        """
+        response = self.response(piece)
+        shape = np.array(list(fitted["shape"].values()))
+        force = fitted["mu_pa"] * response.simulate(candidate, shape)
+        own = {
+            row["sample"]
+            for row, name in zip(self.rows, self.pieces, strict=True)
+            if name == piece.name
+        }
+        table = curves[(curves["law"] == candidate.name) & curves["sample"].isin(own)]
+        way = np.abs(table["displacement_mm"]) * 1e-3
+        gap = np.abs(np.abs(table["model_N"]) - np.interp(way, response.grid, force)) / force.max()
         there = way <= response.travel * (1.0 + 1e-9)
-        gap = np.abs(table["model_N"].to_numpy()) - np.interp(way, response.grid, force)
-        rows.append(
+        largest = 100.0 * gap[there].groupby(table["sample"], sort=False).max()
+        return pd.DataFrame(
             {
-                "sample": sample,
+                "sample": largest.index,
                 "law": candidate.name,
-                "difference_percent": 100.0 * float(np.abs(gap[there]).max() / force.max()),
+                "difference_percent": largest.to_numpy(),
                 "elements": len(response.model.mesh.hexes),
             }
         )
-    return rows

@@ -5,15 +5,18 @@ Neither is more probable beforehand, and both may lack effects: each is diagnose
 
 from collections.abc import Collection, Mapping, Sequence
 from dataclasses import dataclass, replace
-from typing import Any, Self
+from typing import Any
 
 from softsample.constitutive.material import Material
 from softsample.loop.candidates import candidates
 from softsample.loop.diagnose import Diagnosis, diagnose
 from softsample.loop.effects.base import Effect
+from softsample.loop.held_out import Tables, tests_of
 from softsample.loop.pool import Others
 from softsample.loop.posed import LoopSettings
 from softsample.loop.specimen import Specimen
+from softsample.records import Record
+from softsample.shapes import IdealShape
 
 
 @dataclass(frozen=True)
@@ -37,28 +40,45 @@ class AssumedEnds:
     effects: Sequence[Effect]
     others: Others | None = None
 
-    @classmethod
-    def of(
-        cls,
-        slides: bool,
-        names: Collection[str],
-        tests: tuple[Sequence[Specimen], Sequence[Specimen]],
-        heights: Mapping[str, float],
-        groups: Mapping[str, Collection[str]],
-        verdicts: tuple[Sequence[Mapping[str, Any]], Sequence[Mapping[str, Any]]],
-        settings: LoopSettings,
-        solid: Material,
-    ) -> Self:
-        """From the tests of a study, whose open ends are taken to slide or not.
 
-        `names` are the samples of the group; other arguments as of
-        `softsample.loop.pool.Others.of`.
-        """
-        own = [test for test in tests[1] if test.name in names]
+@dataclass(frozen=True, eq=False)
+class Recorded:
+    """What a study recorded of a group, and of its other groups if these tell of it.
+
+    Parameters
+    ----------
+    names : collection of str
+        Samples of the group.
+    rows, records, shapes : sequence
+        Of every sample: row with defaults filled in, record, ideal shape.
+    hold_out : sequence of mapping
+        Selections of the study's settings.
+    groups : mapping
+        Samples of the other groups, by group.
+    verdicts : tuple of sequences of mapping
+        `verdict.json` of each of these on all of its records, and on what is not held out.
+    """
+
+    names: Collection[str]
+    rows: Sequence[Mapping[str, str]]
+    records: Sequence[Record]
+    shapes: Sequence[IdealShape]
+    hold_out: Sequence[Mapping[str, Any]]
+    groups: Mapping[str, Collection[str]]
+    verdicts: tuple[Sequence[Mapping[str, Any]], Sequence[Mapping[str, Any]]]
+
+    def with_ends(
+        self, slides: bool, tables: Sequence[Tables], settings: LoopSettings, solid: Material
+    ) -> AssumedEnds:
+        """Beside the responses of all samples, whose open ends are taken to slide or not."""
+        every = self.rows, self.records, tables, self.shapes
+        tests = tests_of(*every, []), tests_of(*every, self.hold_out)
+        heights = {r["sample"]: s.height for r, s in zip(self.rows, self.shapes, strict=True)}
+        own = [test for test in tests[1] if test.name in self.names]
         effects = candidates(own, heights[own[0].name], solid)
-        told = [_with_ends(verdict, slides) for verdict in verdicts[0]], verdicts[1]
-        others = Others.of(groups, tests, heights, told, settings, solid)
-        return cls(own, tests[1], effects, others)
+        told = [_with_ends(verdict, slides) for verdict in self.verdicts[0]], self.verdicts[1]
+        others = Others.of(self.groups, tests, heights, told, settings, solid)
+        return AssumedEnds(own, tests[1], effects, others)
 
 
 def diagnose_ends(

@@ -1,10 +1,13 @@
 """Tables of what the geometry does to the bias, and of the cohort that would have the paper's."""
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
+from typing import Any
 
 import numpy as np
 import pandas as pd
 from scipy.interpolate import PchipInterpolator
+
+from softsample.protocol import loading
 
 QUANTITIES = {2: "modulus_two_term", 1: "modulus_one_term"}
 """Name in the table of means by the number of terms of the model."""
@@ -27,13 +30,37 @@ RELIEF, BOND, GAP = "relief_times_", "bond_depth_", "gap_times_"
 KEY = ["terms", "mode"]
 
 
+def biases_of_groups(
+    tables: Sequence[pd.DataFrame], groups: Mapping[str, Sequence[str]]
+) -> pd.DataFrame:
+    """Rows of `group_bias` of all groups, with `group` and `mode`; `groups` has their modes."""
+    named = [table.assign(group=group) for group, table in zip(groups, tables, strict=True)]
+    biases = pd.concat(named, ignore_index=True)
+    whole = biases["group"].map({group: loading(modes) for group, modes in groups.items()})
+    return biases.assign(mode=whole.where(biases["terms"] == 2, "compression"))
+
+
+def summits_of_modes(
+    modes: Sequence[str], cuboids: Sequence[Mapping[str, Any]], names: Iterable[str]
+) -> dict[str, list[float]]:
+    """Height of the highest point above the cuboid's top [mm] of each sample, by loading.
+
+    `modes` and `cuboids` are those of the samples; a loading of two modes is named after both.
+    """
+    summits: dict[str, list[float]] = {}
+    for mode, cuboid in zip(modes, cuboids, strict=True):
+        for name in {name for name in names if mode in name}:
+            summits.setdefault(name, []).append(cuboid["highest_point_mm"] - cuboid["height_mm"])
+    return summits
+
+
 def effects_table(biases: pd.DataFrame) -> pd.DataFrame:
     """Mean bias of every experiment and how far it is from the plain one.
 
     Parameters
     ----------
     biases
-        Rows of `group_bias` of all groups with their `group` and `mode`.
+        `biases_of_groups`.
 
     Returns
     -------

@@ -14,6 +14,7 @@ import pandas as pd
 from scipy.stats import t as student_t
 
 from softsample.errors import InputError
+from softsample.protocol import loading
 from softsample.report.page import with_interval
 
 GEOMETRIES = ("real", "ideal")
@@ -140,15 +141,6 @@ def _moduli_row(pair: Mapping[str, Mapping[str, Any]], model: str) -> dict[str, 
         **moduli,
         "difference_percent": 100.0 * (ideal["mu_pa"] - real) / real,
     }
-
-
-def loading(modes: Iterable[str]) -> str:
-    """Loading of a group in one word: its modes, tension before compression, joined by a plus."""
-    order = (
-        "shear", "tension", "compression", "pure_shear", "confined_compression", "indentation",
-        "torsion",
-    )  # fmt: skip
-    return "+".join(sorted(set(modes), key=order.index))
 
 
 def moduli_shown(

@@ -14,9 +14,8 @@ from softsample.errors import InputError, SoftsampleError
 from softsample.fem.boundary import ContactSettings, mode_boundary, platen_boundary
 from softsample.fem.explicit import ExplicitModel, Run, SolverSettings
 from softsample.fem.kernels import PLATEN
-from softsample.fem.setup import set_up
+from softsample.fem.setup import Sample, set_up
 from softsample.meshing.bond import bonded_area
-from softsample.meshing.mesh import HexMesh
 from softsample.meshing.regions import relative_stiffness
 from softsample.meshing.sample import SampleMesh
 from softsample.response.curves import Curves
@@ -115,7 +114,7 @@ def touched_nodes(
 
 
 def by_rule(
-    sample: tuple[HexMesh, Mapping[str, NDArray[Any]], Mapping[str, NDArray[Any]]],
+    sample: Sample,
     mode: str,
     material: Material,
     furthest: float,
@@ -155,7 +154,7 @@ def by_rule(
         cannot be simulated.
     """
     mesh = sample[0]
-    model, _ = set_up(*sample, mode, **sections)
+    model, _ = set_up(sample, mode, sections, sections["ends"])
     law, platen = sections["material"], ContactSettings(**sections["contact"])
     pressed = preload, settings.fill_mm * MM, law["alpha"], law["poisson_ratio"], platen
     displacement = np.linspace(0.0, furthest, POINTS + 1)[1:]

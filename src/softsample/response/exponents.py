@@ -8,12 +8,14 @@ from dataclasses import dataclass
 from itertools import product
 
 import numpy as np
+import pandas as pd
 from numpy.typing import NDArray
 
 from softsample.constitutive.ogden import unit_modulus
 from softsample.errors import InputError
 from softsample.fem.boundary import Boundary
 from softsample.fem.explicit import ExplicitModel
+from softsample.protocol import travel_sign
 from softsample.response.unit import Progress, ResponseSettings, modulus_fractions, unit_runs
 
 Array = NDArray[np.float64]
@@ -93,3 +95,18 @@ def simulate_exponents(
         rows.append(np.column_stack([*columns, run.force / modulus]))
     names = (*grid, "displacement", "force")
     return dict(zip(names, np.concatenate(rows).T, strict=True))
+
+
+def exponent_table(curves: Mapping[str, Array], mode: str) -> pd.DataFrame:
+    """`simulate_exponents` in the signs of a mode.
+
+    Columns `mu1_fraction`, `alpha1`, `alpha2`, `displacement_mm`, `force_per_mu_mm2`.
+    """
+    sign = travel_sign(mode)
+    return pd.DataFrame(
+        {
+            **{name: curves[name] for name in ("mu1_fraction", "alpha1", "alpha2")},
+            "displacement_mm": sign * 1e3 * curves["displacement"],
+            "force_per_mu_mm2": sign * 1e6 * curves["force"],
+        }
+    )

@@ -1,6 +1,6 @@
 """One test with the calibrated material: curve, deformed shape, energies, contact."""
 
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from typing import Any
 
@@ -10,10 +10,12 @@ from numpy.typing import NDArray
 
 from softsample.constitutive.homogeneous import thickness_stretch
 from softsample.constitutive.material import Material
-from softsample.fem.boundary import Boundary
+from softsample.fem.boundary import Boundary, Ends
 from softsample.fem.explicit import ExplicitModel
-from softsample.fem.fields import CONTACT, contact_report
+from softsample.fem.fields import CONTACT, contact_report, max_principal_hencky_strain
+from softsample.fem.setup import Sample, set_up
 from softsample.meshing.mesh import HexMesh
+from softsample.response.curves import Curves
 from softsample.response.unit import homogeneous_area, run_report, shortest_loading_time
 from softsample.shapes import IdealShape
 
@@ -69,14 +71,67 @@ class Optimum:
             "contact": contact,
         }
 
-    def difference_percent(self, modelled: Array) -> float:
-        """Largest difference from a modelled force (n,) [% of its peak]."""
+    def difference_percent(self, curves: Curves, material: Material) -> float:
+        """Largest difference from the force of unit-modulus curves [% of its peak]."""
+        law = material.shear_modulus, material.mu1_fraction
+        modelled = curves.force(self.displacement, *law)
         return float(100.0 * np.abs(self.force - modelled).max() / np.abs(modelled).max())
 
+    def fields(
+        self, mesh: HexMesh, point_data: Mapping[str, NDArray[Any]]
+    ) -> tuple[dict[str, Any], dict[str, Any]]:
+        """Node data, with what the mesh has, and element data at the end."""
+        of_nodes = {"displacement_mm": 1e3 * self.field, "held": self.held, **point_data}
+        return of_nodes, {
+            "max_principal_hencky_strain": max_principal_hencky_strain(mesh, self.field)
+        }
 
-def loading_time(report: dict[str, Any], model: ExplicitModel) -> float:
+
+def loading_time(report: Mapping[str, Any], model: ExplicitModel) -> float:
     """Loading time of a response, from its report; a patient one if it is a closed form [s]."""
     return float(report.get("loading_time_s") or PATIENT * shortest_loading_time(model))
+
+
+def optimum(
+    sample: Sample,
+    shape: IdealShape,
+    test: tuple[str, Mapping[str, Any], Ends],
+    material: Material,
+    travel: float,
+    response: Mapping[str, Any],
+    progress: Callable[[str, float], None],
+) -> Optimum:
+    """The test of a sample, by the solver or in closed form.
+
+    Parameters
+    ----------
+    sample : tuple
+        Mesh with its data.
+    shape : IdealShape
+    test : tuple
+        Mode, sections of the config and ends, as of `softsample.fem.setup.set_up`.
+    material : Material
+        With the calibrated parameters.
+    travel : float
+        Displacement of the platen [m].
+    response : mapping
+        Report of the unit-modulus response.
+    progress : callable
+        Told what runs and the finished part.
+    """
+    mode, sections, ends = test
+    if mode == "shear" and ends == "sliding":
+        points = sections["solver"]["curve_points"]
+        return sheared_optimum(sample[0], shape, material, travel, points)
+    model, boundary = set_up(sample, *test)
+    return simulated_optimum(
+        model,
+        boundary,
+        material,
+        travel,
+        loading_time(response, model),
+        lambda done: progress("run at the optimum", done),
+    )
 
 
 def simulated_optimum(

@@ -7,7 +7,11 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from softsample.response.unit import curve_difference
+from softsample.constitutive.material import Material
+from softsample.fem.boundary import Ends
+from softsample.fem.setup import Sample, set_up
+from softsample.response.optimum import loading_time
+from softsample.response.unit import CLOSED_FORM, curve_difference
 
 Array = NDArray[np.float64]
 
@@ -44,6 +48,50 @@ def numerical_changes(hourglass_coefficient: float) -> list[Change]:
         Change(COARSE, True, {}),
         Change(DOUBLE, True, {"precision": "float64"}),
     ]
+
+
+def forces_with_changes(
+    meshes: Mapping[str, Sample],
+    test: tuple[str, Mapping[str, Any], Ends],
+    material: Material,
+    travel: float,
+    response: Mapping[str, Any],
+    reference: tuple[Array, Array],
+    progress: Callable[[str, float], None],
+) -> dict[str, Array]:
+    """Force (n,) [N] of the test with each change.
+
+    Parameters
+    ----------
+    meshes : mapping of tuple
+        The sample's mesh with its data, `mesh`, and one with elements of twice the size, `coarse`.
+    test : tuple
+        Mode, sections of the config and ends, as of `softsample.fem.setup.set_up`.
+    material : Material
+        At the optimum.
+    travel : float
+        Displacement of the platen [m].
+    response : mapping
+        Report of the unit-modulus response.
+    reference : tuple of (n,) float64
+        Displacements [m] that are asked for, and the force without a change [N].
+    progress : callable
+        Told the change and the finished part.
+    """
+    mode, sections, ends = test
+    changes = numerical_changes(sections["solver"]["hourglass_coefficient"])
+    displacement, force = reference
+    forces = {change.name: force for change in changes}
+    if response["method"] == CLOSED_FORM:  # which has no mesh, and nothing to choose
+        return forces
+    for done, change in enumerate(changes):
+        progress(change.name, done / len(changes))
+        solver = {**sections["solver"], **change.solver}
+        changed = {name: sections[name] for name in ("contact", "material")} | {"solver": solver}
+        model, boundary = set_up(meshes["coarse" if change.coarse else "mesh"], mode, changed, ends)
+        run = model.run(material, boundary, travel, loading_time=loading_time(response, model))
+        forces[change.name] = np.interp(displacement, run.displacement, run.force)
+    return forces
 
 
 def changes_of_force(

@@ -8,7 +8,7 @@ import numpy as np
 import pandas as pd
 import pytest
 
-from softsample.calibration.direct import SimulatedCurves
+from softsample.calibration.direct import SimulatedCurves, simulated_curves
 from softsample.calibration.exponents import (
     ExponentFamily,
     cardinal,
@@ -16,6 +16,7 @@ from softsample.calibration.exponents import (
     exponent_report,
     profile_table,
 )
+from softsample.calibration.group import GroupCurves
 from softsample.calibration.measured import MeasuredCurve
 from softsample.calibration.slsqp import STARTS_PER_PARAMETER, CalibrationSettings, fit_ogden
 from softsample.calibration.uncertainty import Uncertainty, UncertaintySettings
@@ -273,6 +274,18 @@ def test_direct_simulations_end_at_the_optimum_of_the_families():
     for sample, curves in simulated.items():
         assert curves.simulations == bars[sample].runs > 10
         assert curves.cpu_s > 0.0
+
+
+def test_a_sample_that_is_held_out_is_not_simulated():
+    mesh = mesh_cuboid(4e-3, 4e-3, 4e-3, 2e-3)
+    sample = mesh, {"glued": np.zeros(len(mesh.points), bool)}, {}
+    law = {"alpha": (-8.0, 16.0), "poisson_ratio": 0.49}
+    travel = np.linspace(0.0, TRAVEL["C1"], 60)
+    response = ResponseCurves(np.array([0.0, 1.0]), travel, np.ones((2, 60)))
+    group = GroupCurves(MODES, {"C1": response}, {"C1": MeasuredCurve(travel, travel)})
+    sections = {"solver": {}, "contact": {}, "material": law}
+    pairs = [sample] * 2, ["bonded"] * 2, [{"loading_time_s": 0.04}] * 2
+    assert set(simulated_curves(group, *pairs, sections)) == {"C1"}
 
 
 def exponent_fit(**more):

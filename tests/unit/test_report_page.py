@@ -168,6 +168,8 @@ def test_a_verdict_in_one_sentence():
     assert verdict_sentence(verdict).startswith("Effects: late contact or platen tilt. Error")
     assert "3 % of peak before" in verdict_sentence(verdict)
     assert verdict_sentence({**verdict, "effects": []}).startswith("Error")
+    slides = verdict_sentence({**verdict, "effects": [{"class": ["ends"]}]})
+    assert slides.startswith("Effects: sliding ends. Error")
 
 
 RECORD = {

@@ -106,14 +106,20 @@ def _mesh(name: str, report: Report) -> str:
     return f"{name}: {report['elements']} hexahedra, scaled Jacobian {quality} at least"
 
 
+def spoken_effect(name: str) -> str:
+    """Name of an effect in words."""
+    return "sliding ends" if name == "ends" else name.replace("_", " ")
+
+
 def verdict_sentence(verdict: Report) -> str:
     """Which effects a verdict names, and the error before and after, largest of the tests."""
-    effects = "; ".join(" or ".join(effect["class"]) for effect in verdict["effects"])
+    sets = ([spoken_effect(name) for name in effect["class"]] for effect in verdict["effects"])
+    effects = "; ".join(map(" or ".join, sets))
     before, after = (
         max(phases["all"]["rms_percent_structured"] for phases in verdict[f"error_{when}"].values())
         for when in ("before", "after")
     )
-    named = f"Effects: {effects.replace('_', ' ')}. " if effects else ""
+    named = f"Effects: {effects}. " if effects else ""
     return (
         f"{named}Error, noise taken out, of the test with the largest: {written(before)} % of peak "
         f"before, {written(after)} % after."

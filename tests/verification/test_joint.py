@@ -20,6 +20,7 @@ from softsample.loop.leave_out import left_out_errors
 from softsample.loop.model import Material, Model, State
 from softsample.loop.noise import GEOMETRY, NoiseSettings
 from softsample.loop.page import page
+from softsample.loop.pool import Pooled
 from softsample.loop.posed import LoopSettings, pose
 from softsample.loop.screen import signatures
 from softsample.loop.select import doubted, misfit_with_penalties
@@ -195,6 +196,22 @@ def test_other_groups_tell_what_the_platens_do():
     assert for_sliding(told) == pytest.approx(evidence)
     assert _with_ends(told, slides=True) is told
     assert _with_ends(told, slides=False)["path"] == judgement(bonded, SETTINGS)["path"]
+
+
+def test_other_groups_choose_the_ends_by_more_than_a_standard_error():
+    """Else the likelihood does, as where they tell nothing."""
+    bonded, sliding = diagnosed("sliding").other_ends, diagnosed("sliding")
+    first = sliding.problem, sliding.final
+
+    def told(found, *percent):
+        errors = np.log(0.01 * np.array(percent))
+        return replace(found, told=Pooled(*first, {}, {}, 50.0, 30.0, errors))
+
+    stiff = told(bonded, 4.0, 5.0, 6.0)
+    assert not likelier(stiff, told(sliding, 8.0, 9.0, 13.0)).slides
+    assert likelier(stiff, told(sliding, 3.9, 5.5, 5.9)).slides
+    assert likelier(told(bonded, 8.0, 9.0, 13.0), told(sliding, 4.0, 5.0, 6.0), -1e6).slides
+    assert not likelier(stiff, sliding).slides
 
 
 def test_evidence_on_ends_is_doubted_by_errors_of_geometry_that_no_record_shows():

@@ -12,7 +12,7 @@ from softsample.loop.candidates import candidates
 from softsample.loop.diagnose import Diagnosis, diagnose
 from softsample.loop.effects.base import Effect
 from softsample.loop.held_out import Tables, tests_of
-from softsample.loop.pool import Others
+from softsample.loop.pool import Others, Pooled, lower
 from softsample.loop.posed import LoopSettings
 from softsample.loop.specimen import Specimen
 from softsample.records import Record
@@ -114,21 +114,24 @@ def for_sliding(verdict: Mapping[str, Any]) -> float:
 def likelier(bonded: Diagnosis, sliding: Diagnosis, elsewhere: float = 0.0) -> Diagnosis:
     """The diagnosis to report; it knows the other one.
 
-    Where other groups have chosen the effects, they also choose the ends: by the error on what is
-    held out of them. Else it is the likelihood of what is reported with either, penalties
-    included, and what the other groups tell, `elsewhere`.
+    Where other groups have chosen the effects, they also choose the ends if the error on what is
+    held out of them differs by more than a standard error. Else it is the likelihood of what is
+    reported with either, penalties included, and what the other groups tell, `elsewhere`.
     """
     bonded = replace(bonded, elsewhere=elsewhere)
     sliding = replace(sliding, elsewhere=elsewhere, slides=True)
-    if bonded.told or sliding.told:
-        slides = _error_of_others(sliding) < _error_of_others(bonded)
-    else:
+    slides = _others_choose(bonded.told, sliding.told)
+    if slides is None:
         slides = bonded.left - sliding.left + elsewhere > 0.0
     if slides:
         return replace(sliding, other_ends=bonded)
     return replace(bonded, other_ends=sliding)
 
 
-def _error_of_others(found: Diagnosis) -> float:
-    """Error on what is held out of the other groups with the effects that they have chosen."""
-    return found.told.after if found.told else float("inf")
+def _others_choose(bonded: Pooled | None, sliding: Pooled | None) -> bool | None:
+    """Whether ends slide by what is held out of the other groups; None if these cannot tell."""
+    if bonded is None or sliding is None:
+        return None if bonded is sliding else bonded is None
+    if lower(sliding.left, bonded.left):
+        return True
+    return False if lower(bonded.left, sliding.left) else None

@@ -218,26 +218,30 @@ class Pooled:
         Names that are as good as each effect, itself first.
     evidence : dict of float
         What each effect made likelier in all records of the others, as in the selection.
-    groups : int
-        The others.
-    before, alone, after : float
-        Error on what is held out of the others [% of peak, geometric mean]: of the plain model, of
-        the diagnosis of each by itself, and with these effects.
+    before, alone : float
+        Error on what is held out of the others [% of peak, geometric mean]: of the plain model, and
+        of the diagnosis of each by itself.
+    left : (groups,) float64
+        Logarithm of that with these effects, of each.
     """
 
     problem: Problem
     fit: Fit
     classes: dict[str, list[str]]
     evidence: dict[str, float]
-    groups: int
     before: float
     alone: float
-    after: float
+    left: Array
+
+    @property
+    def after(self) -> float:
+        """Error with these effects [% of peak, geometric mean]."""
+        return _percent(self.left)
 
     def report(self) -> dict[str, float]:
         """What `verdict.json` holds."""
         return {
-            "groups": self.groups,
+            "groups": len(self.left),
             "others_before_percent": self.before,
             "others_alone_percent": self.alone,
             "others_after_percent": self.after,
@@ -271,8 +275,12 @@ def pooled(
         return None
     told = _common([group.told() for group in groups])
     problem, fit = own.predicted(list(classes), told, groups)
-    means = (float(100.0 * np.exp(np.nanmean(errors))) for errors in (before, alone, left))
-    return Pooled(problem, fit, classes, found.evidence, len(groups), *means)
+    return Pooled(problem, fit, classes, found.evidence, _percent(before), _percent(alone), left)
+
+
+def _percent(errors: Array) -> float:
+    """Geometric mean of errors from their logarithms [%]."""
+    return float(100.0 * np.exp(np.nanmean(errors)))
 
 
 @dataclass(frozen=True)
@@ -322,14 +330,14 @@ def _searched(
             found[name] = replace(chain, groups=added[0], left=added[1],
                                   evidence={**chain.evidence, name: size})  # fmt: skip
     ranked = sorted(found, key=lambda name: found[name].mean)
-    if not ranked or not _lower(found[ranked[0]].left, chain.left):
+    if not ranked or not lower(found[ranked[0]].left, chain.left):
         return chain
-    alike = [name for name in ranked if not _lower(found[ranked[0]].left, found[name].left)]
+    alike = [name for name in ranked if not lower(found[ranked[0]].left, found[name].left)]
     ends = []
     for name in alike[:BRANCHES]:
         as_good = [name, *(n for n in alike if n != name)]
         taken = replace(found[name], classes={**chain.classes, name: as_good})
-        if _lower(taken.left, chain.left):
+        if lower(taken.left, chain.left):
             ends.append(_searched(taken, own, others, asked, rules))
     return min(ends, key=lambda end: end.mean)
 
@@ -375,7 +383,7 @@ def _evidence(before: Sequence[Group], after: Sequence[Group]) -> float:
     return fall
 
 
-def _lower(one: Array, other: Array) -> bool:
+def lower(one: Array, other: Array) -> bool:
     """Whether errors are lower on the whole, by more than one standard error."""
     apart = (one - other)[np.isfinite(one - other)]
     if len(apart) < FEWEST_OTHERS:

@@ -16,7 +16,7 @@ HEAD = f"""# The blind laboratory
 
 Written by `benchmarks/blind_page.py` from `softsample.blindlab`; edit the files there.
 
-    make blind        # every effect at its nominal size, design B: results/blind/
+    make blind        # every effect at its nominal size, design B, 10 h on 2 cores: results/blind/
     make blind-full   # four sizes, designs A, B and C, fewer of each: results/blind-full/
     make blind-foreign  # floors of other families, sizes not told: results/blind-*/
 

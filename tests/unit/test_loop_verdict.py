@@ -88,6 +88,21 @@ def test_a_size_at_the_end_of_its_range_is_no_explanation():
     assert driven_to_an_end(replace(refused, model=model)) == ""
 
 
+def test_a_period_at_the_end_of_its_range_is_no_explanation():
+    """A hum with a beat of 10 s, and a range that ends there."""
+    lab = laboratory.Lab(seed=5).specimens()
+    heard = [replace(s, force=s.force + 15e-3 * np.sin(0.2 * np.pi * s.clock)) for s in lab]
+    hum = library()["mains_pickup"]
+    fit = diagnose(heard, LoopSettings(), [hum]).selection.final
+    assert driven_to_an_end(fit) == ""
+    *sizes, period = hum.parameters
+    period = replace(period, high=fit.state.values["mains_pickup"]["period_s"])
+    ending = replace(fit, at_bound=("mains_pickup.period_s",))
+    for inside, name in ((True, "mains_pickup.period_s"), (False, "")):
+        effect = replace(hum, parameters=(*sizes, replace(period, inside=inside)))
+        assert driven_to_an_end(replace(ending, model=Model((effect,)))) == name
+
+
 def test_what_was_found_before_stands_beside_what_is_at_the_end_of_its_range():
     lab = laboratory.Lab(seed=5, offset=dict.fromkeys(laboratory.MODES, 6.0), relaxed=0.4)
     narrow = tuple(replace(p, low=-4.0, high=4.0) for p in OFFSET.parameters)

@@ -432,7 +432,7 @@ def doubted(problem: Problem, fit: Fit) -> tuple[Problem, Fit]:
 
 
 def driven_to_an_end(fit: Fit) -> str:
-    """A size or exponent of a law at an end of its range at which it is not absent; else empty.
+    """A size, exponent or period at an end of its range at which it is not absent; else empty.
 
     One that the records do not show, as an exponent of no modulus, may lie anywhere.
     """
@@ -440,7 +440,7 @@ def driven_to_an_end(fit: Fit) -> str:
     for (effect, p), seen in zip(fit.model.parameters, shown, strict=True):
         value, name = fit.state.values[effect.name][p.name], f"{effect.name}.{p.name}"
         allowed = any(abs(value - end) < 0.01 * (p.high - p.low) for end in (p.neutral, *p.limits))
-        if seen and (p.is_size or effect.is_law) and not allowed and name in fit.at_bound:
+        if seen and (p.is_size or p.inside) and not allowed and name in fit.at_bound:
             return name
     return ""
 

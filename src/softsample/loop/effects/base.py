@@ -38,6 +38,9 @@ class Parameter:
     limits : tuple of float
         Ends of the range at which a size may lie: limits of physics, such as all of a share. Others
         are limits of what is plausible.
+    inside : bool
+        Whether a fit that ends at another end explains nothing, as it always does with a size: an
+        exponent or a period that wants to lie beyond is none.
     known : tuple of float
         Mean and standard deviation of a normal prior; none by default, so that all of the range is
         as likely.
@@ -51,6 +54,7 @@ class Parameter:
     grid: tuple[float, ...] = ()
     neutral: float = 0.0
     limits: tuple[float, ...] = ()
+    inside: bool = False
     known: tuple[float, float] | None = None
 
     @property

@@ -9,14 +9,14 @@ def _elastic(specimen: Specimen, fraction: float, travel: Array, values: Values)
     return values["share"] * one_term
 
 
+GRID = (-35.0, -20.0, -4.0, 2.0, 8.0, 20.0, 35.0)
+
 EFFECT = Effect(
     name="elastic_law",
     title="Another Ogden term",
     parameters=(
         Parameter("share", "1", 0.0, 1.0, 1.0, limits=(0.0, 1.0)),
-        Parameter(
-            "alpha", "1", -45.0, 40.0, -20.0, grid=(-35.0, -20.0, -4.0, 2.0, 8.0, 20.0, 35.0)
-        ),
+        Parameter("alpha", "1", -45.0, 40.0, -20.0, GRID, inside=True),
     ),
     tier="L",
     is_law=True,

@@ -15,6 +15,8 @@ def _instrument(specimen: Specimen, force: Array, travel: Array, values: Values)
     return force
 
 
+PERIODS = tuple(90.0 / k for k in range(2, 91))
+
 EFFECT = Effect(
     name="mains_pickup",
     title="Mains pickup",
@@ -24,7 +26,7 @@ EFFECT = Effect(
             for mode in MODES
             for part in ("sin", "cos")
         ),
-        Parameter("period_s", "s", 0.8, 70.0, 10.0, grid=tuple(90.0 / k for k in range(2, 91))),
+        Parameter("period_s", "s", 0.8, 70.0, 10.0, PERIODS, inside=True),
     ),
     tier="P",
     source="100 Hz ripple sampled at 100 Hz",

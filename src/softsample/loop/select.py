@@ -683,14 +683,9 @@ def _one_of_each(candidates: Sequence[Candidate]) -> list[Candidate]:
 def _nearest_law(
     here: _Round, best: Candidate, inside: Sequence[Candidate], settings: SelectionSettings
 ) -> Candidate:
-    """A candidate for a law, or another of its class of fewer parameters.
-
-    Of those with the fewest it is one that changes little, see `softsample.loop.joint.nearest`.
-    """
+    """A candidate for a law, or another of its class, see `softsample.loop.joint.nearest`."""
     laws = [c for c in _compared(here, inside, best) if c.fit.model.effects[-1].is_law]
     alike = [c for c in laws if c.fit is best.fit or _in_class(c, best, settings)]
-    fewest = min(len(c.fit.model.effects[-1].parameters) for c in alike)
-    alike = [c for c in alike if len(c.fit.model.effects[-1].parameters) == fewest]
     taken = nearest(here.settled, here.base, [c.settled for c in alike])
     return next(c for c in inside if c.settled is taken)
 

@@ -82,7 +82,8 @@ SCORED = """
 Written from [data/blind/score.json](data/blind/score.json): design B, nominal sizes, seeds that no
 development saw; {judged} of {planned} experiments judged. In brackets the one-sided 95 % bound,
 bold what misses its criterion. Counts of effects are out of 25; the file has the numbers of
-experiments.
+experiments. Scores are of 22 November 2026; the diagnosis has changed since, and a verdict costs
+about 15 CPU s.
 
 | goal | criterion | noise only | criterion | floor 1 % |
 |---|---|---|---|---|"""

@@ -13,14 +13,11 @@ with logged_to(snakemake):
     changes = zip(given.names, map(read_table, files.models), strict=True)
     models = {name: elastics(table, Body.named(name)) for name, table in changes}
     loop, resolution = LoopSettings.of_config(given.loop), Resolution(**given.noise)
-    extent = Extent(**given.extent)
-    every = plan(extent)
-    numbers = range(given.part, len(every), given.parts)
-    tell, answers = progress_bar(), {}
-    for number in numbers:
-        tell("experiments", numbers.index(number) / len(numbers))
-        experiment = every[number]
-        body = experiment.body(Benches(**given.bodies))
+    extent, benches = Extent(**given.extent), Benches(**given.bodies)
+    tell, answers, part = progress_bar(), {}, [*enumerate(plan(extent))][given.part :: given.parts]
+    for done, (number, experiment) in enumerate(part):
+        tell("experiments", done / len(part))
+        body = experiment.body(benches)
         answers[number] = answer(
             experiment.records(body, curves[body.name], extent.floor(experiment)),
             models[body.name],

@@ -1,7 +1,7 @@
 """Ogden moduli of one group on one geometry (rule `calibrate`)."""
 
 from softsample import io
-from softsample.calibration.direct import costs, simulated_curves
+from softsample.calibration.direct import simulated_curves, simulation_costs
 from softsample.calibration.group import GroupCurves
 from softsample.calibration.slsqp import CalibrationSettings, fit_ogden
 from softsample.calibration.uncertainty import Uncertainty, UncertaintySettings
@@ -22,7 +22,7 @@ with logged_to(snakemake):
     fit = fit_ogden(simulated or group.responses, group.measured, settings)
     known = group.responses, group.measured, fit, settings, UncertaintySettings(**given.uncertainty)
     shifts = group.contact_zero(of.geometry, io.MM * given.contact_zero_mm)
-    report = group.report(of, given.material, fit) | costs(simulated)
+    report = group.report(of, given.material, fit) | simulation_costs(simulated)
     report["uncertainty"] = Uncertainty(*known).report(shifts)
     io.write_table(snakemake.output.curve, group.compared(fit))
     io.write_json(snakemake.output.fit, {**report, "provenance": provenance(snakemake)})

@@ -21,7 +21,8 @@ with logged_to(snakemake):
     records = [*map(io.read_record, files.records)]
     shapes = [IdealShape.of_report(io.read_json(path)) for path in files.cuboids]
     verdicts = [[*map(io.read_json, files.get(kind, []))] for kind in ("whole", "alone")]
-    told = given.samples, given.rows, records, shapes, given.hold_out, given.others, verdicts
+    own = given.samples, given.rows, records, shapes, given.hold_out, given.others
+    recorded = Recorded(*own, verdicts)
     models = []
     for ends in ("", "sliding_")[: 2 if files.get("sliding_curves") else 1]:
         real = [*map(io.read_table, files.get(f"{ends}real", []))] or [None] * len(given.rows)
@@ -31,7 +32,7 @@ with logged_to(snakemake):
             for path, change, *of_piece in zip(curves, changes, real, bonds, strict=True)
         }
         tables = [known[path] for path in curves]
-        models.append(Recorded(*told).with_ends(bool(ends), tables, settings, solid))
+        models.append(recorded.with_ends(bool(ends), tables, settings, solid))
     elsewhere = sum(map(for_sliding, map(io.read_json, files.get("ends_of_others", []))))
     found = diagnose_ends(models, settings, elsewhere)
     left_out = left_out_errors(models, given.folds, settings, elsewhere, progress_bar())

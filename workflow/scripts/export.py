@@ -13,6 +13,7 @@ with logged_to(snakemake):
     fit, curve = io.read_json(files.fit), io.read_table(files.curve)
     export_test(
         written,
+        files.mesh,
         io.read_mesh_with_data(files.mesh),
         of_fit(fit),
         (given.mode, given.ends, ContactSettings(**given.contact)),

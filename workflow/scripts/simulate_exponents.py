@@ -5,8 +5,8 @@ from softsample.fem.setup import set_up
 from softsample.io import read_json, read_mesh_with_data, read_record, write_table
 from softsample.response.exponents import (
     ExponentSettings,
+    curves_table,
     exponent_grid,
-    exponent_table,
     simulate_exponents,
 )
 from softsample.workflow import logged_to, progress_bar
@@ -21,4 +21,4 @@ with logged_to(snakemake):
         read_json(files.family)["loading_time_s"],
         progress_bar(),
     )
-    write_table(snakemake.output.curves, exponent_table(curves, given.mode))
+    write_table(snakemake.output.curves, curves_table(curves, given.mode))

@@ -16,8 +16,8 @@ with logged_to(snakemake):
     given, files, out = snakemake.params, snakemake.input, snakemake.output
     biases = biases_of_groups([*map(read_table, files.biases)], given.groups)
     summits = summits_of_modes(given.modes, [*map(read_json, files.cuboids)], biases["mode"])
-    paper = pd.DataFrame(columns=["quantity", "mode", "mean_percent"])
-    paper = read_table(files.paper) if files.paper else paper
+    none = pd.DataFrame(columns=["quantity", "mode", "mean_percent"])
+    paper = read_table(files.paper) if files.paper else none
     effects = effects_table(biases)
     write_table(out.effects, effects)
     write_table(out.shares, shares_table(biases))

@@ -102,7 +102,7 @@ def simulated_curves(
     return found
 
 
-def costs(simulated: Mapping[str, SimulatedCurves]) -> dict[str, float]:
+def simulation_costs(simulated: Mapping[str, SimulatedCurves]) -> dict[str, float]:
     """Number of simulations so far, and their CPU time [s]."""
     return {
         "simulations": sum(curves.simulations for curves in simulated.values()),

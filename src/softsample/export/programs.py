@@ -15,6 +15,7 @@ from softsample.fem.setup import Sample
 
 def export_test(
     paths: Mapping[str, str],
+    source: str,
     sample: Sample,
     material: Material,
     test: tuple[str, Ends, ContactSettings],
@@ -27,6 +28,8 @@ def export_test(
     ----------
     paths : mapping
         Targets: `abaqus`, `calculix`, `febio`, and `{program}_card`.
+    source : str
+        File of the mesh, for messages.
     sample : tuple
         Mesh with its data.
     material : Material
@@ -46,8 +49,8 @@ def export_test(
     mesh, point_data, cell_data = sample
     if "region" in cell_data:
         raise InputError(
-            "regions of different stiffness are not exported; leave the column labels of the table "
-            "empty to export the sample without them"
+            f"{source}: regions of different stiffness are not exported; leave the column labels "
+            "of the table empty to export the sample without them"
         )
     mode, ends, contact = test
     boundary = mode_boundary(mesh, mode, np.flatnonzero(point_data["glued"]), contact, ends)

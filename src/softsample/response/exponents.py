@@ -97,7 +97,7 @@ def simulate_exponents(
     return dict(zip(names, np.concatenate(rows).T, strict=True))
 
 
-def exponent_table(curves: Mapping[str, Array], mode: str) -> pd.DataFrame:
+def curves_table(curves: Mapping[str, Array], mode: str) -> pd.DataFrame:
     """`simulate_exponents` in the signs of a mode.
 
     Columns `mu1_fraction`, `alpha1`, `alpha2`, `displacement_mm`, `force_per_mu_mm2`.

@@ -74,6 +74,25 @@ def test_what_is_left_far_above_the_floor_is_more_than_floor():
         assert 0.3 < left / (percent / np.sqrt(2.0)) < 3.0
 
 
+def test_an_effect_that_leaves_most_of_an_error_above_the_floor_is_no_explanation():
+    """A tissue that becomes 6 % softer within seconds of a hold does not relax."""
+
+    def softer(s):
+        since = s.clock - s.clock[s.phase == "hold"][0]
+        return replace(s, force=s.force * (0.97 - 0.03 * np.tanh((since - 10.0) / 3.0)))
+
+    tests = [*map(softer, laboratory.Lab(seed=5).specimens())]
+    settings = LoopSettings()
+    found = diagnose(tests, settings, [library()["viscoelastic_relaxation"]])
+    assert found.selection.final.model.names == ("viscoelastic_relaxation",)  # it was tried
+    assert 1.0 < found.selected.form < 3.0  # above the floor, not far above it
+    assert found.verdict != "explained"
+    assert re.fullmatch(r"an error of .* is left that no effect explains", found.objection)
+    half = replace(found.selected, form=0.49 * found.before.form)
+    rules = settings.selection, settings.noise
+    assert objection_to(found.selection, found.before, half, *rules) == ""
+
+
 def test_a_size_at_the_end_of_its_range_is_no_explanation():
     """An offset of 60 mN is more than the 50 mN that are plausible; a share may be all of it."""
     found = judged(60.0)

@@ -70,7 +70,8 @@ class SelectionSettings:
     unknown_ratio : float
         Error that is left, over the floor or scale of the settings, above which it is unknown.
     unknown_share : float
-        Unless the cross-validated error with the selected effects, over that without, is below.
+        Part of the error of form, or of the cross-validated one, that effects leave above the
+        floor, at most.
     """
 
     most_effects: int = 3

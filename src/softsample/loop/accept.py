@@ -53,20 +53,6 @@ def fold_ratio(before: Errors, after: Errors) -> float:
     return float(np.exp(np.mean(logs))) if logs else 1.0
 
 
-def most_left(
-    before: Judged, named: bool, rules: SelectionSettings, noise: NoiseSettings
-) -> float:
-    """Error of form [% of peak] above which the records are not explained.
-
-    Without effects a multiple of the floor; effects leave no more than that, and no more than the
-    floor or a part of what they are to explain.
-    """
-    most = rules.unknown_ratio * noise.floor_percent
-    if not named:
-        return most
-    return min(most, max(noise.floor_percent, rules.unknown_share * before.form))
-
-
 def objection_to(
     selection: Selection,
     before: Judged,
@@ -76,19 +62,21 @@ def objection_to(
 ) -> str:
     """Why a selection is no explanation; empty if it is one.
 
-    The same for every study: what is left is not far above the floor, and beside effects not above
-    it and most of what was there, unless they take most of what folds leave out; the scales of the
-    tests are as known as the settings say, or, beside effects, whose evidence counts with scales as
-    free as the records have them, not at the end of their range; no size was driven to the end of
-    its range, the modulus stays known, and what folds leave out of the fitted records is no less
-    likely with the effects than without.
+    The same for every study: what is left is not far above the floor, unless effects take most of
+    what folds leave out, and beside effects not both above it and most of what was there; the
+    scales of the tests are as known as the settings say, or, beside effects, whose evidence counts
+    with scales as free as the records have them, not at the end of their range; no size was driven
+    to the end of its range, the modulus stays known, and what folds leave out of the fitted records
+    is no less likely with the effects than without.
     """
     last, named = selection.steps[-1], bool(selection.final.model.effects)
     if last.refused and last.why != WITHIN_DOUBT and not named:
         return last.why
     scale = max(after.repeats, noise.sizes(selection.problem.variances)["scale"])
     enough = named and fold_ratio(before.folds, after.folds) <= rules.unknown_share
-    if not enough and after.form > most_left(before, named, rules, noise):
+    may_leave = max(noise.floor_percent, rules.unknown_share * before.form)
+    far_off = after.form > rules.unknown_ratio * noise.floor_percent
+    if (far_off and not enough) or (named and after.form > may_leave):
         return f"an error of {after.form:.3g} % of the peak is left that no effect explains"
     usual = noise.largest_scale if named else rules.unknown_ratio * noise.scale_percent
     if not enough and scale > usual:

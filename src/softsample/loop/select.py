@@ -70,8 +70,8 @@ class SelectionSettings:
     unknown_ratio : float
         Error that is left, over the floor or scale of the settings, above which it is unknown.
     unknown_share : float
-        Part of the error of form, or of the cross-validated one, that effects leave above the
-        floor, at most.
+        Part of the error of form that effects leave above the floor, at most; far above it, of
+        the cross-validated one too.
     """
 
     most_effects: int = 3

@@ -37,6 +37,12 @@ class Judged:
     form: float
     repeats: float
 
+    @property
+    def total(self) -> float:
+        """Error of what is fitted, with that of scale and without noise [% of peak]."""
+        squares = [(of["all"].structured / of["all"].peak) ** 2 for of in self.fitted.values()]
+        return float(100.0 * np.sqrt(np.mean(squares)))
+
 
 def fold_ratio(before: Errors, after: Errors) -> float:
     """Cross-validated error with effects over that without: the geometric mean over folds.
@@ -63,20 +69,21 @@ def objection_to(
     """Why a selection is no explanation; empty if it is one.
 
     The same for every study: what is left is not far above the floor, unless effects take most of
-    what folds leave out, and beside effects not both above it and most of what was there; the
-    scales of the tests are as known as the settings say, or, beside effects, whose evidence counts
-    with scales as free as the records have them, not at the end of their range; no size was driven
-    to the end of its range, the modulus stays known, and what folds leave out of the fitted records
-    is no less likely with the effects than without.
+    what folds leave out, and beside effects not both above it and most of what was there, with the
+    error of scale and without; the scales of the tests are as known as the settings say, or, beside
+    effects, whose evidence counts with scales as free as the records have them, not at the end of
+    their range; no size was driven to the end of its range, the modulus stays known, and what folds
+    leave out of the fitted records is no less likely with the effects than without.
     """
     last, named = selection.steps[-1], bool(selection.final.model.effects)
     if last.refused and last.why != WITHIN_DOUBT and not named:
         return last.why
     scale = max(after.repeats, noise.sizes(selection.problem.variances)["scale"])
     enough = named and fold_ratio(before.folds, after.folds) <= rules.unknown_share
-    may_leave = max(noise.floor_percent, rules.unknown_share * before.form)
-    far_off = after.form > rules.unknown_ratio * noise.floor_percent
-    if (far_off and not enough) or (named and after.form > may_leave):
+    pairs = (after.form, before.form), (after.total, before.total)
+    little = named and all(left > rules.unknown_share * was for left, was in pairs)
+    over = after.form / noise.floor_percent
+    if (over > rules.unknown_ratio and not enough) or (over > 1.0 and little):
         return f"an error of {after.form:.3g} % of the peak is left that no effect explains"
     usual = noise.largest_scale if named else rules.unknown_ratio * noise.scale_percent
     if not enough and scale > usual:

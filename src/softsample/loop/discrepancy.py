@@ -16,6 +16,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.linalg import cholesky, solve_triangular
 from scipy.optimize import minimize
+from scipy.sparse import csr_array
 
 from softsample.loop.fit import Fit, Problem
 from softsample.loop.model import CONTACT_ZERO, Packing
@@ -128,12 +129,12 @@ def _tests(problem: Problem, fit: Fit, names: Sequence[str]) -> list[_Test]:
     return found
 
 
-def averaging(travel: Array) -> Array:
+def averaging(travel: Array) -> csr_array:
     """Matrix (m, n) that takes means of neighbours at travels (n,) [parts of the stroke]."""
     path = np.cumsum(np.abs(np.diff(travel, prepend=travel[0])))
     step = max(SHORTEST, float(path[-1]) / MOST_GROUPS)
     _, place, count = np.unique(np.floor(path / step), return_inverse=True, return_counts=True)
-    return np.asarray((place == np.arange(len(count))[:, None]) / count[:, None])
+    return csr_array((place == np.arange(len(count))[:, None]) / count[:, None])
 
 
 def _restricted(

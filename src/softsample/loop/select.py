@@ -70,8 +70,8 @@ class SelectionSettings:
     unknown_ratio : float
         Error that is left, over the floor or scale of the settings, above which it is unknown.
     unknown_share : float
-        Part of the error of form that effects leave above the floor, at most; far above it, of
-        the cross-validated one too.
+        Part of the error, with that of scale or without, that effects leave above the floor, at
+        most; far above it, of the cross-validated one too.
     """
 
     most_effects: int = 3
@@ -525,7 +525,7 @@ def _fitted(
         candidates.append(
             _candidate(here, joint_fit(problem, current, signature, settings.class_gain))
         )
-    if _goes_back(problem):
+    if _loses_on_return(here.settled):
         laws = [effect for effect in effects if effect.is_law]
         candidates += [_beside_hysteresis(here, law, settings) for law in laws]
     candidates.sort(key=_evidence, reverse=True)
@@ -540,9 +540,10 @@ def _evidence(candidate: Candidate) -> float:
     return candidate.evidence
 
 
-def _goes_back(problem: Problem) -> bool:
-    """Whether unloading is fitted."""
-    return any(((s.phase == "unloading") & ~s.held_out).any() for s in problem.specimens)
+def _loses_on_return(problem: Problem) -> bool:
+    """Whether fitted loading and unloading differ by more than the settings allow for."""
+    unloaded = any(((s.phase == "unloading") & ~s.held_out).any() for s in problem.specimens)
+    return unloaded and problem.variances.get("history", 0.0) > 1.0
 
 
 def _beside_hysteresis(here: _Round, law: Effect, settings: SelectionSettings) -> Candidate:

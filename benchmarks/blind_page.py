@@ -16,7 +16,7 @@ HEAD = f"""# The blind laboratory
 
 Written by `benchmarks/blind_page.py` from `softsample.blindlab`; edit the files there.
 
-    make blind        # every effect at its nominal size, design B, 10 h on 2 cores: results/blind/
+    make blind        # every effect at its nominal size, design B, 1 h on 2 cores: results/blind/
     make blind-full   # four sizes, designs A, B and C, fewer of each: results/blind-full/
     make blind-foreign  # floors of other families, sizes not told: results/blind-*/
 
@@ -82,8 +82,7 @@ SCORED = """
 Written from [data/blind/score.json](data/blind/score.json): design B, nominal sizes, seeds that no
 development saw; {judged} of {planned} experiments judged. In brackets the one-sided 95 % bound,
 bold what misses its criterion. Counts of effects are out of 25; the file has the numbers of
-experiments. Scores are of 22 November 2026; the diagnosis has changed since, and a verdict costs
-about 15 CPU s.
+experiments. A verdict costs {cpu} CPU s.
 
 | goal | criterion | noise only | criterion | floor 1 % |
 |---|---|---|---|---|"""
@@ -106,6 +105,7 @@ Written from [data/blind-full/score.json](data/blind-full/score.json): {judged} 
 experiments, {seeds} of each effect, design, size and floor. Percentages at {sizes} times the
 nominal size: effects noticed, of these in the right class, of all wrongly named. Then false alarms;
 those out of the library, at any size, called unknown or none; pairs at 1x with both classes named.
+Of 22 November 2026; the diagnosis has changed since.
 
 | design | floor [%] | noticed [%] | class right | wrong | false alarms | out of library | pairs |
 |---|---|---|---|---|---|---|---|"""
@@ -121,11 +121,6 @@ CONFUSION = """
 ![Ground truth against answers](figures/blind/confusion.png)
 """
 
-ASUNDER = """
-The first score is of specimens from number {} on, the second of those from {} on, by different
-states of the diagnosis.
-"""
-
 Rows = Mapping[tuple[Any, ...], Mapping[str, Any]]
 
 
@@ -134,21 +129,18 @@ def page() -> str:
     lines = [HEAD, *_table(EFFECTS)]
     for title, (kinds, words) in NEXT.items():
         lines += ["", title, "", words, "", *_table(kinds)]
-    bodies = []
     for path, section in ((SCORE, _score), (FULL, _full)):
         if path.exists():
             found = json.loads(path.read_text(encoding="utf-8"))
             lines += section(found)
-            bodies.append(found["seal"]["provenance"]["settings"]["bodies"]["first"])
-    if len(set(bodies)) == 2:
-        lines.append(ASUNDER.format(*bodies).rstrip())
     return "\n".join(lines) + "\n"
 
 
 def _score(found: Mapping[str, Any]) -> Iterator[str]:
     """Goals beside their bars, then every effect."""
     rows: Rows = {(row["goal"], row["floor_percent"]): row for row in found["score"]}
-    yield SCORED.format(**found["experiments"])
+    costs = [f"{rows['17 CPU seconds a verdict', floor]['value']:.2g}" for floor in (0.0, 1.0)]
+    yield SCORED.format(**found["experiments"], cpu=" and ".join(costs))
     for goal, (sign, *bars) in BARS.items():
         cells = [
             f"{sign} {_shown(goal, bar)} | {_judged(goal, sign, bar, rows[goal, floor])}"

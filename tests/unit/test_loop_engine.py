@@ -46,6 +46,7 @@ from softsample.loop.select import (
     Candidate,
     SelectionSettings,
     Step,
+    _beside_hysteresis,
     _members,
     _round,
     _Search,
@@ -882,3 +883,22 @@ def test_nothing_is_chosen_beside_a_refused_effect_of_more_than_twice_the_eviden
     step = _round(here, [], 12.0, SelectionSettings())
     assert (step.chosen, step.why) == (None, why)
     assert step.refused.name == ("uneven_contact" if why == "at an end" else "late_contact")
+
+
+def test_laws_have_fits_of_their_own_only_where_unloading_differs_from_loading(monkeypatch):
+    """A tissue that relaxes loses on return; with its relaxation known nothing is lost."""
+    asked = []
+    fit_of = _beside_hysteresis
+
+    def counted(here, law, settings):
+        asked.append(here.base.model.names)
+        return fit_of(here, law, settings)
+
+    monkeypatch.setattr("softsample.loop.select._beside_hysteresis", counted)
+    effects = [library()[name] for name in ("viscoelastic_relaxation", "elastic_law")]
+    for relaxed, models in ((0.0, set()), (0.4, {()})):
+        asked.clear()
+        tests = laboratory.Lab(seed=5, relaxed=relaxed).specimens()
+        found = select(pose(tests, SETTINGS)[0], effects, LoopSettings().selection)
+        assert list(found.classes) == ["viscoelastic_relaxation"][: bool(relaxed)]
+        assert set(asked) == models

@@ -12,9 +12,10 @@ from softsample.loop.diagnose import diagnose
 from softsample.loop.effects import library
 from softsample.loop.model import Model
 from softsample.loop.noise import NoiseSettings
+from softsample.loop.page import page
 from softsample.loop.posed import LoopSettings
 from softsample.loop.select import driven_to_an_end
-from softsample.loop.verdict import error_report, judgement
+from softsample.loop.verdict import error_report, judgement, report
 
 OFFSET = library()["force_offset"]
 
@@ -150,3 +151,14 @@ def test_a_first_choice_is_exchanged_when_a_second_effect_shows_it_to_be_wrong()
     assert found.selection.final.model.names == ("force_offset", "late_contact")
     gap = found.selection.final.state.values["late_contact"]["gap_mm"]
     assert gap == pytest.approx(0.2, rel=0.1)
+
+
+def test_what_a_laboratory_knows_not_to_be_there_is_no_candidate():
+    settings = LoopSettings(absent=("force_offset",))
+    found = judged(15.0, settings)
+    assert {c.name for s in found.selection.steps for c in s.candidates} <= {"force_drift"}
+    verdict = report(found, settings)
+    assert verdict["absent"] == ["force_offset"]
+    assert "force_offset" not in {*verdict["detection_limits"], *verdict["not_identifiable"]}
+    assert "Known not to be there: force_offset." in page("A7", verdict)
+    assert "Known not" not in page("A7", report(judged(15.0), LoopSettings()))

@@ -18,6 +18,7 @@ from softsample.imaging.measure import MeasurementSettings
 from softsample.imaging.segment import SegmentationSettings
 from softsample.io import read_samples, read_yaml
 from softsample.laws.group import LawSettings
+from softsample.loop.effects import library
 from softsample.plausibility import Limits
 from softsample.protocol import MODES
 from softsample.records import RecordSettings
@@ -552,3 +553,16 @@ def test_an_indented_sample_has_its_indenter_for_ends(ends):
 def test_a_wrong_indenter_is_refused_with_its_cure(cells, message):
     with pytest.raises(InputError, match=message):
         check_samples(stated({**INDENTED, **cells}), SCHEMAS["samples"], "t.tsv")
+
+
+def test_effects_that_may_be_absent_are_those_that_may_be_named():
+    """But for what is stated otherwise: shapes, specimens and ends."""
+    allowed = SCHEMAS["config"]["properties"]["loop"]["properties"]["absent"]["items"]["enum"]
+    named = {name for name, effect in library().items() if effect.identifiable}
+    assert set(allowed) == named - {"real_geometry", "specimen_stiffness"}
+    config = copy.deepcopy(CONFIG)
+    config["loop"]["absent"] = ["compressible_foam"]
+    check_config(config, SCHEMAS["config"], "study.yaml")
+    config["loop"]["absent"] = ["foam"]
+    with pytest.raises(InputError, match=r"loop\.absent\.0.*foam"):
+        check_config(config, SCHEMAS["config"], "study.yaml")

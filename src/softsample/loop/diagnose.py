@@ -216,7 +216,8 @@ def diagnose(
     others : Others, optional
         The other groups of the study, if all that was measured of them is known.
     """
-    known = list(library(tests=specimens).values()) if effects is None else list(effects)
+    every = library(tests=specimens).values() if effects is None else effects
+    known = [effect for effect in every if effect.name not in settings.absent]
     posed = Posed.of(specimens, settings)
     problem, noises, first, stiffness = posed.problem, posed.noises, posed.first, posed.stiffness
     if stiffness:

@@ -227,6 +227,8 @@ def _path(verdict: Mapping[str, Any]) -> list[str]:
 
 def _limits(verdict: Mapping[str, Any]) -> list[str]:
     lines = ["Not identifiable from these records: " + ", ".join(verdict["not_identifiable"]) + "."]
+    if verdict["absent"]:
+        lines += ["", "Known not to be there: " + ", ".join(verdict["absent"]) + "."]
     limits = verdict["detection_limits"].items()
     sizes = (f"{name} {x['value']:.2g} {x['unit']}".removesuffix(" 1") for name, x in limits)
     named = ", ".join(sizes)

@@ -31,19 +31,29 @@ PER_BLOCK = 4
 
 @dataclass(frozen=True)
 class LoopSettings:
-    """Mirrors config `loop:`."""
+    """Mirrors config `loop:`.
+
+    Parameters
+    ----------
+    noise, selection
+        Sizes of noise and discrepancy; rules of the selection.
+    absent : tuple of str
+        Effects that the laboratory knows not to be there: they are no candidates.
+    """
 
     noise: NoiseSettings = field(default_factory=NoiseSettings)
     selection: SelectionSettings = field(default_factory=SelectionSettings)
+    absent: tuple[str, ...] = ()
 
     @classmethod
     def of_config(
-        cls, loop: Mapping[str, Mapping[str, Any]], noise: Mapping[str, Any] | None = None
+        cls, loop: Mapping[str, Any], noise: Mapping[str, Any] | None = None
     ) -> Self:
         """From the config's section `loop`; `noise` has what differs there."""
         return cls(
             NoiseSettings(**{**loop["noise"], **(noise or {})}),
             SelectionSettings(**loop["selection"]),
+            tuple(loop["absent"]),
         )
 
 

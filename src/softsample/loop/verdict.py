@@ -216,6 +216,7 @@ def judgement(diagnosis: Diagnosis, settings: LoopSettings) -> dict[str, Any]:
                 diagnosis.problem.labels, diagnosis.noises, diagnosis.problem.specimens, strict=True
             )
         },
+        "absent": list(settings.absent),
         "floor": asdict(settings.noise),
         "discrepancy_percent": {
             when: settings.noise.sizes(posed.variances)

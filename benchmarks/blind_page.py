@@ -84,9 +84,9 @@ development saw; {judged} of {planned} experiments judged. In brackets the one-s
 bold what misses its criterion. Counts of effects are out of 25; the file has the numbers of
 experiments. A verdict costs {cpu} CPU s.
 
-The floor of 1 % is smoother than the kernel by which the diagnosis estimates sizes: it finds a third to a
-half of it, so that intervals are too narrow and false alarms too many. That of
-22 November took sizes as told, of the laboratory's own kernel.
+The floor of 1 % is smoother than the kernel by which the diagnosis estimates sizes: it finds a
+third to a half of it, so that intervals are too narrow and false alarms too many. On 22 November
+it took sizes as told, of the laboratory's own kernel.
 
 | goal | criterion | noise only | criterion | floor 1 % |
 |---|---|---|---|---|"""

@@ -46,9 +46,7 @@ class LoopSettings:
     absent: tuple[str, ...] = ()
 
     @classmethod
-    def of_config(
-        cls, loop: Mapping[str, Any], noise: Mapping[str, Any] | None = None
-    ) -> Self:
+    def of_config(cls, loop: Mapping[str, Any], noise: Mapping[str, Any] | None = None) -> Self:
         """From the config's section `loop`; `noise` has what differs there."""
         return cls(
             NoiseSettings(**{**loop["noise"], **(noise or {})}),

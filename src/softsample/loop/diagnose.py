@@ -216,8 +216,8 @@ def diagnose(
     others : Others, optional
         The other groups of the study, if all that was measured of them is known.
     """
-    every = library(tests=specimens).values() if effects is None else effects
-    known = [effect for effect in every if effect.name not in settings.absent]
+    found = library(tests=specimens).values() if effects is None else effects
+    known = [effect for effect in found if effect.name not in settings.absent]
     posed = Posed.of(specimens, settings)
     problem, noises, first, stiffness = posed.problem, posed.noises, posed.first, posed.stiffness
     if stiffness:

@@ -82,11 +82,10 @@ SCORED = """
 Written from [data/blind/score.json](data/blind/score.json): design B, nominal sizes, seeds that no
 development saw; {judged} of {planned} experiments judged. In brackets the one-sided 95 % bound,
 bold what misses its criterion. Counts of effects are out of 25; the file has the numbers of
-experiments. A verdict costs {cpu} CPU s.
+experiments. The median verdict costs {cpu} CPU s.
 
-The floor of 1 % is smoother than the kernel by which the diagnosis estimates sizes: it finds a
-third to a half of it, so that intervals are too narrow and false alarms too many. On 22 November
-it took sizes as told, of the laboratory's own kernel.
+The floor of 1 % is smoother than the kernel by which the diagnosis estimates sizes: it finds less
+than half of it, so that intervals are too narrow and false alarms too many.
 
 | goal | criterion | noise only | criterion | floor 1 % |
 |---|---|---|---|---|"""

@@ -299,6 +299,17 @@ def test_the_score_counts_what_it_says():
     assert table.loc["nothing", "none"] == 0.5
 
 
+def test_every_answer_has_a_column_of_the_confusion():
+    answers = [
+        case(["force_drift"], "explained", [["compressible_foam"]]),
+        case(["force_drift"], "explained_class"),
+        case([], "explained_class"),
+    ]
+    table = confusion(answers).set_index("planted").drop(columns=["design", "floor_percent"])
+    assert table.loc["force_drift", ["compressible_foam", "explained_class"]].tolist() == [0.5, 0.5]
+    assert table.sum(axis=1).tolist() == [1.0, 1.0]
+
+
 def test_the_error_of_a_size_is_counted_from_where_it_is_nothing():
     """A Poisson's ratio that did not move has missed all of a planted 0.48, not 2 % of it."""
     planted = {

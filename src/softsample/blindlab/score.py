@@ -17,6 +17,9 @@ Row = dict[str, Any]
 POWER = 0.95
 """Share of experiments in which an effect has to be noticed to count as identifiable."""
 
+VERDICTS = ("explained_class", "unknown", "none")
+"""Answers that name no effect."""
+
 FOLDS = ("leave_out", "after_ramp", "last_quarter")
 """Kinds of folds."""
 
@@ -321,7 +324,8 @@ def confusion(cases: Sequence[Case], size: float = 1.0) -> pd.DataFrame:
         table["answered"],
         normalize="index",
     )
-    return shares.reindex(columns=[*EFFECTS, "unknown", "none"], fill_value=0.0).reset_index()
+    others = sorted({*shares.columns} - {*EFFECTS, *VERDICTS})  # effects that are never planted
+    return shares.reindex(columns=[*EFFECTS, *others, *VERDICTS], fill_value=0.0).reset_index()
 
 
 def _counted(case: Case) -> str:

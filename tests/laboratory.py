@@ -231,7 +231,7 @@ PLANTED = {
     "channel_lag": Lab(lag=12),
     "viscoelastic_relaxation": Lab(relaxed=0.4),
     "mullins_softening": Lab(damage=0.3),
-    "machine_compliance": Lab(compliance=0.12),
+    "machine_compliance": Lab(compliance=0.18),
     "late_contact": Lab(gap=0.3),
     "backlash": Lab(play=0.06),
     "self_weight": Lab(weight=-30.0),
@@ -271,7 +271,7 @@ def drawn(specimens, settings, sizes, seed):
         model = Model().predict(specimen, State(Material(MU, FRACTION)))
         few = specimen.reduced(20)
         _, parts = covariances(few, Noise(0.0, 0.0, 1), blocks(model, 20), settings, 1)
-        total = sum(sizes[name] ** 2 * part for name, part in parts.items())
+        total = sum(size**2 * parts[name] for name, size in sizes.items())
         error = np.linalg.cholesky(total + 1e-12 * np.eye(len(total))) @ rng.normal(size=len(total))
         made.append(replace(specimen, force=specimen.force + np.interp(
             specimen.time, few.time, error)))  # fmt: skip

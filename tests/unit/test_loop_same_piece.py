@@ -8,7 +8,7 @@ from scipy.optimize import OptimizeResult
 
 import laboratory
 from softsample.loop import discrepancy
-from softsample.loop.noise import NoiseSettings, block_size
+from softsample.loop.noise import SIMILARITY, NoiseSettings, block_size
 from softsample.loop.posed import pose
 from softsample.loop.same_piece import same_piece
 
@@ -35,7 +35,7 @@ def by_hand(problem, sizes):
         joint[np.ix_(own, own)] += of.known
         joint[np.ix_(own, own)] += sum(v * of.discrepancy[name] for name, v in sizes.items())
     one, again, _ = (w.shared for w in problem.whiteners)
-    cross = sum(sizes[name] * one[name] @ again[name].T for name in ("smooth", "scale"))
+    cross = sum(sizes[name] * one[name] @ again[name].T for name in one)
     joint[np.ix_(parts[0], parts[1])] += cross
     joint[np.ix_(parts[1], parts[0])] += cross.T
     return joint
@@ -51,7 +51,7 @@ def test_tests_of_one_piece_that_go_as_far_at_several_speeds_share_their_errors(
 
 
 def test_residuals_are_whitened_and_judged_by_the_joint_covariance():
-    sizes = {"smooth": 4.0, "rough": 1.0, "history": 0.3, "scale": 9.0}
+    sizes = {"smooth": 4.0, "kinked": 2.0, "rough": 1.0, "history": 0.3, "scale": 9.0}
     problem = pose(repeats(), SETTINGS)[0].with_variances(sizes)
     joint = by_hand(problem, sizes)
     rng = np.random.default_rng(3)
@@ -66,10 +66,11 @@ def test_residuals_are_whitened_and_judged_by_the_joint_covariance():
     assert likelihood == pytest.approx(np.linalg.slogdet(joint)[1], rel=1e-6)
 
 
-def test_variates_at_knots_give_the_correlation_of_the_whole_travel():
+@pytest.mark.parametrize("name", list(SIMILARITY))
+def test_variates_at_knots_give_the_correlation_of_the_whole_travel(name):
     alone, shared = (pose(tests, SETTINGS)[0].whiteners[0].alone
                      for tests in (repeats()[:1], repeats()))  # fmt: skip
-    exact, found = (w.discrepancy["smooth"] for w in (alone, shared))
+    exact, found = (w.discrepancy[name] for w in (alone, shared))
     assert np.abs(found - exact).max() < 0.02 * np.abs(exact).max()
 
 
@@ -84,9 +85,9 @@ def test_the_slope_of_the_restricted_likelihood_is_its_derivative(monkeypatch):
     monkeypatch.setattr(discrepancy, "minimize", minimize)
     discrepancy.estimated(problem, problem.fit_material())
     value, args = asked[0]
-    here = np.array([0.3, -0.2, 0.5, 0.1])
+    here = np.array([0.3, -0.1, -0.2, 0.5, 0.1])
     _, slope = value(here, *args)
-    for k, step in enumerate(1e-4 * np.eye(4)):
+    for k, step in enumerate(1e-4 * np.eye(5)):
         ahead, behind = (value(here + way * step, *args)[0] for way in (1.0, -1.0))
         assert slope[k] == pytest.approx((ahead - behind) / 2e-4, rel=1e-4, abs=1e-4)
 
@@ -103,6 +104,7 @@ def test_what_tests_of_one_piece_share_is_told_from_what_is_their_own(shared, la
     problem, _ = pose(tests, SETTINGS)
     of_shared, _ = discrepancy.settled(problem, problem.fit_material())
     sizes = SETTINGS.sizes(of_shared.variances)
+    sizes["smooth"] = np.hypot(sizes["smooth"], sizes["kinked"])
     other = {"smooth": "history", "history": "smooth"}[larger]
     stated = {"smooth": SETTINGS.floor_percent, "history": SETTINGS.history_percent}
     assert sizes[larger] > 2.0 * stated[larger]

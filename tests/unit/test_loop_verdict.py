@@ -70,9 +70,9 @@ def test_what_is_left_far_above_the_floor_is_more_than_floor():
 
     for percent, verdict in ((1.0, "none"), (8.0, "explained_class")):
         found = diagnose(wave(percent), LoopSettings(), [OFFSET])
-        left = judgement(found, LoopSettings())["discrepancy_percent"]["after"]["smooth"]
+        left = judgement(found, LoopSettings())["discrepancy_percent"]["after"]
         assert found.verdict == verdict
-        assert 0.3 < left / (percent / np.sqrt(2.0)) < 3.0
+        assert 0.3 < np.hypot(left["smooth"], left["kinked"]) / (percent / np.sqrt(2.0)) < 3.0
 
 
 def test_an_effect_that_leaves_most_of_an_error_above_the_floor_is_no_explanation():

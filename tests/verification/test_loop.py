@@ -24,7 +24,7 @@ EXACT = LoopSettings(
 HIDDEN = {
     # gap / 0.06 mm squared bounds the evidence: the prior of the contact zero takes up to 0.26 mm
     "late_contact": replace(PLANTED["late_contact"], gap=0.2),
-    # modulus, modulus fraction and the 2 % scale of each test take it
+    # modulus, modulus fraction, smooth error and the 2 % scale of each test take it
     "machine_compliance": replace(PLANTED["machine_compliance"], compliance=0.06),
 }
 """Effects that the configured floor hides at this size."""

@@ -22,6 +22,7 @@ from softsample.loop.discrepancy import averaging
 from softsample.loop.effects.base import Effect, Values
 from softsample.loop.errors import Fold, fold_errors
 from softsample.loop.fit import Fit, Problem
+from softsample.loop.noise import SIMILARITY
 from softsample.loop.scale import Scales, by_specimen, most_likely, scale_of
 from softsample.loop.specimen import FORCE, Specimen
 
@@ -347,7 +348,7 @@ class _Test:
         to = averaging(x)
         part = {name: v * w.kept(w.discrepancy[name]) for name, v in w.variances.items()}
         apart = w.kept(w.known) + part["rough"] + part["history"]
-        spread = np.sqrt(np.diag(part["smooth"]))
+        spread = np.sqrt(sum(np.diag(part[name]) for name in SIMILARITY))
         near = np.exp(-np.abs(np.subtract.outer(x, x)) / problem.settings.fine_length)
         return cls(
             to @ w.blocks(_strain(specimen, fit.model.travel(specimen, fit.state))),

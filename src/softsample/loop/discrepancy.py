@@ -20,7 +20,7 @@ from scipy.sparse import csr_array
 
 from softsample.loop.fit import Fit, Problem
 from softsample.loop.model import CONTACT_ZERO, Packing
-from softsample.loop.noise import FORM, FURTHEST
+from softsample.loop.noise import AT_MOST_STATED, FURTHEST
 from softsample.loop.specimen import blocks
 
 Array = NDArray[np.float64]
@@ -80,7 +80,8 @@ def estimated(problem: Problem, fit: Fit) -> Problem:
     width = np.log(problem.settings.spread)
     here = problem.whiteners[0].variances
     starts = [np.zeros(len(names)), np.array([0.5 * np.log(here[name]) for name in names])]
-    bounds = [(-width * FURTHEST, width * FURTHEST * (name != FORM)) for name in names]
+    far = width * FURTHEST
+    bounds = [(-far, 0.0 if name in AT_MOST_STATED else far) for name in names]
     found = min(
         (
             minimize(

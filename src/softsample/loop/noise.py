@@ -1,6 +1,6 @@
 """How far a force record can be trusted: noise of the cell, and what the model cannot resolve."""
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property
 from typing import Any
@@ -23,8 +23,33 @@ of which may have `FEWEST`."""
 FORM = "form"
 """Part of the discrepancy that is error in the form of the effects that were chosen."""
 
-GEOMETRY = ("smooth", "history")
+
+def _rational_quadratic(apart: Array, length: float) -> Array:
+    """Mixture of squared exponentials whose inverse squared lengths are gamma distributed."""
+    return np.asarray((1.0 + 0.25 * (apart / length) ** 2) ** -2.0)
+
+
+def _matern(apart: Array, length: float) -> Array:
+    """Matern's correlation 3/2: it has a slope, but need not bend smoothly."""
+    steps = np.sqrt(3.0) * np.abs(apart) / length
+    return np.asarray((1.0 + steps) * np.exp(-steps))
+
+
+Similarity = Callable[[Array, float], Array]
+"""Correlation over distances of given length."""
+
+SIMILARITY: dict[str, Similarity] = {"smooth": _rational_quadratic, "kinked": _matern}
+"""Parts of the discrepancy that go with the travel: no one knows how smooth it is.
+
+C. E. Rasmussen, C. K. I. Williams, Gaussian Processes for Machine Learning (2006), section 4.2,
+doi:10.7551/mitpress/3206.001.0001.
+"""
+
+GEOMETRY = (*SIMILARITY, "history")
 """Parts of the discrepancy that errors of geometry, mesh and element type make."""
+
+AT_MOST_STATED = ("smooth", FORM)
+"""Parts that are no larger than the settings say: larger, they would do what effects do."""
 
 FURTHEST = 4.0
 """Standard deviations of its prior that a size is sought from its median."""
@@ -46,7 +71,7 @@ class NoiseSettings:
         Correlation time of the slow part of the cell's noise [s].
     floor_percent : float
         Smooth error of the model that no effect explains [% of the peak force of a test]: mesh,
-        element type, segmentation.
+        element type, segmentation. Either kind of `SIMILARITY` has half of its variance.
     floor_length : float
         Its correlation length, as a part of the stroke.
     fine_percent, fine_length : float
@@ -87,13 +112,18 @@ class NoiseSettings:
     def sizes(self, variances: Mapping[str, float]) -> dict[str, float]:
         """Sizes of the parts of the discrepancy [%], of factors of their variances."""
         stated = {
-            "smooth": self.floor_percent,
+            **dict.fromkeys(SIMILARITY, self.each_percent),
             "rough": self.fine_percent,
             "history": self.history_percent,
             "scale": self.scale_percent,
             FORM: self.form_percent,
         }
         return {name: float(stated[name] * np.sqrt(v)) for name, v in variances.items()}
+
+    @property
+    def each_percent(self) -> float:
+        """Of each of the parts that are of `SIMILARITY`: they have equal variances [%]."""
+        return float(self.floor_percent / np.sqrt(len(SIMILARITY)))
 
     @property
     def largest_scale(self) -> float:
@@ -229,12 +259,6 @@ def shared(noises: Sequence[Noise], cells: Sequence[bool] | None = None) -> list
     ]
 
 
-def bending(apart: Array, length: float) -> Array:
-    """Matern's correlation 3/2: it has a slope, but need not bend smoothly."""
-    steps = np.sqrt(3.0) * np.abs(apart) / length
-    return np.asarray((1.0 + steps) * np.exp(-steps))
-
-
 def moved(specimen: Specimen, size: int) -> Array:
     """A percent of the peak at every block (n,) [N], nothing before the platen moves."""
     onset = np.clip(np.abs(specimen.travel) / (0.02 * specimen.reach), 0.0, 1.0)
@@ -282,11 +306,12 @@ def covariances(
     scale = 0.01 * settings.scale_percent * model
     fitted = blocks(specimen.held_out.astype(float), size) == 0.0
     course = max(float(np.ptp(time[fitted])), 1e-9) if fitted.any() else 1.0
-    smooth = bending(apart, settings.floor_length)
+    alike = {name: of(apart, settings.floor_length) for name, of in SIMILARITY.items()}
+    forgotten = np.exp(-4.0 * lag / course)
     return known, {
-        "smooth": along(settings.floor_percent, smooth),
+        **{name: along(settings.each_percent, smooth) for name, smooth in alike.items()},
         "rough": along(settings.fine_percent, np.exp(-np.abs(apart) / settings.fine_length)),
-        "history": along(settings.history_percent, smooth * np.exp(-4.0 * lag / course)),
+        "history": along(settings.history_percent, alike["kinked"] * forgotten),
         "scale": np.outer(scale, scale),
     }
 

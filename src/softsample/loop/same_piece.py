@@ -11,7 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.linalg import cholesky, solve_triangular
 
-from softsample.loop.noise import NoiseSettings, Whitener, bending, moved
+from softsample.loop.noise import SIMILARITY, NoiseSettings, Similarity, Whitener, moved
 from softsample.loop.specimen import Specimen, blocks
 
 Array = NDArray[np.float64]
@@ -73,13 +73,16 @@ def in_common(
     found = []
     for specimen, w, slot in zip(specimens, whiteners, slots, strict=True):
         own, shape = dict(w.discrepancy), w.known.shape
-        smooth, scale = np.zeros((len(w.known), count, KNOTS)), np.zeros((len(w.known), count))
+        smooth = {name: np.zeros((len(w.known), count, KNOTS)) for name in SIMILARITY}
+        scale = np.zeros((len(w.known), count))
         if slot is not None:
             tests = [s for s, of in zip(specimens, slots, strict=True) if of == slot]
-            smooth[:, slot] = _smooth(specimen, w.size, tests, settings)
+            for name, columns in smooth.items():
+                columns[:, slot] = _smooth(specimen, w.size, tests, settings, SIMILARITY[name])
             scale[:, slot] = _column(own["scale"])
-            own |= {"smooth": np.zeros(shape), "scale": np.zeros(shape)}
-        shared = {"smooth": smooth.reshape(len(smooth), -1), "scale": scale}
+            own |= {name: np.zeros(shape) for name in (*smooth, "scale")}
+        shared = {name: columns.reshape(len(columns), -1) for name, columns in smooth.items()}
+        shared["scale"] = scale
         found.append(Whitener(w.known, w.size, w.keep, own, w.variances, shared, slot))
     return found
 
@@ -91,9 +94,13 @@ def _column(covariance: Array) -> Array:
 
 
 def _smooth(
-    specimen: Specimen, size: int, tests: Sequence[Specimen], settings: NoiseSettings
+    specimen: Specimen,
+    size: int,
+    tests: Sequence[Specimen],
+    settings: NoiseSettings,
+    similarity: Similarity,
 ) -> Array:
-    """What each variate of the smooth error of a piece adds to the blocks of a test (n, m) [N].
+    """What each variate of one smooth error of a piece adds to the blocks of a test (n, m) [N].
 
     It is the same force in each of its tests: one that went with their peaks would be a scale.
     """
@@ -103,9 +110,9 @@ def _smooth(
     high = max(float(test.travel.max()) for test in tests)
     knots = np.linspace(low, high, KNOTS) / reach
     apart = np.subtract.outer(knots, knots)
-    factor = cholesky(bending(apart, settings.floor_length) + 1e-9 * np.eye(KNOTS), lower=True)
+    factor = cholesky(similarity(apart, settings.floor_length) + 1e-9 * np.eye(KNOTS), lower=True)
     way = blocks(specimen.travel, size) / reach
-    alike = bending(np.subtract.outer(knots, way), settings.floor_length)
+    alike = similarity(np.subtract.outer(knots, way), settings.floor_length)
     variates = solve_triangular(factor, alike, lower=True).T
     percents = moved(specimen, size) * peak / specimen.peak
-    return np.asarray(settings.floor_percent * percents[:, None] * variates)
+    return np.asarray(settings.each_percent * percents[:, None] * variates)

@@ -513,11 +513,10 @@ def _fitted(
     smooth = _smooth_excess(problem.by_test(current.white[: problem.count]))
     promising = [s for gain, s in ranked[: settings.refits] if gain >= least]
     others = [
-        s for _, s in ranked if s not in promising and (s.effect.idealised or s.effect.starts)
-    ]
+        s for _, s in ranked if s not in promising
+        and (s.effect.starts or (s.effect.idealised and s.strength >= LEAST_SIGNATURE))
+    ]  # fmt: skip
     for signature in [*promising, *others]:
-        if signature.strength < LEAST_SIGNATURE and not signature.effect.starts:
-            continue
         # of others a linear gain says little, but not more than the smooth residual can be gained
         asked = max([threshold, *(c.evidence - settings.class_gain for c in candidates)])
         if signature in others and not signature.effect.idealised and smooth < asked:

@@ -21,7 +21,7 @@ from softsample.loop.model import Material, Model, State
 from softsample.loop.posed import LoopSettings, pose
 from softsample.loop.scale import relative_stiffness, same_tests, scale_of, scatter
 from softsample.loop.specimen import FORCE, NORMAL
-from softsample.loop.verdict import document
+from softsample.loop.verdict import document, judgement
 from softsample.response.unit import homogeneous_response, response_table
 from softsample.shapes import IdealShape
 
@@ -196,6 +196,7 @@ def test_an_effect_is_named_beside_scales_that_nothing_explains():
     found = diagnose(tests, SETTINGS, [library()["force_drift"]])
     assert (found.verdict, found.objection) == ("explained", "")
     assert found.final.model.names == ("force_drift",)
+    assert "force_drift" not in judgement(found, SETTINGS)["not_identifiable"]
 
 
 def test_specimens_without_a_test_in_common_have_no_stiffness_of_their_own():

@@ -166,7 +166,7 @@ class Selection:
     classes : dict of list of str
         Names that the data cannot tell from each chosen effect, itself first.
     weak : list of str
-        Effects whose nominal size these records would not show; they are not candidates.
+        Effects that were not chosen and whose nominal size these records would not show.
     strongest : dict of Signature
         Of each effect in the plain model.
     """
@@ -195,7 +195,6 @@ def select(problem: Problem, effects: Sequence[Effect], settings: SelectionSetti
     strongest = {
         e.name: max((s for s in found if s.effect is e), key=lambda s: s.strength) for e in library
     }
-    weak = [name for name, signature in strongest.items() if signature.strength < LEAST_SIGNATURE]
     threshold = family_wise(
         found, len(first.current.white), settings.null_draws, settings.seed, settings.least_gain
     )
@@ -207,6 +206,10 @@ def select(problem: Problem, effects: Sequence[Effect], settings: SelectionSetti
     asked = [one for one in rivals if one.likeliest.left < plain.left - threshold]
     search = min([search, *asked], key=lambda one: one.likeliest.doubted)
     best = search.likeliest
+    weak = [
+        name for name, signature in strongest.items()
+        if signature.strength < LEAST_SIGNATURE and name not in best.fit.model.names
+    ]  # fmt: skip
     return Selection(
         best.problem,
         first.settled,

@@ -734,6 +734,22 @@ def test_an_effect_that_was_exchanged_does_not_come_back(monkeypatch):
     assert list(search.classes) == ["B", "C", "D"]
 
 
+def test_a_search_that_is_where_it_was_before_ends(monkeypatch):
+    """What is chosen makes the other superfluous, and the other is chosen again."""
+    problem, _ = pose(laboratory.Lab(seed=5, drift=1.0).specimens(), SETTINGS)
+    rounds = []
+
+    def pruned(posed, fit, settings):
+        rounds.append(fit.model.names)
+        assert len(rounds) < 9, "it goes round and round"
+        return posed.fit_material()
+
+    monkeypatch.setattr("softsample.loop.select._pruned", pruned)
+    found = select(problem, [library()["force_drift"]], LoopSettings().selection)
+    assert rounds[:1] == [("force_drift",)]
+    assert found.steps[-1].chosen is None
+
+
 def test_a_size_that_cannot_be_negative_gains_nothing_from_the_opposite(problem):
     base = problem.fit_material()
     signature, *_ = signatures(problem, base, [library()["dehydration"]])

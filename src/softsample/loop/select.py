@@ -360,13 +360,22 @@ class _Search:
         self._take(self.doubting, self.current, step.chosen, step.members)
 
     def forward(self) -> None:
-        """One effect after the other, until no more are asked for."""
+        """One effect after the other, until no more are asked for.
+
+        What makes others superfluous may be superfluous beside what comes next: a search that is
+        where it was before has ended.
+        """
+        been = {frozenset(self.current.model.names)}
         while len(self.current.model.effects) < self.settings.most_effects:
             step = self._round(self.doubting, self.current)
             if step.chosen is None:
                 self.steps.append(step)
                 break
             self.begin(step)
+            if (here := frozenset(self.current.model.names)) in been:
+                self.steps.append(Step(self.threshold, [], None))
+                break
+            been.add(here)
 
     def exchange(self) -> bool:
         """Replace the first effect for which another is better beside those that came later.

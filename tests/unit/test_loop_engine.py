@@ -2,6 +2,7 @@
 
 import re
 from dataclasses import replace
+from itertools import product
 from types import SimpleNamespace
 
 import numpy as np
@@ -24,7 +25,7 @@ from softsample.loop.errors import (
     log_density,
 )
 from softsample.loop.fit import Problem
-from softsample.loop.joint import joint_fit
+from softsample.loop.joint import _either_way, _least_left, joint_fit
 from softsample.loop.limits import _highest
 from softsample.loop.model import Material, Model, Packing, State
 from softsample.loop.noise import (
@@ -748,6 +749,26 @@ def test_a_search_that_is_where_it_was_before_ends(monkeypatch):
     found = select(problem, [library()["force_drift"]], LoopSettings().selection)
     assert rounds[:1] == [("force_drift",)]
     assert found.steps[-1].chosen is None
+
+
+def test_a_shift_of_travel_is_sought_from_either_side_of_every_test_that_is_there():
+    """From none, a record of rest forbids a shift either way, so that the right side is tried."""
+    lab = laboratory.Lab(seed=5, zero={"tension": -0.1, "compression": -0.1})
+    problem, _ = pose(lab.specimens(["tension", "compression"]), SETTINGS)
+    base = problem.fit_material()
+    signature, *_ = signatures(problem, base, [library()["displacement_zero"]])
+    here = {"tension_mm": 0.0, "compression_mm": 0.0, "shear_mm": 0.001}
+    start = replace(base.state, values={"displacement_zero": here})
+    ways = _either_way(start, signature)
+    values = [state.values["displacement_zero"] for state in ways]
+    assert {(v["tension_mm"], v["compression_mm"]) for v in values} == set(
+        product((-0.1, 0.1), repeat=2)
+    )
+    assert {v["shear_mm"] for v in values} == {0.001}
+    model = base.model.with_effect(signature.effect)
+    assert _least_left(problem, base, model, ways).values == {
+        "displacement_zero": {"tension_mm": -0.1, "compression_mm": -0.1, "shear_mm": 0.001}
+    }
 
 
 def test_a_size_that_cannot_be_negative_gains_nothing_from_the_opposite(problem):

@@ -60,7 +60,10 @@ def joint_fit(problem: Problem, current: Fit, signature: Signature, tie: float) 
         states = [states[0], *problem.of_each_fraction(model, states[0])]
         promised = -np.inf
     elif len(effect.parameters) == 1:
-        states = _least_left_first(problem, current, model, states, _ladder(states[0], effect))
+        best = _least_left(problem, current, model, [states[0], *_ladder(states[0], effect)])
+        states = states if best is states[0] else [best, *states]
+    elif effect.shifts_travel:
+        own = [*own, _least_left(problem, current, model, _either_way(states[0], signature))]
     fits = problem.fits(model, states, tie, promised)
     return _likeliest(problem, current, problem.fits(model, own, tie, found=fits), tie)
 
@@ -73,23 +76,43 @@ def _ladder(state: State, effect: Effect) -> list[State]:
     return [replace(state, values={**state.values, effect.name: {p.name: float(x)}}) for x in sizes]
 
 
-def _least_left_first(
-    problem: Problem, current: Fit, model: Model, starts: list[State], others: Sequence[State]
-) -> list[State]:
-    """The starts, behind one of the others that leaves less than the first of them.
+def _either_way(state: State, signature: Signature) -> list[State]:
+    """The state with sizes of an effect at their nominal values, each of either sign.
 
-    What the material could take over linearly is not left. Where contact sets in late, what a
-    small size does tells little of what a large one does.
+    A platen off the sample has no force, and one that presses on it has: from none, a shift of
+    either sign looks as bad as the worse of them. Sizes for tests that are not there stay.
     """
-    directions, _ = np.linalg.qr(current.jacobian[: problem.count])
+    effect, here = signature.effect, state.values[signature.effect.name]
+    acting = [
+        p for p, column in zip(effect.sizes, signature.columns.T, strict=True) if column.any()
+    ]
+    ways = [
+        [p.neutral + step for step in (nominal_step(p), -nominal_step(p))
+         if p.low < p.neutral + step < p.high]
+        for p in acting
+    ]  # fmt: skip
+    names = [p.name for p in acting]
+    return [
+        replace(
+            state, values={**state.values, effect.name: here | dict(zip(names, way, strict=True))}
+        )
+        for way in product(*ways)
+    ]
+
+
+def _least_left(problem: Problem, current: Fit, model: Model, states: Sequence[State]) -> State:
+    """The state of which least is left that the material could not take over linearly.
+
+    Where contact sets in late, what a small size does tells little of what a large one does.
+    """
+    directions, _ = np.linalg.qr(current.jacobian)
 
     def left(state: State) -> float:
-        white = problem.residual(model, state)[: problem.count]
+        white = problem.residual(model, state)[: len(directions)]
         rest = white - directions @ (directions.T @ white)
         return float(rest @ rest)
 
-    best = min([starts[0], *others], key=left)
-    return starts if best is starts[0] else [best, *starts]
+    return min(states, key=left)
 
 
 def law_fit(problem: Problem, base: Fit, law: Effect, tie: float) -> Fit:

@@ -91,7 +91,7 @@ class NoiseSettings:
     poisson_ratio : float
         Standard deviation of the Poisson's ratio about that of the model; all tests share it.
     spread : float
-        Factor by which the sizes above may be larger or smaller, the error of form smaller alone,
+        Factor by which the sizes above may be larger or smaller, `AT_MOST_STATED` smaller alone,
         one standard deviation: they are estimated from the records. 1 takes them as they are.
     """
 

@@ -95,18 +95,18 @@ def test_records_of_three_machines_cycles_and_dimensions_alone(tmp_path):
 
 
 @pytest.mark.study
-def test_open_ends_of_two_groups_are_found_to_slide(tmp_path):
+def test_open_ends_of_three_groups_are_found_to_slide(tmp_path):
     """Records of sliding ends in closed form, in a study that does not state the ends."""
     size = {"shape": "cylinder", "diameter_mm": 20, "height_mm": 10, "ends": "unknown"}
     rows = []
-    for seed, (mode, strain) in enumerate((("compression", -0.25), ("tension", 0.25)) * 2):
-        name, group = f"P{seed}", "AB"[seed // 2]
+    for seed, (mode, strain) in enumerate((("compression", -0.25), ("tension", 0.25)) * 3):
+        name, group = f"P{seed}", "ABC"[seed // 2]
         record = exact.uniaxial_record(AREA["cylinder"], 10.0, strain, seed=seed)
         machines.write(tmp_path / f"{name}.csv", machines.univert(*record))
         rows.append({"sample": name, "group": group, "mode": mode, "record": f"{name}.csv", **size})
     write_table(tmp_path, rows)
     study(tmp_path, "verdicts", settings="config/test.yaml")
-    for group in "AB":
+    for group in "ABC":
         verdict = json.loads((tmp_path / f"results/loop/{group}/verdict.json").read_text())
         assert verdict["verdict"] == "explained"
         assert verdict["effects"][0]["name"] == "ends"

@@ -80,10 +80,10 @@ SCORED = """
 ## Score
 
 Written from [data/blind/score.json](data/blind/score.json): design B, nominal sizes; {judged} of
-{planned} experiments judged. Seeds were not seen before, but for half of the nulls with a floor,
-which chose the kinds of smoothness. In brackets the one-sided 95 % bound, bold what misses its
-criterion. Counts of effects are out of 25; the file has the numbers of experiments. The median
-verdict costs {cpu} CPU s.
+{planned} experiments judged. The seeds were scored once before, with other rules; half of the
+nulls with a floor chose the kinds of smoothness. In brackets the one-sided 95 % bound, bold what
+misses its criterion. Counts of effects are out of 25; the file has the numbers of experiments. The
+median verdict costs {cpu} CPU s.
 
 | goal | criterion | noise only | criterion | floor 1 % |
 |---|---|---|---|---|"""

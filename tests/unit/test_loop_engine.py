@@ -581,7 +581,7 @@ def test_sizes_of_the_discrepancy_are_estimated_from_the_records(perfect):
 
 
 def test_an_error_smoother_than_any_of_the_parts_has_its_size(perfect):
-    """Squared exponential, 1 % of the peak: Matern's 3/2 alone would find less than half of it."""
+    """Squared exponential, 1 % of the peak: Matern's 3/2 alone would find half of it."""
     found = []
     for seed in range(8):
         rng, records = np.random.default_rng(seed), []

@@ -25,7 +25,7 @@ FORM = "form"
 
 
 def _rational_quadratic(apart: Array, length: float) -> Array:
-    """Mixture of squared exponentials whose inverse squared lengths are gamma distributed."""
+    """Rational quadratic of exponent 2: the mean of Gaussian correlations over many lengths."""
     return np.asarray((1.0 + 0.25 * (apart / length) ** 2) ** -2.0)
 
 

@@ -15,6 +15,7 @@ from softsample.loop.effects import library
 from softsample.loop.errors import cross_validated, folds, held_out_errors
 from softsample.loop.page import page
 from softsample.loop.posed import LoopSettings, pose
+from softsample.loop.residual import residual_table
 from softsample.loop.specimen import Specimen
 from softsample.loop.verdict import judgement, report
 from softsample.response.curves import ResponseCurves
@@ -244,6 +245,30 @@ def test_the_figure_marks_what_is_held_out_and_has_one_unit_of_residuals(found):
     assert largest == pytest.approx(
         1e3 * max(float(np.abs(s.force - m).max()) for s, m in residuals(found)), rel=0.1
     )
+
+
+def test_the_table_of_residuals_has_the_curves_of_the_figure(tests, found):
+    """With the signs of records; what is held out has rows too."""
+    table = residual_table(found).set_index("mode")
+    assert set(table["sample"]) == {s.name for s in tests}
+    half_a_block = 0.03
+    pressed, pulled = table.loc["compression"], table.loc["tension"]
+    assert pressed["force_N"].min() < -0.9 * tests[1].peak
+    assert pressed["displacement_mm"].min() == pytest.approx(-1e3 * tests[1].reach, half_a_block)
+    fitted = pulled[~pulled["held_out"]]["displacement_mm"].max()
+    assert fitted == pytest.approx(1e3 * BEYOND * tests[0].reach, half_a_block)
+    columns = [line.get_ydata() for line in loop_figure(found).axes[0].lines[2:]]
+    for name, drawn in zip(("before_N", "after_N"), columns, strict=True):
+        np.testing.assert_allclose(pulled[name], drawn)
+
+
+def test_the_table_of_residuals_has_tests_that_are_held_out_as_a_whole(tests):
+    whole = replace(tests[0], name="another", held_out=np.ones(len(tests[0].force), bool))
+    table = residual_table(diagnose([*tests, whole], SETTINGS, [library()["force_offset"]]))
+    another = table[table["sample"] == "another"]
+    assert another["held_out"].all()
+    error = (another["force_N"] - another["after_N"]).abs().max()
+    assert 0.0 < error < 0.2 * another["force_N"].max()
 
 
 def residuals(found):

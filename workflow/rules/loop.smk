@@ -73,6 +73,7 @@ rule diagnose:
         verdict="<results>/loop/{group}/verdict.json",
         page="<results>/loop/{group}/verdict.md",
         figure="<results>/loop/{group}/verdict.png",
+        residual="<results>/loop/{group}/residual.csv",
     log:
         "<logs>/diagnose/{group}.log",
     benchmark:
@@ -97,6 +98,7 @@ use rule diagnose as diagnose_alone with:
         verdict="<results>/loop/{group}/alone/verdict.json",
         page="<results>/loop/{group}/alone/verdict.md",
         figure="<results>/loop/{group}/alone/verdict.png",
+        residual="<results>/loop/{group}/alone/residual.csv",
     log:
         "<logs>/diagnose/{group}_alone.log",
     benchmark:
@@ -117,6 +119,7 @@ use rule diagnose as diagnose_whole with:
         verdict="<results>/loop/{group}/whole/verdict.json",
         page="<results>/loop/{group}/whole/verdict.md",
         figure="<results>/loop/{group}/whole/verdict.png",
+        residual="<results>/loop/{group}/whole/residual.csv",
     log:
         "<logs>/diagnose/{group}_whole.log",
     benchmark:
@@ -139,6 +142,7 @@ use rule diagnose as diagnose_ideal with:
         verdict="<results>/loop/{group}/ideal/verdict.json",
         page="<results>/loop/{group}/ideal/verdict.md",
         figure="<results>/loop/{group}/ideal/verdict.png",
+        residual="<results>/loop/{group}/ideal/residual.csv",
     log:
         "<logs>/diagnose/{group}_ideal.log",
     benchmark:

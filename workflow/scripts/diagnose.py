@@ -9,6 +9,7 @@ from softsample.loop.held_out import Tables, hold_out_text
 from softsample.loop.leave_out import left_out_errors
 from softsample.loop.page import page
 from softsample.loop.posed import LoopSettings
+from softsample.loop.residual import residual_table
 from softsample.loop.verdict import document
 from softsample.shapes import IdealShape
 from softsample.workflow import logged_to, progress_bar, provenance
@@ -41,3 +42,4 @@ with logged_to(snakemake):
     io.write_json(out.verdict, {**verdict, "provenance": provenance(snakemake)})
     io.write_text(out.page, page(snakemake.wildcards.group, verdict))
     write(loop_figure(found), out.figure)
+    io.write_table(out.residual, residual_table(found))

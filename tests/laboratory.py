@@ -60,10 +60,10 @@ CHANGES = {  # of the force over the modulus: factor of strain e, for the modes 
         "compression": (0.08, 0.4),
         "shear": (0.0, 0.01),
     },
-    "poisson_0.04_less": {
-        "tension": (0.045, 0.1),
-        "compression": (0.15, 0.7),
-        "shear": (0.0, 0.02),
+    "poisson_0.09_less": {
+        "tension": (0.075, 0.17),
+        "compression": (0.25, 1.2),
+        "shear": (0.0, 0.035),
     },
     "fibres_x": {"tension": (-0.05, 0.0), "compression": (-0.05, -0.1), "shear": (-0.2, 0.1)},
     "fibres_z": {"tension": (-0.2, -0.2), "compression": (-0.15, 0.3), "shear": (0.0, -0.3)},

@@ -102,8 +102,8 @@ def confirmed(factor, stiffness=None):
     specimens, stiffness = [], stiffness or {}
     for specimen in laboratory.Lab(seed=5).specimens():
         known, r = specimen.elastic.perturbations, laboratory.FRACTION
-        missing = specimen.elastic.change_per_mu("poisson_0.04_less", r, specimen.travel)
-        run = {at_size("poisson_ratio"): factor * known["poisson_0.04_less"]}
+        missing = specimen.elastic.change_per_mu("poisson_0.09_less", r, specimen.travel)
+        run = {at_size("poisson_ratio"): factor * known["poisson_0.09_less"]}
         specimens.append(
             replace(
                 specimen,
@@ -113,7 +113,7 @@ def confirmed(factor, stiffness=None):
                 elastic=replace(specimen.elastic, perturbations={**known, **run}),
             )
         )
-    sizes = {"poisson_ratio": {"nu": 0.45}}
+    sizes = {"poisson_ratio": {"nu": 0.40}}
     table = confirmations(specimens, sizes, 12.0, LoopSettings(), library(), stiffness)
     (row,) = table.to_dict("records")
     return row

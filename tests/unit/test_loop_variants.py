@@ -236,8 +236,8 @@ def test_no_slip_is_added_to_a_platen_that_slips():
 def test_ratios_of_changed_materials_are_below_that_of_the_model():
     test = replace(mechanical_test("tension", MM), material=replace(SOLID, poisson_ratio=0.46))
     found = changed_materials(test)
-    ratios = [found[f"poisson_{less}_less"].poisson_ratio for less in ("0.02", "0.04")]
-    assert ratios == pytest.approx([0.44, 0.42])
+    ratios = [found[f"poisson_{less}_less"].poisson_ratio for less in ("0.02", "0.09")]
+    assert ratios == pytest.approx([0.44, 0.37])
 
 
 def test_changed_models_have_the_glue_and_the_regions_of_the_image():

@@ -161,16 +161,16 @@ def test_changes_in_closed_form_hold_at_every_fraction(fraction):
     )  # fmt: skip
     changes = perturbations_of("ideal", SHAPE, lambda out: None, test)
     elastic = Elastic.of_tables("compression", response("compression"), [changes], SOLID)
-    softer = unit_modulus(fraction, ALPHA, RATIO - 0.04, 1.0)
+    softer = unit_modulus(fraction, ALPHA, RATIO - 0.09, 1.0)
     force = SHAPE.area * homogeneous_force("compression", TRAVEL / SHAPE.height, softer)
     wanted = force - exact("compression", "force", fraction, TRAVEL)
-    found = elastic.change_per_mu("poisson_0.04_less", fraction, TRAVEL)
+    found = elastic.change_per_mu("poisson_0.09_less", fraction, TRAVEL)
     largest = np.abs(wanted).max()
     np.testing.assert_allclose(found, wanted, atol=0.04 * largest)
     one = changes[changes["mu1_fraction"] == (0.98 if fraction < 0.5 else 0.02)]
     elastic = Elastic.of_tables("compression", response("compression"), [one], SOLID)
-    far = elastic.change_per_mu("poisson_0.04_less", fraction, TRAVEL)
-    assert np.abs(far - wanted).max() > 0.3 * largest
+    far = elastic.change_per_mu("poisson_0.09_less", fraction, TRAVEL)
+    assert np.abs(far - wanted).max() > 0.25 * largest
 
 
 def test_a_pressed_sample_bears_nothing_before_contact_whatever_is_changed():

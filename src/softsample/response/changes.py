@@ -29,8 +29,16 @@ ENDINGS = {"force": "_mm2", "force_normal": f"{NORMAL}_mm2"}
 LAW = "law_"
 """How names of forces of single Ogden terms begin, before the exponent: no changes."""
 
+LESS = (0.02, 0.09)
+"""By how much the Poisson's ratio of the runs with more compressible tissue is lower."""
+
 PRESSED, PRESSED_ELSEWHERE = "pressed", "pressed_elsewhere"
 """Shear of a sample that was compressed before, at the others' fraction and at another one."""
+
+
+def lower_ratio(less: float) -> str:
+    """Name of the change by a Poisson's ratio that is lower by so much."""
+    return f"poisson_{less:g}_less"
 
 
 def read_changes(

@@ -12,8 +12,10 @@ from numpy.typing import NDArray
 from softsample.constitutive.material import Material, compressibility
 from softsample.protocol import PRESSED_MODES
 from softsample.response.changes import (
+    LESS,
     between_fractions,
     for_all_fractions,
+    lower_ratio,
     read_changes,
     split_laws,
 )
@@ -25,7 +27,7 @@ from softsample.shapes import IdealShape
 Array = NDArray[np.float64]
 
 LEAST_PART = 0.05
-"""What is left of a force at least when the Poisson's ratio changes."""
+"""What a compliance is of the model's at least when the Poisson's ratio changes."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -178,38 +180,34 @@ class Elastic:
             return np.zeros_like(displacement)
         return self.laws.foam_change(fraction, displacement, alpha, nu)
 
-    def softer_part(self, fraction: float, displacement: Array, times: Array | float) -> Array:
-        """Change of that force, as a part of it, if the modulus over the bulk modulus is another.
+    def softer_change_per_mu(
+        self, fraction: float, displacement: Array, times: Array | float
+    ) -> Array:
+        """Change of that force [m2] if the shear modulus over the bulk modulus is another.
 
-        `times` the model's, a number or (n,). Compliances are additive: the reciprocal of the
-        force is quadratic in that quotient, through the model and the runs with Poisson's ratios
-        lower by 0.02 and 0.04. At 0.493 in place of 0.49 it is within 15 % of the change of a run
-        of its own.
+        `times` the model's, a number or (n,). In a homogeneous deformation the force is a quotient
+        of two linear functions of it; here it is the one through the model and the runs with
+        Poisson's ratios lower by `LESS`. Of bonded cuboids of 0.49 it is within 0.7 % of the peak
+        of runs down to 0.40, 1.6 % at 0.35, and a third of the change at 0.498.
         """
         x = np.asarray(times) - 1.0
-        first, second = self._more_compliant(fraction, displacement)
-        more = x * (first + x * second)
-        return np.asarray(1.0 / np.maximum(1.0 + more, LEAST_PART) - 1.0)
+        slope, share = self._more_compressible(fraction, displacement)
+        return np.asarray(slope * x / np.maximum(1.0 + share * x, LEAST_PART))
 
     @remembered
-    def _more_compliant(self, fraction: float, displacement: Array) -> Array:
-        """Reciprocal of the force over the model's, less 1: coefficients (2, n) of that quotient
-        and of its square.
-        """
-        force = self.force_per_mu(fraction, displacement)
-        own, *others = (compressibility(self.poisson_ratio - less) for less in (0.0, 0.02, 0.04))
-        slopes, points = [], [other / own - 1.0 for other in others]
-        for step, point in zip(("0.02", "0.04"), points, strict=True):
-            change = self.change_per_mu(f"poisson_{step}_less", fraction, displacement)
-            part = np.divide(change, force, out=np.zeros_like(force), where=force != 0.0)
-            slopes.append((1.0 / np.maximum(1.0 + part, LEAST_PART) - 1.0) / point)
-        square = (slopes[1] - slopes[0]) / (points[1] - points[0])
-        return np.stack([slopes[0] - points[0] * square, square])
+    def _more_compressible(self, fraction: float, displacement: Array) -> Array:
+        """Slope [m2] of that change, and part of the compliance that is of the volume (2, n)."""
+        own = compressibility(self.poisson_ratio)
+        first, second = (compressibility(self.poisson_ratio - s) / own - 1.0 for s in LESS)
+        one, two = (self.change_per_mu(lower_ratio(s), fraction, displacement) for s in LESS)
+        bent, apart = one / first - two / second, two - one
+        share = np.divide(bent, apart, out=np.zeros_like(one), where=apart != 0.0).clip(0.0, 1.0)
+        near, far = (x / (1.0 + share * x) for x in (first, second))
+        return np.stack([(near * one + far * two) / (near**2 + far**2), share])
 
     def ratio_change_per_mu(
         self, fraction: float, displacement: Array, poisson_ratio: float
     ) -> Array:
         """Change of that force [m2] by another Poisson's ratio than the model's."""
         times = compressibility(poisson_ratio) / compressibility(self.poisson_ratio)
-        force = self.force_per_mu(fraction, displacement)
-        return force * self.softer_part(fraction, displacement, times)
+        return self.softer_change_per_mu(fraction, displacement, times)

@@ -19,10 +19,12 @@ from softsample.meshing.bond import partial_bond
 from softsample.protocol import DIRECTIONS, History
 from softsample.response.changes import (
     LAW,
+    LESS,
     NORMAL,
     PRESSED,
     PRESSED_ELSEWHERE,
     elsewhere,
+    lower_ratio,
     table_of_changes,
 )
 from softsample.response.pieces import (
@@ -352,10 +354,7 @@ def changed_materials(test: MechanicalTest) -> dict[str, Material]:
     nu = material.poisson_ratio
     k1 = steps.fibre_ratio * material.shear_modulus
     return {
-        **{
-            f"poisson_{less:g}_less": replace(material, poisson_ratio=nu - less)
-            for less in (0.02, 0.04)
-        },
+        **{lower_ratio(less): replace(material, poisson_ratio=nu - less) for less in LESS},
         **{
             f"fibres_{name}": material.plus(Fibres(k1, FIBRES[name]))
             for name in ("z", "ahead", "behind" if test.mode == "shear" else "x")

@@ -70,7 +70,9 @@ def _elastic(specimen: Specimen, fraction: float, travel: Array, values: Values)
     felt = np.maximum(np.abs(force), LEAST_FORCE * np.abs(force).max())
     most = min(sum(values[size] for size in SIZES), 1.0)
     part = np.clip(lost * np.sign(force) / felt, LEAST_LOST, max(most, LEAST_LOST))
-    return values["bulk"] * specimen.elastic.softer_part(fraction, travel, 1.0 - part) * lost / part
+    softer = specimen.elastic.softer_change_per_mu(fraction, travel, 1.0 - part)
+    ratio = np.divide(softer, force, out=np.zeros_like(force), where=force != 0.0)
+    return values["bulk"] * ratio * lost / part
 
 
 def within(briefest: float, duration: float) -> Effect:

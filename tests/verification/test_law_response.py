@@ -56,29 +56,24 @@ def test_a_law_between_runs_is_that_of_the_solver(mode, close):
 
 
 CUBE = IdealShape("cuboid", 10e-3, 10e-3, 10e-3)
-FLAT = IdealShape("cuboid", 20e-3, 20e-3, 10e-3)
 
 
-@pytest.mark.parametrize(
-    ("shape", "mode", "channel"),
-    [(CUBE, "shear", 0), (CUBE, "shear", 2), (FLAT, "tension", 2), (FLAT, "compression", 2)],
-)
-def test_another_poissons_ratio_is_that_of_the_solver(shape, mode, channel):
-    """Down to 0.35, where three quarters of the force are gone; in shear the normal force too."""
-    mesh = ideal_hexes(shape, 2e-3)
+def test_the_normal_force_of_another_poissons_ratio_is_that_of_the_solver():
+    """Within 0.3 % of the peak down to 0.35, where three tenths of it are gone."""
+    mesh = ideal_hexes(CUBE, 2e-3)
     model = ExplicitModel(mesh, SolverSettings())
-    held = mode_boundary(mesh, mode, mesh.glued(0.0), ContactSettings(), "bonded")
+    held = mode_boundary(mesh, "shear", mesh.glued(0.0), ContactSettings(), "bonded")
 
-    def force(nu):
+    def normal(nu):
         run = model.run(OgdenMaterial((1e3,), (8.0,), nu), held, 3e-3, loading_time=0.06)
-        return run.displacement, 1e-3 * run.force_vector[:, channel]
+        return run.displacement, 1e-3 * run.force_vector[:, 2]
 
-    travel, plain = force(0.49)
+    travel, plain = normal(0.49)
     curves = ResponseCurves(np.array([0.5]), travel, plain[None])
-    changes = {lower_ratio(less): force(0.49 - less)[1] - plain for less in LESS}
+    changes = {lower_ratio(less): normal(0.49 - less)[1] - plain for less in LESS}
     elastic = Elastic(curves, changes)
     for nu in (0.43, 0.35):
-        change = force(nu)[1] - plain
+        change = normal(nu)[1] - plain
         found = elastic.ratio_change_per_mu(0.5, travel, nu)
-        assert np.abs(found - change).max() < 0.02 * np.abs(plain).max()
-        assert np.abs(change).max() > 0.05 * np.abs(plain).max()
+        assert np.abs(found - change).max() < 0.005 * np.abs(plain).max()
+        assert np.abs(change).max() > 0.1 * np.abs(plain).max()

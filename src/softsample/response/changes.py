@@ -29,8 +29,9 @@ ENDINGS = {"force": "_mm2", "force_normal": f"{NORMAL}_mm2"}
 LAW = "law_"
 """How names of forces of single Ogden terms begin, before the exponent: no changes."""
 
-LESS = (0.02, 0.09)
-"""By how much the Poisson's ratio of the runs with more compressible tissue is lower."""
+LESS, NEARER = (0.02, 0.09), 0.04
+"""By how much the Poisson's ratio of two runs with more compressible tissue is lower, and that of
+the run in place of the second if elements do not stand it."""
 
 PRESSED, PRESSED_ELSEWHERE = "pressed", "pressed_elsewhere"
 """Shear of a sample that was compressed before, at the others' fraction and at another one."""

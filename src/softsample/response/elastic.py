@@ -13,6 +13,7 @@ from softsample.constitutive.material import Material, compressibility
 from softsample.protocol import PRESSED_MODES
 from softsample.response.changes import (
     LESS,
+    NEARER,
     between_fractions,
     for_all_fractions,
     lower_ratio,
@@ -197,9 +198,12 @@ class Elastic:
     @remembered
     def _more_compressible(self, fraction: float, displacement: Array) -> Array:
         """Slope [m2] of that change, and part of the compliance that is of the volume (2, n)."""
+        steps = [s for s in (*LESS, NEARER) if lower_ratio(s) in self.perturbations][:2]
+        if len(steps) < 2:
+            return np.zeros((2, *displacement.shape))
         own = compressibility(self.poisson_ratio)
-        first, second = (compressibility(self.poisson_ratio - s) / own - 1.0 for s in LESS)
-        one, two = (self.change_per_mu(lower_ratio(s), fraction, displacement) for s in LESS)
+        first, second = (compressibility(self.poisson_ratio - s) / own - 1.0 for s in steps)
+        one, two = (self.change_per_mu(lower_ratio(s), fraction, displacement) for s in steps)
         bent, apart = one / first - two / second, two - one
         share = np.divide(bent, apart, out=np.zeros_like(one), where=apart != 0.0).clip(0.0, 1.0)
         near, far = (x / (1.0 + share * x) for x in (first, second))

@@ -20,6 +20,7 @@ from softsample.protocol import DIRECTIONS, History
 from softsample.response.changes import (
     LAW,
     LESS,
+    NEARER,
     NORMAL,
     PRESSED,
     PRESSED_ELSEWHERE,
@@ -169,6 +170,10 @@ def simulate_perturbations(
             progress(name, done / len(todo))
         with _left_out(name):
             changes[name] = (run() - base) / material.shear_modulus
+    if lower_ratio(LESS[1]) not in changes:
+        nearer = replace(material, poisson_ratio=material.poisson_ratio - NEARER)
+        with _left_out(name := lower_ratio(NEARER)):
+            changes[name] = (force(model, nearer, boundary) - base) / material.shear_modulus
     if test.mode == "compression" and test.platen_contact.friction is None:
         with _left_out("platen_friction"):
             changes |= _friction_changes(model, sample, test, pace, min(turn or reach, reach))

@@ -49,6 +49,9 @@ LEAST_LOADING = 0.05
 AWAY = 0.05
 """A record begins deformed if its first displacement is this part of its range or more."""
 
+ALIKE = 1.25
+"""Ratio up to which displacements of two tests are about as large, and speeds are one speed."""
+
 LARGEST, FIRST, LAST = "largest", "first", "last"
 """Which loading is calibrated; `largest` is the first that reaches the largest displacement."""
 

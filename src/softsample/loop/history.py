@@ -6,7 +6,7 @@ from numpy.typing import NDArray
 
 Array = NDArray[np.float64]
 
-ALIKE = 1e-10
+SAME = 1e-10
 """Relative difference up to which two steps of time are one, but for rounding."""
 
 
@@ -30,7 +30,7 @@ def _remembered(time: Array, force: Array, tau: float) -> Array:
     found = np.empty_like(force)
     for k in range(len(force)):
         step = (time[max(k, 1)] - time[max(k, 1) - 1]) / tau
-        if abs(step - last) > ALIKE * step:  # exponentials cost more than all the rest
+        if abs(step - last) > SAME * step:  # exponentials cost more than all the rest
             decay, gain, last = np.exp(-step), -np.expm1(-step) / step, step
         left = decay * left + gain * (force[k] - before)
         before = force[k]

@@ -13,11 +13,9 @@ from scipy.linalg import cholesky, solve_triangular
 
 from softsample.loop.noise import SIMILARITY, NoiseSettings, Similarity, Whitener, moved
 from softsample.loop.specimen import Specimen, blocks
+from softsample.protocol import ALIKE
 
 Array = NDArray[np.float64]
-
-ALIKE = 1.25
-"""Ratio of displacements up to which tests go about as far, and of speeds of one speed."""
 
 KNOTS = 33
 """Travels at which the error that goes with the travel is a variate: between them it is smooth."""

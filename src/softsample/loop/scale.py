@@ -6,8 +6,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from softsample.loop.fit import Fit, Problem
-from softsample.loop.same_piece import ALIKE, same_piece
+from softsample.loop.same_piece import same_piece
 from softsample.loop.specimen import Specimen
+from softsample.protocol import ALIKE
 
 Array = NDArray[np.float64]
 

@@ -25,7 +25,7 @@ from softsample.loop.screen import (
 Array = NDArray[np.float64]
 
 
-ALIKE = 10
+NEIGHBOURS = 10
 """Blocks over which what another law changes is alike."""
 
 WITHIN_DOUBT = "errors of geometry and mesh, or in the form of other effects, may be this large"
@@ -671,7 +671,7 @@ def _smooth_excess(white: Sequence[Array]) -> float:
     """Sum of squares of what is alike in neighbours of white residuals, beyond that of noise."""
     excess = 0.0
     for part in white:
-        groups = np.array_split(part, max(1, len(part) // ALIKE))
+        groups = np.array_split(part, max(1, len(part) // NEIGHBOURS))
         excess += sum(float(g.sum()) ** 2 / max(len(g), 1) - 1.0 for g in groups)
     return excess
 

@@ -10,15 +10,13 @@ from numpy.typing import NDArray
 from softsample.imaging.propose import Glance
 from softsample.meshing.surface import TriangleSurface
 from softsample.plausibility import Limits, figures
+from softsample.protocol import ALIKE
 from softsample.records import Record
 from softsample.shapes import IdealShape
 
 Array = NDArray[np.float64]
 
 MM = 1e-3
-
-SPEEDS_DIFFER = 1.25
-"""Ratio of speeds from which on they are two."""
 
 FEWEST = 2
 """Samples of other groups that one is compared with."""
@@ -168,7 +166,7 @@ def _several_speeds(seen: Sequence[Seen]) -> Iterator[str]:
             tests.setdefault(key, []).append(one)
     for first, *others in tests.values():
         speeds = [one.facts["ramp_speed_mm_s"] or 0.0 for one in (first, *others) if one.facts]
-        for one in others if max(speeds) > SPEEDS_DIFFER * min(speeds) > 0.0 else ():
+        for one in others if max(speeds) > ALIKE * min(speeds) > 0.0 else ():
             name = first.row.get("sample", "?")
             yield (
                 f"{one.where}, column 'specimen': the dimensions are those of {name}, and speeds "

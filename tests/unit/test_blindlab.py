@@ -170,6 +170,14 @@ def test_floors_of_every_family_have_the_size_that_they_say(family):
     assert (steps > 0.05) == (family == "exponential")
 
 
+def test_a_floor_of_misfits_is_one_of_them_either_way_up():
+    misfits = pd.DataFrame({"study": ["s", "s"], "0": [0.0, 1.0], "0.5": [1.2, 1.0], "1": -1.0})
+    draw, random, x = records.of_misfits(misfits), np.random.default_rng(4), [0.0, 0.5, 1.0]
+    drawn = {tuple(np.round(draw(random)(np.array(x)), 9)) for _ in range(60)}
+    one, other = (0.0, 1.2, -1.0), (1.0, 1.0, -1.0)
+    assert drawn == {one, other, tuple(-v for v in one), tuple(-v for v in other)}
+
+
 def test_a_scale_of_each_mode_is_one_of_all_of_its_record():
     floor, random = records.Floor(0.0, scale_percent=5.0), np.random.default_rng(2)
     made_of = (BODY, straight_curves(), [], MU, "C", floor, 1.0, random)
@@ -247,6 +255,7 @@ def case(names, verdict, classes=(), kind="effect", size=1.0, **more):
         "effects": [{"name": c[0], "class": c, "parameters": fitted} for c in classes],
         "theta_before": {"mu": {**mu, "value": 1100.0}},
         "theta_after": {"mu": mu},
+        "recommended": mu,
         "held_out_percent": {
             "after_ramp": {"before": 2.0, "after": 0.5},
             "leave_out_shear": {"before": 0.01, "after": 0.05},
@@ -265,7 +274,7 @@ def test_the_score_counts_what_it_says():
         case([drift], "explained", [[drift]]),
         case([drift], "explained", [["dehydration", drift]]),
         case([drift], "explained", [["gain"]]),
-        case([drift], "unknown"),
+        case([drift], "unknown", recommended={"low": 1001.0, "high": 1020.0}),
         case([], "none", kind="null"),
         case([], "unknown", kind="null"),
         case(["x"], "none", kind="stranger"),
@@ -292,6 +301,7 @@ def test_the_score_counts_what_it_says():
     assert value["11 white RMS after"] == pytest.approx(1.1)
     assert value["12 bias of mu removed"] == pytest.approx(0.9)
     assert value["13 cover of mu"] == value["13 cover of effects"] == 1.0
+    assert value["13 cover of recommended mu"] == 0.75  # what was not recognised counts too
     assert value["14 error of the size"] == pytest.approx(0.1)
     assert rows["1 false alarms"]["n"] == 2
     table = confusion(cases).set_index("planted")

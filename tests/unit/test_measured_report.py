@@ -6,7 +6,8 @@ import numpy as np
 import pandas as pd
 import pytest
 
-from softsample.io import read_table
+from softsample.io import read_table, write_table
+from softsample.measured.misfits import TRAVELS, misfit_table
 from softsample.measured.summary import about_table, main, source_table
 from softsample.report.measured import SUMMARY, overview_table, summary_table
 
@@ -33,6 +34,23 @@ def verdict(name="explained", effects=()):
         },
         "error_after": {},
     }
+
+
+def test_misfits_are_what_a_verdict_leaves_on_the_way_to_what_is_fitted(tmp_path):
+    """Of a compression and its return, whose end is held out: a bow of 2 % of the peak."""
+    way = np.concatenate([np.linspace(0.0, 1.0, 101), np.linspace(0.99, 0.0, 100)])
+    bow = np.where(np.arange(201) <= 100, np.sin(np.pi * way / 0.8), 5.0)
+    record = pd.DataFrame({
+        "sample": "a", "mode": "compression", "channel": "force", "displacement_mm": -2.0 * way,
+        "force_N": -way, "after_N": -way - 0.02 * bow, "held_out": way > 0.8,
+    })  # fmt: skip
+    write_table(tmp_path / "set/loop/one/residual.csv", record)
+    write_table(tmp_path / "set/loop/two/residual.csv", record.iloc[:19])
+    (row,) = misfit_table(tmp_path).to_dict("records")
+    assert (row["study"], row["group"], row["sample"]) == ("set", "one", "a")
+    assert row["rms_percent"] == pytest.approx(2.0 / np.sqrt(2.0), rel=0.02)
+    found = [row[f"{x:g}"] for x in TRAVELS]
+    np.testing.assert_allclose(found, np.sqrt(2.0) * np.sin(np.pi * TRAVELS), atol=0.03)
 
 
 def test_summary_has_the_agreed_columns_and_a_row_a_group():

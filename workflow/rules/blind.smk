@@ -9,6 +9,7 @@ BODIES = [
     for k in range(BLIND["bodies"][count])
 ]
 PARTS = range(12)
+MISFITS = "<results>/measured/misfits.csv"  # of `make measured`
 
 
 wildcard_constraints:
@@ -71,6 +72,7 @@ rule blind_answers:
         seal="<results>/{lab}/seal.json",
         curves=expand("<results>/{{lab}}/curves/{body}.csv", body=BODIES),
         models=expand("<results>/blind/models/{body}.csv", body=BODIES),
+        misfits=lambda wildcards: [MISFITS] if wildcards.lab == "blind-measured" else [],
         code=library("workflow/scripts/blind_answers.py"),
     output:
         answers="<results>/{lab}/answers/{part}.json",
@@ -122,6 +124,13 @@ rule blind_foreign:
         expand("<results>/blind-{family}/score.json", family=("exponential", "polynomial")),
     message:
         "Blind laboratory scored with errors of other families: {input}"
+
+
+rule blind_measured:
+    input:
+        "<results>/blind-measured/score.json",
+    message:
+        "Blind laboratory scored with misfits of measured records: {input}"
 
 
 rule blind_full:

@@ -14,12 +14,13 @@ with logged_to(snakemake):
     models = {name: elastics(table, Body.named(name)) for name, table in changes}
     loop, resolution = LoopSettings.of_config(given.loop), Resolution(**given.noise)
     extent, benches = Extent(**given.extent), Benches(**given.bodies)
+    misfits = [*map(read_table, files.get("misfits", []))]
     tell, answers, part = progress_bar(), {}, [*enumerate(plan(extent))][given.part :: given.parts]
     for done, (number, experiment) in enumerate(part):
         tell("experiments", done / len(part))
         body = experiment.body(benches)
         answers[number] = answer(
-            experiment.records(body, curves[body.name], extent.floor(experiment)),
+            experiment.records(body, curves[body.name], extent.floor(experiment, *misfits)),
             models[body.name],
             resolution.settings(loop, experiment.floor_percent) if extent.told else loop,
             given.bootstraps if number % given.bootstrap_every == 0 else 0,

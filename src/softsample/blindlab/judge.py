@@ -17,7 +17,7 @@ from softsample.blindlab.records import Record as Written
 from softsample.loop.diagnose import diagnose
 from softsample.loop.posed import LoopSettings
 from softsample.loop.specimen import Specimen
-from softsample.loop.verdict import judgement
+from softsample.loop.verdict import judgement, recommended
 from softsample.records import Record
 from softsample.response.changes import for_all_fractions, split_laws
 from softsample.response.curves import ResponseCurves, before_zero
@@ -117,6 +117,7 @@ def answer(
         ],
         "theta_before": verdict["theta_before"],
         "theta_after": verdict["theta_after"],
+        "recommended": recommended(found, settings)["mu"],
         "held_out_percent": held_out,
         "reduced_chi_square": verdict["reduced_chi_square"],
         "path": verdict["path"],

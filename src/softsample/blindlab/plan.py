@@ -10,7 +10,14 @@ import pandas as pd
 
 from softsample.blindlab.bodies import Body
 from softsample.blindlab.faults import EFFECTS, KINDS, SCALES, STRANGERS, Fault
-from softsample.blindlab.records import MU_PA, Floor, Record, make_records
+from softsample.blindlab.records import (
+    FAMILIES,
+    MU_PA,
+    Floor,
+    Record,
+    make_records,
+    of_misfits,
+)
 
 GROUPS: dict[str, tuple[str, ...]] = {
     "ratio of shear to axial": (
@@ -70,9 +77,10 @@ class Extent:
     scale_percent: float = 0.0
     told: bool = True
 
-    def floor(self, experiment: "Experiment") -> Floor:
-        """Errors of the model in an experiment."""
-        return Floor(experiment.floor_percent, self.family, self.scale_percent)
+    def floor(self, experiment: "Experiment", misfits: pd.DataFrame | None = None) -> Floor:
+        """Errors of the model in an experiment, drawn from misfits of measured records if given."""
+        draw = FAMILIES[self.family] if misfits is None else of_misfits(misfits)
+        return Floor(experiment.floor_percent, draw, self.scale_percent)
 
 
 @dataclass(frozen=True)

@@ -29,6 +29,56 @@ FLOOR_LENGTH = 0.25  # of the stroke
 DEGREE = 5  # of the floor that is a polynomial
 MU_PA = (800.0, 2500.0)
 
+Draw = Callable[[np.random.Generator], Curve]
+"""Of a random function of the travel over the stroke."""
+
+
+def _smooth(random: np.random.Generator) -> Curve:
+    """Random smooth function of standard deviation 1 on travels over the stroke."""
+    wave = random.normal(0.0, 1.0 / FLOOR_LENGTH, 64)
+    phase = random.uniform(0.0, 2.0 * np.pi, 64)
+    return lambda x: np.cos(np.outer(x, wave) + phase).sum(axis=1) * np.sqrt(2.0 / 64.0)
+
+
+def _rough(random: np.random.Generator) -> Curve:
+    """Random function of standard deviation 1 with corners everywhere: Ornstein and Uhlenbeck's."""
+    grid = np.linspace(-0.2, 1.2, 1401)
+    keep = np.exp(-(grid[1] - grid[0]) / FLOOR_LENGTH)
+    kicks = random.normal(0.0, np.sqrt(1.0 - keep**2), len(grid))
+    kicks[0] /= np.sqrt(1.0 - keep**2)
+    values = np.asarray(lfilter([1.0], [1.0, -keep], kicks))
+    return lambda x: np.interp(x, grid, values)
+
+
+def _polynomial(random: np.random.Generator) -> Curve:
+    """Random polynomial without constant, of standard deviation 1 over the stroke."""
+    degrees = np.arange(1, DEGREE + 1)
+    factors = random.normal(size=DEGREE) * np.sqrt((2.0 * degrees + 1.0) / DEGREE)
+    return Legendre([0.0, *factors], domain=[0.0, 1.0])
+
+
+def of_misfits(misfits: pd.DataFrame) -> Draw:
+    """Draws of a table of misfits of measured records, either way up.
+
+    Each row is one of standard deviation 1; columns that are numbers are travels over the stroke.
+    """
+    errors = misfits.filter(regex=r"^\d")
+    travel, every = errors.columns.to_numpy(dtype=float), errors.to_numpy()
+
+    def draw(random: np.random.Generator) -> Curve:
+        error = random.choice([-1.0, 1.0]) * every[random.integers(len(every))]
+        return PchipInterpolator(travel, error, extrapolate=True)
+
+    return draw
+
+
+FAMILIES: dict[str, Draw] = {
+    "gaussian": _smooth,
+    "exponential": _rough,
+    "polynomial": _polynomial,
+}
+"""Random errors along the travel over the stroke, of standard deviation 1."""
+
 
 @dataclass(frozen=True)
 class Floor:
@@ -38,14 +88,14 @@ class Floor:
     ----------
     percent : float
         Standard deviation of an error of each mode that nothing explains [% of peak].
-    family : str
-        Key of `FAMILIES`: how it goes with the travel.
+    draw : callable
+        How it goes with the travel: a random curve of standard deviation 1 over the stroke.
     scale_percent : float
         Standard deviation of an error of each mode's scale [%].
     """
 
     percent: float
-    family: str = "gaussian"
+    draw: Draw = _smooth
     scale_percent: float = 0.0
 
     def on(self, test: Trial, force: Array, wave: Curve, scale: float) -> Array:
@@ -109,7 +159,7 @@ def make_records(
     loop = _loop(curves, size)
     records = []
     for mode in MODES:
-        wave = FAMILIES[floor.family](random)
+        wave = floor.draw(random)
         scale = float(random.normal()) if floor.scale_percent else 0.0
         for speed in DESIGNS[design]:
             test = _test(body, mode, mu, elastic, loop, design, SPEED * speed)
@@ -181,38 +231,6 @@ def _force(test: Trial, faults: Sequence[Fault]) -> Array:
     for fault in faults:
         force = fault.instrument(test, force)
     return force
-
-
-def _smooth(random: np.random.Generator) -> Curve:
-    """Random smooth function of standard deviation 1 on travels over the stroke."""
-    wave = random.normal(0.0, 1.0 / FLOOR_LENGTH, 64)
-    phase = random.uniform(0.0, 2.0 * np.pi, 64)
-    return lambda x: np.cos(np.outer(x, wave) + phase).sum(axis=1) * np.sqrt(2.0 / 64.0)
-
-
-def _rough(random: np.random.Generator) -> Curve:
-    """Random function of standard deviation 1 with corners everywhere: Ornstein and Uhlenbeck's."""
-    grid = np.linspace(-0.2, 1.2, 1401)
-    keep = np.exp(-(grid[1] - grid[0]) / FLOOR_LENGTH)
-    kicks = random.normal(0.0, np.sqrt(1.0 - keep**2), len(grid))
-    kicks[0] /= np.sqrt(1.0 - keep**2)
-    values = np.asarray(lfilter([1.0], [1.0, -keep], kicks))
-    return lambda x: np.interp(x, grid, values)
-
-
-def _polynomial(random: np.random.Generator) -> Curve:
-    """Random polynomial without constant, of standard deviation 1 over the stroke."""
-    degrees = np.arange(1, DEGREE + 1)
-    factors = random.normal(size=DEGREE) * np.sqrt((2.0 * degrees + 1.0) / DEGREE)
-    return Legendre([0.0, *factors], domain=[0.0, 1.0])
-
-
-FAMILIES: dict[str, Callable[[np.random.Generator], Curve]] = {
-    "gaussian": _smooth,
-    "exponential": _rough,
-    "polynomial": _polynomial,
-}
-"""Random errors along the travel over the stroke."""
 
 
 def _table(test: Trial, force: Array, random: np.random.Generator) -> pd.DataFrame:

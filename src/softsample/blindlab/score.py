@@ -276,6 +276,8 @@ def _effects(cases: Sequence[Case], left: Mapping[str, float]) -> Iterator[Row]:
     yield median("12 bias of mu removed", [1.0 - now / was for was, now in biased], "lower")
     yield share("13 cover of mu", [_covers(c.answer["theta_after"]["mu"], c.planted["mu_pa"])
                                    for c in right], "lower")  # fmt: skip
+    recommended = [_covers(c.answer["recommended"], c.planted["mu_pa"]) for c in cases]
+    yield share("13 cover of recommended mu", recommended, "lower")
     yield share("13 cover of effects", [hit for c in right for hit in _covered(c)], "lower")
     yield median("14 error of the size", [e for c in right for e in _size_errors(c)], "upper")
 

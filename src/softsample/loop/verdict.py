@@ -5,10 +5,12 @@ from dataclasses import asdict, replace
 from typing import Any
 
 import numpy as np
+from scipy.stats import norm
 
 from softsample.constitutive.material import Material
 from softsample.loop.accept import Judged
 from softsample.loop.average import (
+    INTERVAL,
     Weighed,
     averaged,
     bond_deviation,
@@ -35,8 +37,8 @@ ENDS = ends.EFFECT.name
 SHOWN = 0.005
 """Weight of a model, or change of the modulus, as a part, from which on it is named."""
 
-NINETY = 1.6449
-"""Standard deviations of a two-sided 90 % interval."""
+NINETY = float(norm.ppf(INTERVAL[1]))
+"""Standard deviations from the middle to the ends of a 90 % interval."""
 
 
 def document(
@@ -116,7 +118,7 @@ def report(diagnosis: Diagnosis, settings: LoopSettings) -> dict[str, Any]:
     unseen = {e.name for e in diagnosis.selection.library if law.admits(e)} - set(limits)
     return {
         **found,
-        "recommended": _recommended(diagnosis, settings),
+        "recommended": recommended(diagnosis, settings),
         "not_identifiable": sorted({*found["not_identifiable"], *unseen}),
         "detection_limits": {
             e.name: {
@@ -129,7 +131,7 @@ def report(diagnosis: Diagnosis, settings: LoopSettings) -> dict[str, Any]:
     }
 
 
-def _recommended(diagnosis: Diagnosis, settings: LoopSettings) -> dict[str, Any]:
+def recommended(diagnosis: Diagnosis, settings: LoopSettings) -> dict[str, Any]:
     """The modulus to quote: averaged over the models that the records leave open.
 
     Where the selected effects do not hold, or other groups chose them, it is that of what is

@@ -14,6 +14,7 @@ from softsample.figures.style import save
 from softsample.files import written_aside
 from softsample.io import read_json, read_samples, read_table, write_table, write_text
 from softsample.measured.folder import CATALOGUE, chosen_studies
+from softsample.measured.misfits import misfit_table
 from softsample.measured.readers import READERS
 from softsample.report.html import download, picture, render_report
 from softsample.report.measured import overview_table, summary_table
@@ -25,7 +26,7 @@ TEMPLATES = ROOT / "workflow/report"
 
 
 def write_summary(results: Path) -> None:
-    """Write `summary.csv`, `report.html`, and below `docs/` the page with its tables and figure.
+    """Write `summary.csv`, `misfits.csv`, `report.html`, and a page with its tables in `docs/`.
 
     Parameters
     ----------
@@ -45,6 +46,7 @@ def write_summary(results: Path) -> None:
         "sources": source_table(read_table(CATALOGUE)),
     }
     write_table(results / "summary.csv", summary)
+    write_table(results / "misfits.csv", misfit_table(results))
     figure = results / "docs" / FIGURE
     with written_aside(figure) as aside:
         save(held_out_figure(summary), aside)

@@ -1,7 +1,7 @@
 """Writes docs/blindlab.md from the blind laboratory: python benchmarks/blind_page.py."""
 
 import json
-from collections.abc import Iterable, Iterator, Mapping, Sequence
+from collections.abc import Iterator, Mapping
 from pathlib import Path
 from typing import Any
 
@@ -113,13 +113,6 @@ Of 22 November 2026; the diagnosis has changed since.
 | design | floor [%] | noticed [%] | class right | wrong | false alarms | out of library | pairs |
 |---|---|---|---|---|---|---|---|"""
 
-SMALLEST = """
-Smallest multiple of the nominal size from which on an effect was noticed in every experiment
-(–: none), with a floor of {floors}, once if both agree:
-
-| effect | {designs} |
-|---|{rules}|"""
-
 CONFUSION = """
 ![Ground truth against answers](figures/blind/confusion.png)
 """
@@ -175,7 +168,7 @@ def _score(found: Mapping[str, Any]) -> Iterator[str]:
 
 
 def _full(found: Mapping[str, Any]) -> Iterator[str]:
-    """Every design, floor and size; then from which size on each effect is noticed."""
+    """Every design, floor and size."""
     rows = {
         (row["goal"], row["design"], row["floor_percent"], row["size"]): row
         for row in found["score"]
@@ -207,45 +200,6 @@ def _full(found: Mapping[str, Any]) -> Iterator[str]:
         whole = ("1 false alarms", "6 out of library: unknown or none", "8 pairs: both classes")
         cells += [_shown("", rows[goal, *setting, None]["value"]) for goal in whole]
         yield f"| {setting[0]} | {setting[1]:g} | {' | '.join(cells)} |"
-    yield from _smallest_sizes(power, settings, sizes)
-
-
-def _smallest_sizes(
-    power: Rows, settings: Sequence[tuple[str, float]], sizes: Sequence[float]
-) -> Iterator[str]:
-    """From which size on each effect is noticed; `power` by effect, design, floor and size."""
-    designs = sorted({design for design, _ in settings})
-    yield SMALLEST.format(
-        floors=" and ".join(f"{floor:g} %" for floor in sorted({floor for _, floor in settings})),
-        designs=" | ".join(designs),
-        rules="|".join("---" for _ in designs),
-    )
-    for name in EFFECTS:
-        cells = [
-            _once(
-                _smallest([
-                    (size, power[name, *setting, size]["value"])
-                    for size in sizes
-                    if (name, *setting, size) in power
-                ])
-                for setting in settings
-                if setting[0] == design
-            )
-            for design in designs
-        ]  # fmt: skip
-        yield f"| `{name}` | {' | '.join(cells)} |"
-
-
-def _once(cells: Iterable[str]) -> str:
-    """All cells, or the one that all are."""
-    found = list(cells)
-    return found[0] if len(set(found)) == 1 else ", ".join(found)
-
-
-def _smallest(noticed: Sequence[tuple[float, float]]) -> str:
-    """First size from which on the share that was noticed is one."""
-    always = [size for k, (size, _) in enumerate(noticed) if all(p == 1.0 for _, p in noticed[k:])]
-    return f"{always[0]:g}" if always else "–"
 
 
 def _judged(goal: str, sign: str, bar: float, row: Mapping[str, Any]) -> str:

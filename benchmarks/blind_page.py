@@ -84,8 +84,8 @@ SCORED = """
 Written from [data/blind/score.json](data/blind/score.json): design B, nominal sizes; {judged} of
 {planned} experiments judged. Other rules were scored on these seeds before; half of the nulls with
 a floor chose the kinds of smoothness. In brackets the one-sided 95 % bound, bold what misses its
-criterion. Counts of effects are out of 25. The recommended modulus counts in all experiments. The
-median verdict costs {cpu} CPU s.
+criterion. Counts of effects are out of 25. The recommended modulus counts in all with one effect.
+The median verdict costs {cpu} CPU s.
 
 | goal | criterion | noise only | criterion | floor 1 % |
 |---|---|---|---|---|"""

@@ -8,32 +8,26 @@ import pytest
 from scipy.stats import norm
 
 import laboratory
-from softsample.loop.average import (
-    Weighed,
-    averaged,
-    bond_deviation,
-    log_modulus_deviation,
-    weighed,
-)
+from softsample.loop.average import Weighed, averaged, weighed
+from softsample.loop.deviation import birge_ratio, bond_deviation, log_modulus_deviation
 from softsample.loop.diagnose import diagnose
 from softsample.loop.effects import library
-from softsample.loop.noise import NoiseSettings
 from softsample.loop.page import page
 from softsample.loop.posed import LoopSettings, pose
 from softsample.loop.screen import penalty
 from softsample.loop.verdict import report
 
-NOISE, SETTINGS = NoiseSettings(scale_percent=3.0), LoopSettings()
+SETTINGS = LoopSettings()
 
 
 def model_of(mu, deviation, weight):
     """A model of which nothing counts but its modulus [Pa] and the deviation of its logarithm."""
     state = SimpleNamespace(material=SimpleNamespace(mu=mu))
-    return Weighed(SimpleNamespace(state=state, covariance=np.diag([deviation**2, 1.0])), weight)
+    return Weighed(SimpleNamespace(state=state), weight, deviation)
 
 
-def test_of_one_model_the_interval_is_that_of_its_fit_and_the_scale():
-    mu, low, high = averaged([model_of(1000.0, 0.04, 1.0)], NOISE, {})
+def test_of_one_model_the_interval_is_its_own():
+    mu, low, high = averaged([model_of(1000.0, 0.05, 1.0)])
     assert mu == pytest.approx(1000.0)
     assert np.log(high / mu) == pytest.approx(norm.ppf(0.95) * 0.05, rel=1e-6)
     assert np.log(mu / low) == pytest.approx(norm.ppf(0.95) * 0.05, rel=1e-6)
@@ -41,18 +35,34 @@ def test_of_one_model_the_interval_is_that_of_its_fit_and_the_scale():
 
 def test_of_two_models_far_apart_each_end_is_a_quantile_of_one():
     """With weights of 1/4 and 3/4 the lower 5 % are a fifth of the first, the upper a fifteenth."""
-    models = [model_of(500.0, 0.04, 0.25), model_of(2000.0, 0.04, 0.75)]
-    mu, low, high = averaged(models, NOISE, {})
+    models = [model_of(500.0, 0.05, 0.25), model_of(2000.0, 0.05, 0.75)]
+    mu, low, high = averaged(models)
     assert mu == pytest.approx(500.0**0.25 * 2000.0**0.75)
     assert np.log(low / 500.0) == pytest.approx(norm.ppf(0.2) * 0.05, rel=1e-6)
     assert np.log(high / 2000.0) == pytest.approx(norm.ppf(1.0 - 0.05 / 0.75) * 0.05, rel=1e-6)
 
 
-def test_specimens_that_scatter_widen_the_interval():
-    fit = model_of(1000.0, 0.04, 1.0).fit
+def test_the_interval_holds_fit_scale_and_what_scatters():
+    problem, fit = plain(("tension", "compression"), ())
+    of_fit = birge_ratio(problem, fit) * np.sqrt(fit.covariance[0, 0])
+    expected = np.hypot(of_fit, 0.01 * SETTINGS.noise.scale_percent)
+    assert log_modulus_deviation(problem, fit, {}) == pytest.approx(expected)
     scattered = {"A": 0.8, "B": 1.25}
-    expected = np.hypot(0.05, np.std(np.log([0.8, 1.25]), ddof=1) / np.sqrt(2.0))
-    assert log_modulus_deviation(fit, NOISE, scattered) == pytest.approx(expected)
+    expected = np.hypot(expected, np.std(np.log([0.8, 1.25]), ddof=1) / np.sqrt(2.0))
+    assert log_modulus_deviation(problem, fit, scattered) == pytest.approx(expected)
+
+
+@pytest.mark.parametrize(("drawn", "expected"), [(0.5, 1.0), (2.0, 2.0)])
+def test_what_is_left_beyond_the_discrepancy_widens_the_interval(drawn, expected):
+    """Of errors drawn at some multiple of the sizes that the fit is told."""
+    told = replace(SETTINGS.noise, spread=1.0)
+    sizes = dict.fromkeys(("smooth", "kinked", "rough", "history", "scale"), drawn)
+    ratios = []
+    for seed in range(24):
+        tests = laboratory.drawn(laboratory.Lab(seed=3).specimens(), told, sizes, seed=seed)
+        problem, _ = pose(tests, told)
+        ratios.append(birge_ratio(problem, problem.fit_material()))
+    assert np.sqrt(np.mean(np.square(ratios))) == pytest.approx(expected, rel=0.15)
 
 
 def plain(modes, bonded):
@@ -88,9 +98,11 @@ def test_compression_beside_it_tells_some_of_the_bonded_area():
 
 
 def test_the_bonded_area_widens_the_interval():
-    alone = model_of(1000.0, 0.04, 1.0)
-    _, low, _ = averaged([replace(alone, bond=0.12)], NOISE, {})
-    assert np.log(1000.0 / low) == pytest.approx(norm.ppf(0.95) * 0.13, rel=1e-6)
+    problem, fit = plain(("shear",), ("shear",))
+    found = Weighed.of(problem, fit, 1.0, {}).deviation
+    alone = log_modulus_deviation(problem, fit, {})
+    assert found == pytest.approx(np.hypot(alone, bond_deviation(problem, fit)))
+    assert found > 1.5 * alone
 
 
 def softer(part, smooth):
@@ -112,7 +124,7 @@ def withheld():
 
 def test_weights_are_odds_of_evidence_and_prior(withheld):
     """Against the misfits of the path, put together by hand."""
-    selection, models = withheld.selection, weighed(withheld.selection)
+    selection, models = withheld.selection, weighed(withheld.selection, {})
     assert sum(one.weight for one in models) == pytest.approx(1.0)
     weights = {tuple(one.fit.model.names): one.weight for one in models}
     (one,) = [c for c in selection.steps[0].candidates if c.name == "poisson_ratio"]

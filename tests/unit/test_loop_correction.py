@@ -16,6 +16,7 @@ from softsample.loop.errors import cross_validated, folds, held_out_errors
 from softsample.loop.page import page
 from softsample.loop.posed import LoopSettings, pose
 from softsample.loop.residual import residual_table
+from softsample.loop.select import select
 from softsample.loop.specimen import Specimen
 from softsample.loop.verdict import judgement, report
 from softsample.response.curves import ResponseCurves
@@ -93,6 +94,35 @@ def test_nothing_is_corrected_where_nothing_is_wrong():
     spread = [noise.block for noise in found.noises]
     plain = found.selection.plain, found.selection.base
     assert confirmed([(*plain, cross_validated(*plain))], spread) is None
+
+
+@pytest.mark.parametrize("came_there", [True, False])
+def test_folds_choose_among_all_models_that_a_search_came_to(came_there, monkeypatch):
+    """Of records that relax and a selection that has dropped relaxation again."""
+
+    def dropped(problem, known, settings):
+        found = select(problem, known, settings)
+        assert found.final.model.names == ("viscoelastic_relaxation",)
+        visited = [(found.problem, found.final)] if came_there else []
+        return replace(found, problem=found.plain, final=found.base, classes={}, visited=visited)
+
+    monkeypatch.setattr("softsample.loop.diagnose.select", dropped)
+    known = [library()["viscoelastic_relaxation"]]
+    found = diagnose(laboratory.Lab(seed=5, relaxed=0.4).specimens(), SETTINGS, known)
+    assert found.objection
+    names = found.correction.report()["with"] if found.correction else []
+    assert names == (["viscoelastic_relaxation"] if came_there else [])
+
+
+def test_a_search_remembers_models_of_other_effects_once_the_smallest_first():
+    two = laboratory.Lab(seed=5, relaxed=0.4, offset={"tension": 20.0}).specimens()
+    problem, _ = pose(two, SETTINGS.noise)
+    chosen = select(problem, list(library().values()), SETTINGS.selection)
+    names = [frozenset(fit.model.names) for _, fit in chosen.visited]
+    assert names
+    assert len(set(names)) == len(names)
+    assert frozenset(chosen.final.model.names) not in names
+    assert [len(of) for of in names] == sorted(len(of) for of in names)
 
 
 def test_tests_of_one_mode_share_a_correction_in_proportion_to_their_force():

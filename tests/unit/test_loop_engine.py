@@ -563,7 +563,7 @@ def test_what_the_model_is_known_to_leave_out_comes_before_what_fits_better():
     best, chosen = selection.steps[0].candidates[0], selection.steps[0].chosen
     assert (best.name, chosen.name) == ("real_geometry", "late_contact")
     assert selection.classes["late_contact"] == ["late_contact", "real_geometry"]
-    assert all("late_contact" in one.fit.model.names for one in weighed(selection))
+    assert all("late_contact" in one.fit.model.names for one in weighed(selection, {}))
 
 
 def test_sizes_of_the_discrepancy_are_estimated_from_the_records(perfect):

@@ -117,7 +117,7 @@ def answer(
         ],
         "theta_before": verdict["theta_before"],
         "theta_after": verdict["theta_after"],
-        "recommended": recommended(found, settings)["mu"],
+        "recommended": recommended(found)["mu"],
         "held_out_percent": held_out,
         "reduced_chi_square": verdict["reduced_chi_square"],
         "path": verdict["path"],

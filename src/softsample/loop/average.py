@@ -16,11 +16,9 @@ from numpy.typing import NDArray
 from scipy.optimize import brentq
 from scipy.stats import norm
 
+from softsample.loop.deviation import bond_deviation, log_modulus_deviation
 from softsample.loop.fit import Fit, Problem
-from softsample.loop.noise import NoiseSettings
-from softsample.loop.scale import scatter
 from softsample.loop.select import Selection, misfit_with_penalties, unusable
-from softsample.response.floor import rectangular
 
 Array = NDArray[np.float64]
 
@@ -41,16 +39,24 @@ class Weighed:
         Of it.
     weight : float
         Its probability; those of all models add up to 1.
-    bond : float
-        Standard deviation of ln(mu) by what the bonded area leaves open.
+    deviation : float
+        Standard deviation of ln(mu), with what the bonded area leaves open.
     """
 
     fit: Fit
     weight: float
-    bond: float = 0.0
+    deviation: float
+
+    @classmethod
+    def of(
+        cls, problem: Problem, fit: Fit, weight: float, stiffness: Mapping[str, float]
+    ) -> "Weighed":
+        """A fit to records with the sizes of its discrepancy, and the stiffness of specimens."""
+        alone = log_modulus_deviation(problem, fit, stiffness)
+        return cls(fit, weight, float(np.hypot(alone, bond_deviation(problem, fit))))
 
 
-def weighed(selection: Selection) -> list[Weighed]:
+def weighed(selection: Selection, stiffness: Mapping[str, float]) -> list[Weighed]:
     """Models that the selection fitted, the likeliest first.
 
     Each set of effects counts once. Each effect makes a model less probable beforehand by the
@@ -71,7 +77,7 @@ def weighed(selection: Selection) -> list[Weighed]:
     least = min(left for left, *_ in likeliest.values())
     weights = [float(np.exp(-0.5 * (left - least))) for left, *_ in likeliest.values()]
     found = [
-        Weighed(fit, weight / sum(weights), bond_deviation(problem, fit))
+        Weighed.of(problem, fit, weight / sum(weights), stiffness)
         for (_, problem, fit), weight in zip(likeliest.values(), weights, strict=True)
     ]
     return sorted(found, key=lambda one: -one.weight)
@@ -83,17 +89,14 @@ def _models(selection: Selection) -> Iterator[tuple[Problem, Fit]]:
     for step in selection.steps:
         for candidate in step.candidates:
             yield candidate.posed, candidate.settled
+    yield from selection.visited
 
 
-def averaged(
-    models: Sequence[Weighed], noise: NoiseSettings, stiffness: Mapping[str, float]
-) -> tuple[float, float, float]:
+def averaged(models: Sequence[Weighed]) -> tuple[float, float, float]:
     """Modulus and the ends of its 90 % interval [Pa]: log-normal in each model, weighted."""
     weights = np.array([one.weight for one in models])
     means = np.log([one.fit.state.material.mu for one in models])
-    deviations = np.array(
-        [np.hypot(log_modulus_deviation(one.fit, noise, stiffness), one.bond) for one in models]
-    )
+    deviations = np.array([one.deviation for one in models])
 
     def above(x: float, part: float) -> float:
         return float(weights @ norm.cdf((x - means) / deviations)) - part
@@ -102,30 +105,3 @@ def averaged(
     low, high = float(means.min()) - reach, float(means.max()) + reach
     ends = [float(np.exp(brentq(above, low, high, args=(part,)))) for part in INTERVAL]
     return float(np.exp(weights @ means)), ends[0], ends[1]
-
-
-def log_modulus_deviation(fit: Fit, noise: NoiseSettings, stiffness: Mapping[str, float]) -> float:
-    """Standard deviation of ln(mu): of the fit, and of a scale that all tests share.
-
-    Where the stiffness of specimens scatters, the modulus is their geometric mean.
-    """
-    found = float(np.hypot(np.sqrt(fit.covariance[0, 0]), 0.01 * noise.scale_percent))
-    if stiffness:
-        found = float(np.hypot(found, scatter(stiffness) / np.sqrt(len(stiffness))))
-    return found
-
-
-def bond_deviation(problem: Problem, fit: Fit) -> float:
-    """Standard deviation of ln(mu) by what the bonded area leaves open.
-
-    The step from the model's bonded area to that of the other rule, the same part of it in all
-    tests, is one parameter more, linearly; either rule is a limit (`rectangular`). Records that
-    show it, as tension beside compression may, leave less open.
-    """
-    forces = problem.predicted(fit.model, fit.state)
-    change = problem.white([s.bond * f for s, f in zip(problem.specimens, forces, strict=True)])
-    beside = fit.jacobian[: problem.count].T @ change
-    known = float(change @ change) + rectangular(1.0) ** -2
-    with_it = fit.information - np.outer(beside, beside) / known
-    more = np.linalg.inv(with_it)[0, 0] - fit.covariance[0, 0]
-    return float(np.sqrt(max(more, 0.0)))

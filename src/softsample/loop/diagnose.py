@@ -137,6 +137,13 @@ class Diagnosis:
         return self.selection.base if self.objection else self.selection.final
 
     @property
+    def posed(self) -> Problem:
+        """The records with the sizes of the discrepancy about `final`."""
+        if self.correction:
+            return self.correction.problem
+        return self.selection.plain if self.objection else self.selection.problem
+
+    @property
     def predicting(self) -> Fit:
         """What predicts best what is not measured: `final`, with a correction that holds."""
         return self.correction.whole if self.correction else self.final
@@ -185,8 +192,7 @@ class Diagnosis:
         """Errors of the scale of what `predicting` predicts."""
         if self.correction:
             return self.correction.scales
-        posed = self.selection.plain if self.objection else self.selection.problem
-        return most_likely(posed, self.final)
+        return most_likely(self.posed, self.final)
 
     def confidence(self, settings: LoopSettings, draws: int) -> float | None:
         """How often the first effect's class is found again; none without effect or draws."""
@@ -247,6 +253,9 @@ def diagnose(
     correction = corrected = None
     if not told and (objection or selection.classes):
         every = [(*model, of) for model, of in zip(models, folds, strict=True)]
+        if objection:  # then folds choose among all models that were tried
+            every += [(*model, cross_validated(*model)) for model in selection.visited]
+            every.sort(key=lambda model: len(model[1].model.effects))
         correction = confirmed(every if objection else every[-1:], judged.spread)
     if correction:
         corrected = judged(

@@ -221,6 +221,14 @@ class Problem:
         return [w.coloured(part) for w, part in zip(self.whiteners, self.by_test(own), strict=True)]
 
     @property
+    def variance(self) -> list[Array]:
+        """Of the block means of every test [N2]."""
+        return [
+            w.variance + w.blocks(common) ** 2
+            for w, common in zip(self.whiteners, self.common, strict=True)
+        ]
+
+    @property
     def count(self) -> int:
         """Number of blocks of all tests; entries of a white residual beyond are of priors."""
         return sum(int(w.keep.sum()) for w in self.whiteners)

@@ -369,6 +369,16 @@ class Whitener:
         return np.array(matrix if every else matrix[np.ix_(self.keep, self.keep)])
 
     @property
+    def variance(self) -> Array:
+        """Of the blocks that count (n_blocks,) [N2], with what other tests have a share in."""
+        found = np.diag(self.known).copy()
+        for name, matrix in self.discrepancy.items():
+            found += self.variances[name] * np.diag(matrix)
+        for name, columns in self.shared.items():
+            found += self.variances[name] * np.sum(columns**2, axis=1)
+        return np.asarray(found[self.keep])
+
+    @property
     def log_determinant(self) -> float:
         """Of the test's own covariance of the blocks that count."""
         return float(2.0 * np.log(np.diag(self._factor)).sum())

@@ -169,6 +169,9 @@ class Selection:
         Effects that were not chosen and whose nominal size these records would not show.
     strongest : dict of Signature
         Of each effect in the plain model.
+    visited : list of (Problem, Fit)
+        Every other model with effects that a search came to and that may explain something, the
+        one of fewest effects first.
     """
 
     problem: Problem
@@ -180,6 +183,7 @@ class Selection:
     classes: dict[str, list[str]]
     weak: list[str]
     strongest: dict[str, Signature]
+    visited: list[tuple[Problem, Fit]] = field(default_factory=list)
 
     @property
     def asked(self) -> set[str]:
@@ -204,6 +208,7 @@ def select(problem: Problem, effects: Sequence[Effect], settings: SelectionSetti
     others = (fresh.law_first(opening), fresh.left_out_first(opening))
     rivals = [fresh.completed(step) for step in others if step is not None]
     asked = [one for one in rivals if one.likeliest.left < plain.left - threshold]
+    visited = [model for one in (search, *rivals) for model in one.visited]
     search = min([search, *asked], key=lambda one: one.likeliest.doubted)
     best = search.likeliest
     weak = [
@@ -220,6 +225,7 @@ def select(problem: Problem, effects: Sequence[Effect], settings: SelectionSetti
         best.classes,
         weak,
         strongest,
+        _others(visited, best),
     )
 
 
@@ -278,6 +284,16 @@ class _Visited:
     def doubted(self) -> float:
         """The same with errors of geometry and mesh that no record may show."""
         return misfit_with_penalties(*doubted(self.problem, self.fit))
+
+
+def _others(visited: Sequence[_Visited], best: _Visited) -> list[tuple[Problem, Fit]]:
+    """Models with other effects than the best has, the likeliest of each, that may explain it."""
+    of: dict[frozenset[str], _Visited] = {}
+    for model in sorted(visited, key=lambda model: model.left):
+        if model.classes and np.isfinite(model.left):
+            of.setdefault(frozenset(model.classes), model)
+    of.pop(frozenset(best.classes), None)
+    return [(of[names].problem, of[names].fit) for names in sorted(of, key=len)]
 
 
 @dataclass

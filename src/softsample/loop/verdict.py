@@ -9,19 +9,13 @@ from scipy.stats import norm
 
 from softsample.constitutive.material import Material
 from softsample.loop.accept import Judged
-from softsample.loop.average import (
-    INTERVAL,
-    Weighed,
-    averaged,
-    bond_deviation,
-    log_modulus_deviation,
-    weighed,
-)
+from softsample.loop.average import INTERVAL, Weighed, averaged, weighed
+from softsample.loop.deviation import birge_ratio, deviations, log_modulus_deviation
 from softsample.loop.diagnose import STIFFNESS, Diagnosis
 from softsample.loop.effects import ends, library, specimen_stiffness
 from softsample.loop.effects.base import Effect, Values
 from softsample.loop.errors import Errors
-from softsample.loop.fit import Fit
+from softsample.loop.fit import Fit, Problem
 from softsample.loop.limits import detection_limits
 from softsample.loop.model import FIXED
 from softsample.loop.noise import FORM, NoiseSettings
@@ -118,7 +112,7 @@ def report(diagnosis: Diagnosis, settings: LoopSettings) -> dict[str, Any]:
     unseen = {e.name for e in diagnosis.selection.library if law.admits(e)} - set(limits)
     return {
         **found,
-        "recommended": recommended(diagnosis, settings),
+        "recommended": recommended(diagnosis),
         "not_identifiable": sorted({*found["not_identifiable"], *unseen}),
         "detection_limits": {
             e.name: {
@@ -131,7 +125,7 @@ def report(diagnosis: Diagnosis, settings: LoopSettings) -> dict[str, Any]:
     }
 
 
-def recommended(diagnosis: Diagnosis, settings: LoopSettings) -> dict[str, Any]:
+def recommended(diagnosis: Diagnosis) -> dict[str, Any]:
     """The modulus to quote: averaged over the models that the records leave open.
 
     Where the selected effects do not hold, or other groups chose them, it is that of what is
@@ -141,7 +135,7 @@ def recommended(diagnosis: Diagnosis, settings: LoopSettings) -> dict[str, Any]:
     tried = [(one, model) for one, part in diagnosis.of_ends for model in _weighed(one, part)]
     tried.sort(key=lambda pair: -pair[1].weight)
     models = [model for _, model in tried]
-    mu, low, high = averaged(models, settings.noise, diagnosis.stiffness)
+    mu, low, high = averaged(models)
     return {
         "mu": {
             "value": mu,
@@ -166,9 +160,9 @@ def recommended(diagnosis: Diagnosis, settings: LoopSettings) -> dict[str, Any]:
 
 def _weighed(diagnosis: Diagnosis, part: float) -> list[Weighed]:
     """Models of a diagnosis, whose weights add up to a part."""
-    found = [Weighed(diagnosis.final, 1.0, bond_deviation(diagnosis.problem, diagnosis.final))]
+    found = [Weighed.of(diagnosis.posed, diagnosis.final, 1.0, diagnosis.stiffness)]
     if not (diagnosis.objection or diagnosis.told):
-        found = weighed(diagnosis.selection)
+        found = weighed(diagnosis.selection, diagnosis.stiffness)
     return [replace(one, weight=part * one.weight) for one in found]
 
 
@@ -181,7 +175,6 @@ def _first_size(effect: Effect, multiple: float) -> dict[str, float | str]:
 def judgement(diagnosis: Diagnosis, settings: LoopSettings) -> dict[str, Any]:
     """What `verdict.json` holds, but for the sizes that would have been seen."""
     selection, final = diagnosis.selection, diagnosis.final
-    fractions = diagnosis.problem.fractions
     named = [] if diagnosis.objection else final.model.effects
     whole = [
         *([_ends_report(diagnosis)] if diagnosis.shows_sliding else []),
@@ -196,8 +189,8 @@ def judgement(diagnosis: Diagnosis, settings: LoopSettings) -> dict[str, Any]:
             *(_effect_report(effect, selection, settings.noise) for effect in named),
         ],
         "specimen_stiffness": dict(diagnosis.stiffness),
-        "theta_before": _theta(origin.first[1], settings.noise, fractions),
-        "theta_after": _theta(final, settings.noise, fractions, diagnosis.stiffness),
+        "theta_before": _theta(*origin.first),
+        "theta_after": _theta(diagnosis.posed, final, diagnosis.stiffness),
         "withheld": _withheld(diagnosis, settings),
         "pooled": diagnosis.told.report() if diagnosis.told else None,
         "other_ends": _other_ends(diagnosis),
@@ -223,6 +216,10 @@ def judgement(diagnosis: Diagnosis, settings: LoopSettings) -> dict[str, Any]:
         "discrepancy_percent": {
             when: settings.noise.sizes(posed.variances)
             for when, posed in (("before", origin.first[0]), ("after", selection.problem))
+        },
+        "birge_ratio": {
+            "before": birge_ratio(*origin.first),
+            "after": birge_ratio(diagnosis.posed, final),
         },
         "reduced_chi_square": {
             "before": origin.first[1].cost / len(origin.first[1].white),
@@ -303,14 +300,11 @@ def error_report(found: Errors) -> dict[str, Any]:
 
 
 def _theta(
-    fit: Fit,
-    noise: NoiseSettings,
-    fractions: tuple[float, float],
-    stiffness: Mapping[str, float] | None = None,
+    problem: Problem, fit: Fit, stiffness: Mapping[str, float] | None = None
 ) -> dict[str, dict[str, float | str]]:
     """Material with 90 % intervals."""
-    of_modulus = log_modulus_deviation(fit, noise, stiffness or {})
-    of_fraction = float(np.sqrt(fit.covariance[1, 1]))
+    of_modulus = log_modulus_deviation(problem, fit, stiffness or {})
+    of_fraction, fractions = float(deviations(problem, fit)[1]), problem.fractions
     mu, r = fit.state.material.mu, fit.state.material.mu1_fraction
     return {
         "mu": {
@@ -375,7 +369,7 @@ def _effect_report(effect: Effect, selection: Selection, noise: NoiseSettings) -
     """Sizes with 90 % intervals: of the fit, and of an error of form that is a part of the size."""
     final = selection.final
     doubt = 0.01 * noise.sizes(selection.problem.variances).get(FORM, 0.0)
-    deviation = np.sqrt(np.diag(final.covariance))[FIXED:]
+    deviation = deviations(selection.problem, final)[FIXED:]
     deviation[~final.jacobian[:, FIXED:].any(axis=0)] = np.inf  # nothing in the records shows it
     unit = {
         (e.name, p.name): float(d) * (p.high - p.low)

@@ -1,0 +1,70 @@
+"""How far the parameters of a fit may be off.
+
+References
+----------
+R. T. Birge, Physical Review 40 (1932) 207, doi:10.1103/PhysRev.40.207.
+"""
+
+from collections.abc import Mapping
+
+import numpy as np
+from numpy.typing import NDArray
+
+from softsample.loop.fit import Fit, Problem
+from softsample.loop.scale import scatter
+from softsample.response.floor import rectangular
+
+Array = NDArray[np.float64]
+
+
+def birge_ratio(problem: Problem, fit: Fit) -> float:
+    """Root mean square of what a fit leaves over that which its discrepancy predicts, at least 1.
+
+    Sizes of the discrepancy are estimated from how rough residuals are, and have limits. What a
+    fit leaves may be larger as a whole, and its parameters are then further off by as much. Every
+    test counts in parts of its peak.
+    """
+    n = problem.count
+    residuals, slopes = problem.coloured(fit.white[:n]), problem.coloured(fit.jacobian[:n])
+    found = expected = 0.0
+    for specimen, w, left, slope, variance in zip(
+        problem.specimens, problem.whiteners, residuals, slopes, problem.variance, strict=True
+    ):
+        if w.keep.any():
+            taken = np.einsum("ij,jk,ik->i", slope, fit.covariance, slope)
+            found += float(np.mean(left**2)) / specimen.peak**2
+            expected += float(np.mean(variance - taken)) / specimen.peak**2
+    return float(np.sqrt(max(1.0, found / max(expected, 1e-300))))
+
+
+def deviations(problem: Problem, fit: Fit) -> Array:
+    """Standard deviations (p,) of the packed parameters of a fit."""
+    return np.asarray(birge_ratio(problem, fit) * np.sqrt(np.diag(fit.covariance)))
+
+
+def log_modulus_deviation(problem: Problem, fit: Fit, stiffness: Mapping[str, float]) -> float:
+    """Standard deviation of ln(mu): of the fit, and of a scale that all tests share.
+
+    Where the stiffness of specimens scatters, the modulus is their geometric mean.
+    """
+    shared = 0.01 * problem.settings.scale_percent
+    found = float(np.hypot(deviations(problem, fit)[0], shared))
+    if stiffness:
+        found = float(np.hypot(found, scatter(stiffness) / np.sqrt(len(stiffness))))
+    return found
+
+
+def bond_deviation(problem: Problem, fit: Fit) -> float:
+    """Standard deviation of ln(mu) by what the bonded area leaves open.
+
+    The step from the model's bonded area to that of the other rule, the same part of it in all
+    tests, is one parameter more, linearly; either rule is a limit (`rectangular`). Records that
+    show it, as tension beside compression may, leave less open.
+    """
+    forces = problem.predicted(fit.model, fit.state)
+    change = problem.white([s.bond * f for s, f in zip(problem.specimens, forces, strict=True)])
+    beside = fit.jacobian[: problem.count].T @ change
+    known = float(change @ change) + rectangular(1.0) ** -2
+    with_it = fit.information - np.outer(beside, beside) / known
+    more = np.linalg.inv(with_it)[0, 0] - fit.covariance[0, 0]
+    return float(np.sqrt(max(more, 0.0)))

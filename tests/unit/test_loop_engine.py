@@ -834,9 +834,15 @@ def test_the_page_says_what_is_undecided(found):
     assert "Not identifiable from these records: " in text
     assert "`force_offset`\n" in text
     assert "not kept" not in text
-    assert re.search(r"would have been seen: .*force_offset [\d.]+ mN[,.]", text)
-    verdict["detection_limits"]["platen_slip"] = {"value": 0.31, "unit": "1"}
-    assert "platen_slip 0.31." in page("A7", verdict)
+    assert re.search(r"\n\| `force_offset` \| [\d.]+ \| mN \| [+-][\d.]+ \|", text)
+    worst = {"value": 0.31, "unit": "1", "modulus_percent": -31.4}
+    verdict["detection_limits"]["platen_slip"] = worst
+    assert "\n| --- | --- | --- | --- |\n| `platen_slip` | 0.31 | 1 | -31.4 |" in page(
+        "A7", verdict
+    )
+    assert "the intervals are as much wider" not in text
+    verdict["birge_ratio"]["after"] = 1.5
+    assert "1.50 times what its discrepancy predicts" in page("A7", verdict)
     empty = {**verdict, "verdict": "unknown", "effects": []}
     assert "no effect of the library explains" in page("A7", empty)
     assert "`force_offset`, not kept" in page("A7", empty)

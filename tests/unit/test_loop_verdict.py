@@ -48,11 +48,14 @@ def test_an_effect_that_makes_what_folds_leave_out_less_likely_is_withheld():
         found.selection, found.before, worse, settings.selection, settings.noise
     )
     assert objection == "what folds leave out is exp(2) times less likely with the effects"
-    verdict = judgement(replace(found, selected=worse, objection=objection), settings)
+    verdict = report(replace(found, selected=worse, objection=objection), settings)
     assert (verdict["verdict"], verdict["effects"]) == ("unknown", [])
     (withheld,) = verdict["withheld"]
     assert (withheld["name"], withheld["reason"]) == ("force_offset", objection)
     assert withheld["held_out_if_given"] == error_report(worse.folds)
+    left = [e.rms / e.peak for tests in worse.folds.values() for e in tests.values()]
+    percent = f"{100.0 * np.sqrt(np.mean(np.square(left))):.3g}"
+    assert f"With it, {percent} % of the peak would be left of what is held" in page("A7", verdict)
 
 
 def test_what_is_left_far_above_the_floor_is_more_than_floor():

@@ -3,6 +3,8 @@
 from collections.abc import Mapping
 from typing import Any
 
+import numpy as np
+
 from softsample.loop.effects import library
 
 SAYING = {
@@ -37,7 +39,8 @@ def page(group: str, verdict: Mapping[str, Any]) -> str:
         parts += [_correction(verdict["correction"]), ""]
     for effect in verdict["withheld"]:
         parts += [_withheld(effect), ""]
-    parts += ["## Modulus", "", *_moduli(verdict), "", "## Error", "", *_errors(verdict), ""]
+    parts += ["## Modulus", "", *_moduli(verdict), "", *_wider(verdict["birge_ratio"]["after"])]
+    parts += ["## Error", "", *_errors(verdict), ""]
     if verdict["held_out_before"]:
         rule = (
             verdict.get("rule") or "the study holds nothing out: parts of what is fitted, in turn"
@@ -162,7 +165,17 @@ def _withheld(effect: Mapping[str, Any]) -> str:
         f"{name} {_shown(p['value'])} {p['unit']}".removesuffix(" 1")
         for name, p in effect["parameters"].items()
     )
-    return f"Not reported: `{effect['name']}` ({sizes}), since {effect['reason']}."
+    would = _root_mean_square(effect["held_out_if_given"])
+    return (
+        f"Not reported: `{effect['name']}` ({sizes}), since {effect['reason']}. With it, "
+        f"{_shown(would)} % of the peak would be left of what is held out."
+    )
+
+
+def _root_mean_square(errors: Mapping[str, Mapping[str, Mapping[str, float]]]) -> float:
+    """Error over all folds and tests [% of peak]."""
+    squares = [test["rms_percent"] ** 2 for tests in errors.values() for test in tests.values()]
+    return float(np.sqrt(np.mean(squares))) if squares else 0.0
 
 
 def _moduli(verdict: Mapping[str, Any]) -> list[str]:
@@ -180,6 +193,17 @@ def _moduli(verdict: Mapping[str, Any]) -> list[str]:
             for name in before
         ],
     )
+
+
+def _wider(ratio: float) -> list[str]:
+    """One sentence on intervals that are wider by what is left, if they are."""
+    if round(ratio, 2) == 1.0:
+        return []
+    return [
+        f"What the model leaves is {ratio:.2f} times what its discrepancy predicts; the intervals "
+        "are as much wider.",
+        "",
+    ]
 
 
 def _errors(verdict: Mapping[str, Any]) -> list[str]:
@@ -229,7 +253,12 @@ def _limits(verdict: Mapping[str, Any]) -> list[str]:
     lines = ["Not identifiable from these records: " + ", ".join(verdict["not_identifiable"]) + "."]
     if verdict["absent"]:
         lines += ["", "Known not to be there: " + ", ".join(verdict["absent"]) + "."]
-    limits = verdict["detection_limits"].items()
-    sizes = (f"{name} {x['value']:.2g} {x['unit']}".removesuffix(" 1") for name, x in limits)
-    named = ", ".join(sizes)
-    return [*lines, "", f"Smallest sizes that would have been seen: {named}."]
+    worst = sorted(
+        verdict["detection_limits"].items(), key=lambda item: -abs(item[1]["modulus_percent"])
+    )
+    limits = [
+        [f"`{name}`", _shown(x["value"]), x["unit"], f"{x['modulus_percent']:+.1f}"]
+        for name, x in worst
+    ]
+    header = ["effect", "smallest size that would have been seen", "unit", "error of mu then [%]"]
+    return [*lines, "", *_table(header, limits)] if limits else lines

@@ -8,7 +8,7 @@ import pytest
 
 import laboratory
 from softsample.figures.loop import loop_figure
-from softsample.loop.correction import NAME, _can_tell, _within, confirmed, learned
+from softsample.loop.correction import NAME, _can_tell, _stage, _within, confirmed, learned
 from softsample.loop.diagnose import diagnose
 from softsample.loop.discrepancy import settled
 from softsample.loop.effects import library
@@ -110,8 +110,28 @@ def test_folds_choose_among_all_models_that_a_search_came_to(came_there, monkeyp
     known = [library()["viscoelastic_relaxation"]]
     found = diagnose(laboratory.Lab(seed=5, relaxed=0.4).specimens(), SETTINGS, known)
     assert found.objection
-    names = found.correction.report()["with"] if found.correction else []
-    assert names == (["viscoelastic_relaxation"] if came_there else [])
+    told = found.correction.report() if found.correction else {"with": [], "class": ""}
+    expected = (["viscoelastic_relaxation"], "history") if came_there else ([], "")
+    assert (told["with"], told["class"]) == expected
+
+
+@pytest.mark.parametrize(
+    ("effect", "kind"),
+    [
+        ("viscoelastic_relaxation", "history"),
+        ("unloading_loss", "history"),
+        ("elastic_law", "elastic_form"),
+        ("real_geometry", "elastic_form"),
+        ("mode_ratio", "mode_ratio"),
+        ("tension_compression_asymmetry", "mode_ratio"),
+        ("specimen_stiffness", "specimen_stiffness"),
+        ("late_contact", "zero"),
+        ("force_drift", "drift"),
+        ("channel_crosstalk", "cross_talk"),
+    ],
+)
+def test_effects_that_are_no_cause_stand_for_a_class(effect, kind):
+    assert _stage(library()[effect]) == kind
 
 
 def test_a_search_remembers_models_of_other_effects_once_the_smallest_first():

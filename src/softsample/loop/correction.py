@@ -192,13 +192,15 @@ def _within(scales: Scales) -> bool:
 
 def _stage(effect: Effect) -> str:
     """Class of what an effect stands for, if it is not taken for the cause."""
+    if effect.name in EXPERIMENTS:
+        return effect.name
     if effect.crosses:
         return "cross_talk"
-    if effect.only_instrument:
-        return "drift"
-    if effect.shifts_travel:
-        return "zero"
-    return "elastic_form" if effect.acts_on_law else "history"
+    if effect.acts_on_tissue:  # by its history, or in proportion to the force, as geometry may
+        return "mode_ratio" if effect.like_floor else "history"
+    if effect.acts_on_law:
+        return "elastic_form"
+    return "drift" if effect.only_instrument else "zero"
 
 
 def confirmed(

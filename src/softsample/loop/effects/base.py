@@ -186,13 +186,18 @@ class Effect:
     @property
     def only_instrument(self) -> bool:
         """Whether it acts on the instrument alone, not on the sample."""
-        on_sample = self.tissue is not _force or self.contact is not _force
+        on_sample = self.acts_on_tissue or self.contact is not _force
         return not (self.shifts_travel or on_sample or self.crosses or self.acts_on_law)
 
     @property
     def crosses(self) -> bool:
         """Whether the force along the displacement acts on the reading of the normal force."""
         return self.crosstalk is not _uncrossed
+
+    @property
+    def acts_on_tissue(self) -> bool:
+        """Whether it makes another force of the elastic one."""
+        return self.tissue is not _force
 
     @property
     def acts_on_law(self) -> bool:

@@ -16,6 +16,9 @@ from softsample.response.floor import rectangular
 
 Array = NDArray[np.float64]
 
+NOTHING = 1e-9
+"""Part of the variance of the discrepancy below which a fit takes all of it."""
+
 
 def birge_ratio(problem: Problem, fit: Fit) -> float:
     """Root mean square of what a fit leaves over that which its discrepancy predicts, at least 1.
@@ -26,7 +29,7 @@ def birge_ratio(problem: Problem, fit: Fit) -> float:
     """
     n = problem.count
     residuals, slopes = problem.coloured(fit.white[:n]), problem.coloured(fit.jacobian[:n])
-    found = expected = 0.0
+    found = expected = stated = 0.0
     for specimen, w, left, slope, variance in zip(
         problem.specimens, problem.whiteners, residuals, slopes, problem.variance, strict=True
     ):
@@ -34,7 +37,8 @@ def birge_ratio(problem: Problem, fit: Fit) -> float:
             taken = np.einsum("ij,jk,ik->i", slope, fit.covariance, slope)
             found += float(np.mean(left**2)) / specimen.peak**2
             expected += float(np.mean(variance - taken)) / specimen.peak**2
-    return float(np.sqrt(max(1.0, found / max(expected, 1e-300))))
+            stated += float(np.mean(variance)) / specimen.peak**2
+    return float(np.sqrt(max(1.0, found / expected))) if expected > NOTHING * stated else 1.0
 
 
 def deviations(problem: Problem, fit: Fit) -> Array:

@@ -304,7 +304,8 @@ def _theta(
 ) -> dict[str, dict[str, float | str]]:
     """Material with 90 % intervals."""
     of_modulus = log_modulus_deviation(problem, fit, stiffness or {})
-    of_fraction, fractions = float(deviations(problem, fit)[1]), problem.fractions
+    of_fraction = float(deviations(problem, fit)[1])
+    fractions = problem.fractions
     mu, r = fit.state.material.mu, fit.state.material.mu1_fraction
     return {
         "mu": {

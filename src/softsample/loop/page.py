@@ -7,6 +7,8 @@ import numpy as np
 
 from softsample.loop.effects import library
 
+Limits = list[tuple[str, Mapping[str, Any]]]
+
 SAYING = {
     "explained": "The residual is explained.",
     "explained_class": "What is left is of a known class; its cause is open.",
@@ -26,7 +28,8 @@ def page(group: str, verdict: Mapping[str, Any]) -> str:
         Report of a diagnosis, see `softsample.loop.verdict.report`.
     """
     parts = [f"# Verdict for {group}: {verdict['verdict']}", "", SAYING[verdict["verdict"]], ""]
-    parts += [_recommended(verdict["recommended"]), ""]
+    unseen = _worst_first(verdict["detection_limits"])
+    parts += [_recommended(verdict["recommended"]) + _unseen(unseen), ""]
     if verdict["specimen_stiffness"] and not verdict["effects"]:
         parts += [_specimens(verdict["specimen_stiffness"]), ""]
     if verdict["pooled"]:
@@ -47,7 +50,7 @@ def page(group: str, verdict: Mapping[str, Any]) -> str:
         )
         parts += [f"Held out, and predicted from the rest ({rule}):", ""]
         parts += [*_held_out(verdict), ""]
-    parts += ["## Path", "", *_path(verdict), "", *_limits(verdict)]
+    parts += ["## Path", "", *_path(verdict), "", *_limits(verdict, unseen)]
     parts += ["", "![before and after](verdict.png)", ""]
     return "\n".join(parts)
 
@@ -74,6 +77,22 @@ def _recommended(found: Mapping[str, Any]) -> str:
     if found["widened_by_rest"]:
         text += " It allows for what the error that is left makes of the modulus at small strain."
     return text
+
+
+def _unseen(limits: Limits) -> str:
+    """One sentence on what an effect that was not seen may make of the modulus."""
+    if not limits:
+        return ""
+    name, worst = limits[0]
+    return (
+        f" An effect too small for these records to show may leave it up to "
+        f"{abs(worst['modulus_percent']):.0f} % off (`{name}`; see the last table)."
+    )
+
+
+def _worst_first(limits: Mapping[str, Mapping[str, Any]]) -> Limits:
+    """Smallest sizes that would have been seen, those first that change the modulus most."""
+    return sorted(limits.items(), key=lambda item: -abs(item[1]["modulus_percent"]))
 
 
 def _model(found: Mapping[str, Any]) -> str:
@@ -249,16 +268,13 @@ def _path(verdict: Mapping[str, Any]) -> list[str]:
     return lines
 
 
-def _limits(verdict: Mapping[str, Any]) -> list[str]:
+def _limits(verdict: Mapping[str, Any], unseen: Limits) -> list[str]:
     lines = ["Not identifiable from these records: " + ", ".join(verdict["not_identifiable"]) + "."]
     if verdict["absent"]:
         lines += ["", "Known not to be there: " + ", ".join(verdict["absent"]) + "."]
-    worst = sorted(
-        verdict["detection_limits"].items(), key=lambda item: -abs(item[1]["modulus_percent"])
-    )
-    limits = [
+    rows = [
         [f"`{name}`", _shown(x["value"]), x["unit"], f"{x['modulus_percent']:+.1f}"]
-        for name, x in worst
+        for name, x in unseen
     ]
     header = ["effect", "smallest size that would have been seen", "unit", "error of mu then [%]"]
-    return [*lines, "", *_table(header, limits)] if limits else lines
+    return [*lines, "", *_table(header, rows)] if rows else lines

@@ -232,6 +232,8 @@ def diagnose(
     if others:
         own = Group.of(posed, posed, known)
         told = pooled(own, others, selection.asked, settings.selection)
+        if told and unusable(told.fit):  # what holds in the others does not hold here
+            told = None
         selection = _told(selection, told) if told else selection
     judged = _Judge(posed.specimens, noises)
     plain, chosen = (selection.plain, selection.base), (selection.problem, selection.final)
@@ -247,7 +249,7 @@ def diagnose(
     if refused:
         asked = refused.posed, refused.settled
         next_one = judged(*asked, cross_validated(*asked), most_likely(*asked))
-    objection = unusable(selection.final)
+    objection = ""
     if not told:
         objection = objection_to(selection, rest, selected, settings.selection, settings.noise)
     correction = corrected = None

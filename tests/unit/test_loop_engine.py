@@ -835,11 +835,13 @@ def test_the_page_says_what_is_undecided(found):
     assert "`force_offset`\n" in text
     assert "not kept" not in text
     assert re.search(r"\n\| `force_offset` \| [\d.]+ \| mN \| [+-][\d.]+ \|", text)
-    worst = {"value": 0.31, "unit": "1", "modulus_percent": -31.4}
-    verdict["detection_limits"]["platen_slip"] = worst
-    assert "\n| --- | --- | --- | --- |\n| `platen_slip` | 0.31 | 1 | -31.4 |" in page(
-        "A7", verdict
-    )
+    limits = verdict["detection_limits"]
+    limits["force_offset"] = {"value": 2.0, "unit": "mN", "modulus_percent": 40.0}  # is named
+    limits["platen_slip"] = {"value": 0.31, "unit": "1", "modulus_percent": -31.4}
+    unseen = page("A7", verdict)
+    rows = "| `force_offset` | 2 | mN | +40.0 |\n| `platen_slip` | 0.31 | 1 | -31.4 |"
+    assert f"\n| --- | --- | --- | --- |\n{rows}" in unseen
+    assert "may leave it up to 31 % off (`platen_slip`; see the last table)." in unseen
     assert "the intervals are as much wider" not in text
     verdict["birge_ratio"]["after"] = 1.5
     assert "1.50 times what its discrepancy predicts" in page("A7", verdict)

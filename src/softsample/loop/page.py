@@ -28,7 +28,9 @@ def page(group: str, verdict: Mapping[str, Any]) -> str:
         Report of a diagnosis, see `softsample.loop.verdict.report`.
     """
     parts = [f"# Verdict for {group}: {verdict['verdict']}", "", SAYING[verdict["verdict"]], ""]
-    unseen = _worst_first(verdict["detection_limits"])
+    limits = _worst_first(verdict["detection_limits"])
+    named = [effect["name"] for effect in verdict["effects"]]
+    unseen = [limit for limit in limits if limit[0] not in named]
     parts += [_recommended(verdict["recommended"]) + _unseen(unseen), ""]
     if verdict["specimen_stiffness"] and not verdict["effects"]:
         parts += [_specimens(verdict["specimen_stiffness"]), ""]
@@ -50,7 +52,7 @@ def page(group: str, verdict: Mapping[str, Any]) -> str:
         )
         parts += [f"Held out, and predicted from the rest ({rule}):", ""]
         parts += [*_held_out(verdict), ""]
-    parts += ["## Path", "", *_path(verdict), "", *_limits(verdict, unseen)]
+    parts += ["## Path", "", *_path(verdict), "", *_limits(verdict, limits)]
     parts += ["", "![before and after](verdict.png)", ""]
     return "\n".join(parts)
 
@@ -268,13 +270,13 @@ def _path(verdict: Mapping[str, Any]) -> list[str]:
     return lines
 
 
-def _limits(verdict: Mapping[str, Any], unseen: Limits) -> list[str]:
+def _limits(verdict: Mapping[str, Any], limits: Limits) -> list[str]:
     lines = ["Not identifiable from these records: " + ", ".join(verdict["not_identifiable"]) + "."]
     if verdict["absent"]:
         lines += ["", "Known not to be there: " + ", ".join(verdict["absent"]) + "."]
     rows = [
         [f"`{name}`", _shown(x["value"]), x["unit"], f"{x['modulus_percent']:+.1f}"]
-        for name, x in unseen
+        for name, x in limits
     ]
     header = ["effect", "smallest size that would have been seen", "unit", "error of mu then [%]"]
     return [*lines, "", *_table(header, rows)] if rows else lines

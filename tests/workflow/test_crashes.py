@@ -29,11 +29,15 @@ def made(path):
     return path.stat().st_mtime_ns, path.stat().st_ino
 
 
-def noted_as_finished(project, result):
-    """Whether Snakemake holds a result for complete: first it notes it, then takes its mark off."""
-    name = base64.urlsafe_b64encode(str(result).encode()).decode()
-    notes = project.folder / ".snakemake"
-    return (notes / "metadata" / name).exists() and not (notes / "incomplete" / name).exists()
+def noted_as_finished(project, sample):
+    """Whether Snakemake holds what a check made for complete: notes first, then off the marks."""
+
+    def noted(result):
+        name = base64.urlsafe_b64encode(str(project.results / result).encode()).decode()
+        notes = project.folder / ".snakemake"
+        return (notes / "metadata" / name).exists() and not (notes / "incomplete" / name).exists()
+
+    return noted(f"inputs/{sample}.json") and noted(f"records/{sample}.csv")
 
 
 def test_a_killed_job_stops_itself_alone_and_is_named(project):
@@ -57,7 +61,7 @@ def test_after_a_kill_of_snakemake_its_jobs_end_and_the_study_goes_on(project):
     targets = [str(checked(project, sample)) for sample in "AB"]
     run = project.start(*targets)
     job = held.pid()
-    wait_for(lambda: noted_as_finished(project, checked(project, "B")))
+    wait_for(lambda: noted_as_finished(project, "B"))
     run.kill()
     run.wait()
     wait_for(lambda: not Path(f"/proc/{job}").exists())

@@ -318,7 +318,8 @@ def _searched(
     """The chain with more effects, as long as they lower the error.
 
     Of effects that do so equally well the best two are followed, each to its end: what is second
-    now can be what another effect needs beside it.
+    now can be what another effect needs beside it. So is the one that all records ask for most:
+    what is held out is a small part of them.
     """
     if len(chain.classes) == rules.most_effects:
         return chain
@@ -334,7 +335,8 @@ def _searched(
         return chain
     alike = [name for name in ranked if not lower(found[ranked[0]].left, found[name].left)]
     ends = []
-    for name in alike[:BRANCHES]:
+    likeliest = max(found, key=lambda name: found[name].evidence[name])
+    for name in dict.fromkeys([*alike[:BRANCHES], likeliest]):
         as_good = [name, *(n for n in alike if n != name)]
         taken = replace(found[name], classes={**chain.classes, name: as_good})
         if lower(taken.left, chain.left):

@@ -75,8 +75,9 @@ def test_before_zero_a_curve_is_what_it_says(before):
     there = np.array([0.2e-3, REACH, 1.1 * REACH])
     forward, back = (curves.force_per_mu(0.5, way * there) for way in (1.0, -1.0))
     assert np.all(np.diff(forward) > 0.0)
-    if before == "straight":  # along the first of the fine chords
-        np.testing.assert_allclose(back, -there * 2.0, rtol=0.02)
+    if before == "smooth":
+        ahead = 2.0 * -there + 500.0 * there**2
+        np.testing.assert_allclose(back[0], ahead[0], rtol=1e-3)
     else:
         np.testing.assert_allclose(back, MIRRORED[before] * forward, rtol=1e-12)
     assert curves.force_per_mu(0.5, np.zeros(1)) == 0.0
@@ -97,7 +98,7 @@ def test_curves_made_of_curves_keep_what_they_are_before_zero(before):
     for name in ("one", "all"):
         back = elastic.change_per_mu(name, 0.6, -TRAVEL[5:])
         forward = elastic.change_per_mu(name, 0.6, TRAVEL[5:])
-        expected = {**MIRRORED, "straight": None}[before]
+        expected = {**MIRRORED, "smooth": None}[before]
         if expected is not None:
             np.testing.assert_allclose(back, expected * forward, rtol=1e-12, atol=1e-30)
 
@@ -108,7 +109,7 @@ def test_the_side_before_zero_is_that_of_the_mode():
     assert sides["shear", "force"] == "odd"
     assert sides["shear", "force_normal"] == "even"
     assert {sides[mode, "force"] for mode in ("compression", "confined_compression")} == {"none"}
-    assert {sides[mode, "force"] for mode in ("tension", "pure_shear")} == {"straight"}
+    assert {sides[mode, "force"] for mode in ("tension", "pure_shear")} == {"smooth"}
 
 
 @pytest.mark.parametrize("channel", ["force", "force_normal"])
@@ -120,6 +121,20 @@ def test_a_table_gives_back_the_closed_form_at_other_fractions_and_places(mode, 
         wanted = exact(mode, channel, fraction, there)
         found = curves.force_per_mu(fraction, there)
         np.testing.assert_allclose(found, wanted, atol=2e-4 * np.abs(wanted).max())
+
+
+@pytest.mark.parametrize("fraction", [0.0, 0.5, 1.0])
+@pytest.mark.parametrize("mode", FREE)
+def test_curves_go_on_beyond_their_ends_as_the_closed_form_does(mode, fraction):
+    """A pull becomes a push; a seventh of the travel further on, the end is still followed."""
+    curves = ResponseCurves.of_table(response(mode), mode)
+    sides = [1.05, 1.15] if before_zero(mode) == "none" else [-0.15, -0.05, 1.05, 1.15]
+    there = np.array(sides) * REACH
+    wanted = exact(mode, "force", fraction, there)
+    found = curves.force_per_mu(fraction, there)
+    np.testing.assert_allclose(found, wanted, atol=5e-3 * np.abs(wanted).max())
+    further = np.diff(curves.force_per_mu(fraction, np.array([1.3, 1.4, 1.5]) * REACH))
+    np.testing.assert_allclose(further[0], further[1])
 
 
 @pytest.mark.parametrize(("channel", "sign"), [("force", -1.0), ("force_normal", 1.0)])

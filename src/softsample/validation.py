@@ -320,11 +320,27 @@ def _wrong_cells(
     yield from _wrong_indenter(row)
     if row.get("mode") == "compression" and "bond_mask" in row:
         yield "bond_mask", "the top is not bonded in compression; leave the cell empty"
+    yield from _wrong_directions(row)
     loading, shear = (row.get(name, default) for name, default in DEFAULT_AXES.items())
     if loading[-1] == shear[-1]:
         yield (
             "shear_axis",
             f"{shear!r} is parallel to the loading axis {loading!r}; give two different axes",
+        )
+
+
+def _wrong_directions(row: Mapping[str, str]) -> Iterator[tuple[str, str]]:
+    """What is wrong with the directions of the material in a test."""
+    along, sheared = (row.get(name, "").lstrip("+-") for name in ("material_z", "material_x"))
+    if row.get("mode") == "shear" and along and not sheared:
+        yield "material_x", "is missing beside material_z; give the direction along the shear, too"
+    if sheared and not along:
+        yield "material_z", "is missing beside material_x; give the direction along the load, too"
+    if along and along == sheared:
+        yield (
+            "material_x",
+            f"{row['material_x']!r} is parallel to material_z {row['material_z']!r}; give another "
+            "direction",
         )
 
 

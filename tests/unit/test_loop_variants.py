@@ -19,7 +19,7 @@ from softsample.meshing.marks import MarkedImage
 from softsample.meshing.sample import mesh_ideal
 from softsample.protocol import History
 from softsample.response.changes import for_all_fractions
-from softsample.response.curves import ResponseCurves
+from softsample.response.curves import ResponseCurves, before_zero
 from softsample.response.elastic import Elastic
 from softsample.response.perturbations import (
     changed_boundaries,
@@ -41,8 +41,8 @@ SIDES = ("ahead", "behind", "beside")
 SOLVER = SolverSettings(loading_time_s=0.1)
 
 
-def mesh_shifted(shift):
-    shape = IdealShape("cuboid", 9 * MM, 7 * MM, 6 * MM)
+def mesh_shifted(shift, width=7 * MM):
+    shape = IdealShape("cuboid", 9 * MM, width, 6 * MM)
     return MeshedSample.of(mesh_ideal(shape.grown(shift), 1.0 * MM))
 
 
@@ -103,38 +103,86 @@ def test_missing_glue_goes_by_its_side(side, parts):
 
 def specimen_of(mode, plain, runs):
     """What effects need of a specimen, from the force [N] of runs and of the changed ones."""
-    curves = ResponseCurves(np.array([0.0, 1.0]), plain.displacement, np.stack([plain.force] * 2))
+    pair = np.stack([plain.force] * 2)
+    curves = ResponseCurves(np.array([0.0, 1.0]), plain.displacement, pair, before_zero(mode))
     changes = {name: run.force - plain.force for name, run in runs.items()}
     elastic = Elastic(curves, for_all_fractions(changes, curves, 0.5))
     travel, ramp = plain.displacement, np.full(len(plain.force), "ramp")
     return Specimen("block", mode, np.arange(len(travel)), travel, plain.force, ramp, elastic)
 
 
-@pytest.mark.parametrize(
-    ("mode", "travel", "limit"), [("tension", 1.2 * MM, 0.005), ("shear", 2.4 * MM, 0.05)]
-)
-@pytest.mark.parametrize("angle", [15.0, -15.0, 30.0, -30.0, 70.0])
-def test_fibres_at_any_angle_are_made_of_three_runs(mode, travel, limit, angle):
-    """Against a run of their own, with few fibres, as parts of the change by those at 45 deg."""
-    few = 0.01
-    test = mechanical_test(mode, travel, few)
-    sample = mesh_shifted(0.0)
-    model = ExplicitModel(sample.mesh, SOLVER)
-    held = mode_boundary(sample.mesh, mode, sample.glued, test.contact)
+FEW = 0.01
+"""Stiffness of fibres that leave the deformation as it is, over the shear modulus."""
 
-    def run(of):
-        return model.run(of, held, travel, loading_time=0.1)
 
-    plain = run(SOLID)
-    runs = {
-        name: run(of) for name, of in changed_materials(test).items() if name.startswith("fibres_")
+class Block:
+    """A block with and without fibres."""
+
+    def __init__(self, mode, travel, width=7 * MM):
+        self.mode, self.travel, self.test = mode, travel, mechanical_test(mode, travel, FEW)
+        sample = mesh_shifted(0.0, width)
+        self.model = ExplicitModel(sample.mesh, SOLVER)
+        self.held = mode_boundary(sample.mesh, mode, sample.glued, self.test.contact)
+        self.plain = self.run(SOLID)
+        materials = changed_materials(self.test)
+        self.runs = {name: self.run(materials[name]) for name in materials if "fibres_" in name}
+        self.largest = np.abs(self.runs["fibres_ahead"].force - self.plain.force).max()
+
+    def run(self, material):
+        return self.model.run(material, self.held, self.travel, loading_time=0.1)
+
+    def change(self, *along):
+        """Force by fibres of their own run."""
+        fibres = Fibres(FEW * SOLID.shear_modulus, along)
+        return self.run(SOLID.plus(fibres)).force - self.plain.force
+
+
+@pytest.fixture(scope="module")
+def blocks():
+    return {
+        "tension": Block("tension", 1.2 * MM),
+        "shear": Block("shear", 2.4 * MM),
+        "square": Block("tension", 1.2 * MM, 9 * MM),
     }
+
+
+@pytest.mark.parametrize(("mode", "limit"), [("tension", 0.005), ("shear", 0.05)])
+@pytest.mark.parametrize("angle", [15.0, -15.0, 30.0, -30.0, 70.0])
+def test_fibres_at_any_angle_are_made_of_three_runs(blocks, mode, limit, angle):
+    """Against a run of their own, with few fibres, as parts of the change by those at 45 deg."""
+    block = blocks[mode]
+    specimen = specimen_of(mode, block.plain, block.runs)
     x, z = np.sin(np.radians(angle)), np.cos(np.radians(angle))
-    own = run(SOLID.plus(Fibres(few * SOLID.shear_modulus, (x, 0.0, z))))
-    specimen, values = specimen_of(mode, plain, runs), {"k1": 0.1, "angle_deg": angle}
-    found = ANISOTROPY.elastic(specimen, 0.6, plain.displacement, values)
-    largest = np.abs(runs["fibres_ahead"].force - plain.force).max()
-    assert np.abs(found - (own.force - plain.force)).max() < limit * largest
+    values = {"k1": 0.1, "angle_deg": angle}
+    found = ANISOTROPY.elastic(specimen, 0.6, block.plain.displacement, values)
+    assert np.abs(found - block.change(x, 0.0, z)).max() < limit * block.largest
+
+
+@pytest.mark.parametrize(("name", "limit"), [("square", 0.01), ("shear", 0.05)])
+@pytest.mark.parametrize(("azimuth", "elevation"), [(20.0, 50.0), (-60.0, 35.0), (80.0, 10.0)])
+def test_fibres_lie_in_each_test_as_its_piece_was_cut(blocks, name, limit, azimuth, elevation):
+    """Loaded along 3 and sheared against 1, and sheared to the other side."""
+    block = blocks[name]
+    specimen = specimen_of(block.mode, block.plain, block.runs)
+    specimen = replace(specimen, material_z=3, material_x=-1)
+    effect = library(tests=[specimen])["anisotropy"]
+    values = {"k1": 0.1, "azimuth_deg": azimuth, "elevation_deg": elevation}
+    one, up = np.radians(azimuth), np.radians(elevation)
+    x, y, z = -np.cos(up) * np.cos(one), np.cos(up) * np.sin(one), np.sin(up)
+    there = block.plain.displacement
+    found = effect.elastic(specimen, 0.6, there, values)
+    assert np.abs(found - block.change(x, y, z)).max() < limit * block.largest
+    if name == "shear":
+        back = effect.elastic(specimen, 0.6, -there, values)
+        assert np.abs(back + block.change(-x, y, z)).max() < limit * block.largest
+
+
+def test_fibres_have_a_direction_of_the_material_if_all_tests_state_theirs():
+    one, other = laboratory.Lab().specimens()[:2]
+    stated = [replace(one, material_z=1), replace(other, material_z=2)]
+    names = [p.name for p in library(tests=stated)["anisotropy"].parameters]
+    assert names == ["k1", "azimuth_deg", "elevation_deg"]
+    assert library(tests=[stated[0], other])["anisotropy"] is ANISOTROPY
 
 
 @pytest.mark.parametrize(

@@ -418,6 +418,22 @@ BAD_GEOMETRIES = {
     ),
     "negative friction": ({**CUBOID, "ends": "-0.1"}, "column 'ends': '-0.1' has another form"),
     "ends": ({**CUBOID, "ends": "glued"}, "column 'ends': 'glued' has another form; expected: how"),
+    "direction": (
+        {**CUBOID, "material_z": "f", "material_x": "2"},
+        "column 'material_z': 'f' has another form; expected: 1, 2 or 3, a - before it",
+    ),
+    "direction along the load alone": (
+        {**CUBOID, "mode": "shear", "material_z": "1"},
+        "column 'material_x': is missing beside material_z",
+    ),
+    "direction along the shear alone": (
+        {**CUBOID, "material_x": "1"},
+        "column 'material_z': is missing beside material_x",
+    ),
+    "one direction twice": (
+        {**CUBOID, "material_z": "-1", "material_x": "1"},
+        "column 'material_x': '1' is parallel to material_z '-1'",
+    ),
     "cycle": ({**CUBOID, "cycle": "0"}, "column 'cycle': '0' has another form; expected: loading"),
     "format": (
         {**CUBOID, "format": "bose"},

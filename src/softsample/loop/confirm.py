@@ -48,13 +48,15 @@ COLUMNS = (
 def sizes_to_confirm(verdict: Mapping[str, Any]) -> dict[str, Values]:
     """Sizes of the best effects of the first round that change the solver's model.
 
-    None where open ends slide, since the runs have the study's bonded ones.
+    None where open ends slide, since the runs have the study's bonded ones, and no fibres in a
+    direction of the material that lies differently in each test.
     """
     if (verdict.get("other_ends") or {}).get("ends") == "bonded":
         return {}
     first = verdict["path"][0]["candidates"]
     best = [c for c in first if c["name"] in SIMULATED and c["evidence"] > 0.0]
-    return {c["name"]: c["values"] for c in best[:MOST]}
+    known = [c for c in best if "azimuth_deg" not in c["values"]]
+    return {c["name"]: c["values"] for c in known[:MOST]}
 
 
 def simulate_sizes(

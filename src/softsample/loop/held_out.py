@@ -91,8 +91,13 @@ def specimens_of(
             np.asarray(held_out(record, row, shape.height, channel, hold_out)),
         )
         partner = tests[0] if tests else None
+        directed = replace(
+            test,
+            material_z=int(row.get("material_z", 0)),
+            material_x=int(row.get("material_x", 0)),
+        )
         bond = tables.of_other_bond
-        tests.append(replace(test, partner=partner, piece=row["specimen"], bond=bond))
+        tests.append(replace(directed, partner=partner, piece=row["specimen"], bond=bond))
     return tests
 
 

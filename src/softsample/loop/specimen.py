@@ -63,6 +63,9 @@ class Specimen:
         What was tested, which may have had other tests; by default the sample.
     stiffness : float
         Its modulus over that of the group.
+    material_z, material_x : int
+        Directions of the material along the loading axis and along the shear, 1 to 3, negative for
+        the opposite one; 0 if not stated.
     bond : float
         Log of its force if it is bonded by the other rule, over that of the model; zero if not.
     """
@@ -81,6 +84,8 @@ class Specimen:
     piece: str = ""
     stiffness: float = 1.0
     bond: float = 0.0
+    material_z: int = 0
+    material_x: int = 0
 
     def __post_init__(self) -> None:
         if not self.piece:

@@ -19,7 +19,7 @@ from softsample.study import ROOT, SETTINGS, TABLE
 
 COLUMNS = (
     "sample", "group", "mode", "record", "shape", "length_mm", "width_mm", "height_mm",
-    "diameter_mm", "specimen", "ends", "cycle",
+    "diameter_mm", "specimen", "ends", "cycle", "material_z", "material_x",
 )  # fmt: skip
 """Of the table of samples that is written."""
 
@@ -130,6 +130,8 @@ def sample_table(samples: Sequence[Sample], ends: str) -> pd.DataFrame:
             "specimen": sample.specimen or sample.name,
             "ends": ends,
             "cycle": sample.cycle,
+            "material_z": sample.material_z,
+            "material_x": sample.material_x,
         }
         for sample in samples
     ]

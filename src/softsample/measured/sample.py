@@ -24,6 +24,8 @@ class Sample:
         Piece that was tested; `name` if empty.
     cycle : str
         Loading that is calibrated, of a record with several.
+    material_z, material_x : str
+        Directions of the material along the loading axis and along the shear, if known.
     """
 
     name: str
@@ -33,6 +35,8 @@ class Sample:
     record: pd.DataFrame
     specimen: str = ""
     cycle: str = ""
+    material_z: str = ""
+    material_x: str = ""
 
     @property
     def strain(self) -> pd.Series:

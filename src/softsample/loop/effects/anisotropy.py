@@ -1,18 +1,30 @@
 """Fibres make a direction stiffer."""
 
+from collections.abc import Sequence
+from dataclasses import replace
+
 import numpy as np
 
 from softsample.loop.effects.base import Array, Effect, Parameter, Values
 from softsample.loop.specimen import Specimen
 
+GRID = (-60.0, -30.0, 0.0, 30.0, 60.0, 90.0)
+"""Angles [deg] from which a fit sets out."""
 
-def _elastic(specimen: Specimen, fraction: float, travel: Array, values: Values) -> Array:
-    """At any angle in the x-z plane, from the runs with fibres along z and x and between them.
 
-    Few fibres change the force by an integral of (a . C a - 1) a a over a deformation that stays:
-    by a form of fourth degree in sine and cosine of their angle. Its terms in s^3 c and s^4 go with
-    C_xx - 1, which shear of a block leaves at nothing; the sign of the angle is nothing to axial
-    tests of one.
+def of_tests(tests: Sequence[Specimen]) -> Effect:
+    """Fibres in one direction of the material if the study states how it lies in each test."""
+    return BY_DIRECTION if all(test.material_z for test in tests) else EFFECT
+
+
+def _change(specimen: Specimen, fraction: float, travel: Array, c: float, s: float) -> Array:
+    """With fibres of k1 = mu/10 that have a part `c` along z and `s` where the shear goes.
+
+    From the runs with fibres along z and x and between them. Few fibres change the force by an
+    integral of (a . C a - 1) a a over a deformation that stays: by a form of fourth degree in the
+    components of their direction. Its terms in s^3 c and s^4 go with C_xx - 1, which shear of a
+    block leaves at nothing; the sign of the angle is nothing to axial tests of one. Shear to the
+    other side is the mirror image with fibres that lean the other way.
     """
 
     def change(name: str) -> Array:
@@ -22,11 +34,28 @@ def _elastic(specimen: Specimen, fraction: float, travel: Array, values: Values)
     upright, ahead = change("z"), change("ahead")
     lying = np.zeros_like(travel) if sheared else change("x")
     behind = change("behind") if sheared else ahead
-    s, c = (f(np.radians(values["angle_deg"])) for f in (np.sin, np.cos))
     even = 2.0 * (ahead + behind) - upright - lying
-    odd = 2.0 * (ahead - behind)
-    form = c**4 * upright + s**4 * lying + s**2 * c**2 * even + s * c**3 * odd
-    return np.asarray(values["k1"] / 0.1 * form)
+    odd = 2.0 * np.sign(travel) * (ahead - behind)
+    return np.asarray(c**4 * upright + s**4 * lying + s**2 * c**2 * even + s * c**3 * odd)
+
+
+def _in_plane(specimen: Specimen, fraction: float, travel: Array, values: Values) -> Array:
+    s, c = (f(np.radians(values["angle_deg"])) for f in (np.sin, np.cos))
+    return values["k1"] / 0.1 * _change(specimen, fraction, travel, c, s)
+
+
+def _by_direction(specimen: Specimen, fraction: float, travel: Array, values: Values) -> Array:
+    """What lies along y is not stretched by shear; to axial tests all that lies is alike."""
+    azimuth, elevation = (np.radians(values[name]) for name in ("azimuth_deg", "elevation_deg"))
+    lying = np.cos(elevation)
+    fibre = lying * np.cos(azimuth), lying * np.sin(azimuth), np.sin(elevation)
+
+    def along(direction: int) -> float:
+        return float(np.sign(direction) * fibre[abs(direction) - 1])
+
+    c = along(specimen.material_z)
+    s = along(specimen.material_x) if specimen.mode == "shear" else np.sqrt(max(1.0 - c**2, 0.0))
+    return values["k1"] / 0.1 * _change(specimen, fraction, travel, c, s)
 
 
 EFFECT = Effect(
@@ -34,7 +63,7 @@ EFFECT = Effect(
     title="Fibres",
     parameters=(
         Parameter("k1", "mu", 0.0, 1.0, 0.1),
-        Parameter("angle_deg", "deg", -90.0, 90.0, 0.0, grid=(-60.0, -30.0, 0.0, 30.0, 60.0, 90.0)),
+        Parameter("angle_deg", "deg", -90.0, 90.0, 0.0, grid=GRID),
     ),
     tier="M",
     like_floor=True,
@@ -43,5 +72,17 @@ EFFECT = Effect(
     signature="ratio of shear to axial stiffness",
     confused_with=("residual_precompression", "poisson_ratio"),
     experiment="turn the direction of shear by 90 degrees",
-    elastic=_elastic,
+    elastic=_in_plane,
 )
+
+BY_DIRECTION = replace(
+    EFFECT,
+    parameters=(
+        EFFECT.parameters[0],
+        Parameter("azimuth_deg", "deg", -90.0, 90.0, 0.0, grid=GRID),
+        Parameter("elevation_deg", "deg", -90.0, 90.0, 0.0, grid=GRID),
+    ),
+    experiment="shear of a piece that is cut along another direction",
+    elastic=_by_direction,
+)
+"""From direction 1 of the material towards 2 and, out of their plane, towards 3."""

@@ -17,7 +17,8 @@ ABOUT = (
     "edge make that the height, and the product of the first two the area."
 )
 UNSTATED = (
-    "which material axis each mode loads",
+    "along which directions of the material a mode loads and shears (taken in the usual order, of "
+    "fibre, sheet and normal: fs, fn, ff, sf, sn, ss, nf, ns, nn)",
     "whether the three sizes are three cubes (taken as three specimens)",
     "which of the first two edges lies along the shear (taken as the first)",
     "forces are read, since the files of stress divide by the second times the third edge",
@@ -26,6 +27,10 @@ UNSTATED = (
 MODES = 9
 AXIAL = 3
 """Every third mode is tension and compression."""
+
+FIBRE, SHEET, NORMAL = "1", "2", "3"
+SHEARED = {FIBRE: (SHEET, NORMAL), SHEET: (FIBRE, NORMAL), NORMAL: (FIBRE, SHEET)}
+"""Directions of the material along the shear of the first two modes, by that along the load."""
 
 
 def read(folder: Path) -> list[Sample]:
@@ -60,13 +65,15 @@ def read_mode(heart: Path, mode: int) -> list[Sample]:
     check_shear(path, table["Strain"].to_numpy(), table[channels[0]].to_numpy())
     name, group = f"{heart.name}_M{mode}", heart.name
     shape, specimen = cuboid(*edges), f"{heart.name}_{cube + 1}"
+    loaded = (FIBRE, SHEET, NORMAL)[cube]
     travel, axial = edges[2] * table["Strain"].to_numpy(), table["Fz"].to_numpy()
     if "Fx" in table:
         found = record(travel, table["Fx"], force_normal_N=axial)
-        return [Sample(name, group, "shear", shape, found, specimen)]
+        along = {"material_z": loaded, "material_x": SHEARED[loaded][(mode - 1) % AXIAL]}
+        return [Sample(name, group, "shear", shape, found, specimen, **along)]
     ways = {"tension": _outward(travel, axial, 1.0), "compression": _outward(travel, axial, -1.0)}
     return [
-        Sample(f"{name}_{way}", group, way, shape, record(*curve), specimen)
+        Sample(f"{name}_{way}", group, way, shape, record(*curve), specimen, material_z=loaded)
         for way, curve in ways.items()
     ]
 

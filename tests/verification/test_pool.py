@@ -134,22 +134,45 @@ def test_a_model_that_ended_in_another_minimum_is_fitted_from_the_values_of_othe
     assert good.refitted([]) is good
 
 
-def test_of_two_effects_as_good_as_each_other_both_are_followed(monkeypatch):
-    """The better one at first leads nowhere; beside the other a third lowers the error."""
-    scatter = np.array([-0.02, 0.0, 0.02])
-    left = {"": 3.0, "a": 1.0, "b": 1.01, "c": 2.0, "ab": 0.99, "ac": 0.99, "bc": 0.2}
-    errors = {frozenset(names): error + scatter for names, error in left.items()}
+SCATTER = np.array([-0.02, 0.0, 0.02])
+
+
+def searched(monkeypatch, left, evidence, holds=lambda names: True):
+    """What a search finds where errors and evidence of all sets of three effects are given."""
+    errors = {frozenset(names): error + SCATTER for names, error in left.items()}
     # groups scatter so much with "a" that no third effect is significantly better
-    errors[frozenset("a")] = 1.0 + 10.0 * scatter
+    errors[frozenset("a")] = 1.0 + 10.0 * SCATTER
     monkeypatch.setattr(
         pool, "_open", lambda own, others, asked, chosen: [n for n in "abc" if n not in chosen]
     )
     monkeypatch.setattr(
-        pool, "_with_effect", lambda groups, names, tie: (groups, errors[frozenset(names)])
+        pool, "_with_effect", lambda groups, names, tie: (names, errors[frozenset(names)])
     )
-    monkeypatch.setattr(pool, "_evidence", lambda before, after: 100.0)
+    monkeypatch.setattr(pool, "_evidence", lambda before, after: evidence[after[-1]])
+    monkeypatch.setattr(pool, "_holds", lambda own, names, groups: holds(names))
     start = pool._Chain([], errors[frozenset()])
     rules = replace(SelectionSettings(), most_effects=2)
-    found = pool._searched(start, None, None, (), rules)
+    return pool._searched(start, None, None, (), rules)
+
+
+def test_of_two_effects_as_good_as_each_other_both_are_followed(monkeypatch):
+    """The better one at first leads nowhere; beside the other a third lowers the error."""
+    left = {"": 3.0, "a": 1.0, "b": 1.01, "c": 2.0, "ab": 0.99, "ac": 0.99, "bc": 0.2}
+    found = searched(monkeypatch, left, dict.fromkeys("abc", 100.0))
     assert found.classes == {"b": ["b", "a"], "c": ["c"]}
     assert found.evidence == {"b": 100.0, "c": 100.0}
+
+
+@pytest.mark.parametrize(("evidence", "expected"), [(150.0, "cb"), (50.0, "a")])
+def test_the_effect_that_all_records_ask_for_most_is_followed_too(monkeypatch, evidence, expected):
+    """Alone it lowers the error less than two others; beside it a third does."""
+    left = {"": 3.0, "a": 1.0, "b": 2.0, "c": 2.0, "ab": 0.99, "ac": 0.99, "bc": 0.2}
+    found = searched(monkeypatch, left, {"a": 100.0, "b": 100.0, "c": evidence})
+    assert "".join(found.classes) == expected
+
+
+def test_an_effect_that_ends_at_a_bound_in_the_group_is_none_of_its(monkeypatch):
+    left = {"": 3.0, "a": 1.0, "b": 1.01, "c": 2.0, "ab": 0.99, "ac": 0.99, "bc": 0.2}
+    evidence = dict.fromkeys("abc", 100.0)
+    found = searched(monkeypatch, left, evidence, holds=lambda names: "b" not in names)
+    assert list(found.classes) == ["a"]

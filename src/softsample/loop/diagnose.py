@@ -35,7 +35,6 @@ from softsample.loop.select import (
     doubted,
     misfit_with_penalties,
     select,
-    unusable,
 )
 from softsample.loop.specimen import Specimen
 
@@ -232,8 +231,6 @@ def diagnose(
     if others:
         own = Group.of(posed, posed, known)
         told = pooled(own, others, selection.asked, settings.selection)
-        if told and unusable(told.fit):  # what holds in the others does not hold here
-            told = None
         selection = _told(selection, told) if told else selection
     judged = _Judge(posed.specimens, noises)
     plain, chosen = (selection.plain, selection.base), (selection.problem, selection.final)

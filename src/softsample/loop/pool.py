@@ -253,8 +253,9 @@ def pooled(
 ) -> Pooled | None:
     """Effects that predict the other groups better than their own diagnoses, if there are any.
 
-    An effect is added if all records of the others ask for it, and it lowers the error on what is
-    held out of them by more than one standard error of the mean over them.
+    An effect is added if all records of the others ask for it, it lowers the error on what is
+    held out of them by more than one standard error of the mean over them, and it does not end at
+    a bound in the group itself.
 
     Parameters
     ----------
@@ -325,9 +326,10 @@ def _searched(
         return chain
     found: dict[str, _Chain] = {}
     for name in _open(own, others, asked, chain.classes):
-        added = _with_effect(chain.groups, [*chain.classes, name], rules.class_gain)
+        names = [*chain.classes, name]
+        added = _with_effect(chain.groups, names, rules.class_gain)
         size = _evidence(chain.groups, added[0]) if added else -np.inf
-        if added and size >= rules.least_gain:
+        if added and size >= rules.least_gain and _holds(own, names, added[0]):
             found[name] = replace(chain, groups=added[0], left=added[1],
                                   evidence={**chain.evidence, name: size})  # fmt: skip
     ranked = sorted(found, key=lambda name: found[name].mean)
@@ -373,6 +375,12 @@ def _with_effect(
         for k, group in enumerate(found)
     ]
     return found, np.array(errors)
+
+
+def _holds(own: Group, names: Sequence[str], groups: Sequence[Group]) -> bool:
+    """Whether effects of which others tell may explain something in the group itself, too."""
+    _, fit = own.predicted(names, _common([group.told() for group in groups]), groups)
+    return not unusable(fit)
 
 
 def _evidence(before: Sequence[Group], after: Sequence[Group]) -> float:

@@ -354,8 +354,14 @@ def _open(own: Group, others: Others, asked: Collection[str], chosen: Collection
         for name, effect in own.library.items()
         if (name in others.names or name in asked)
         and model.admits(effect)
-        and all(name in group.library for group in others.groups)
+        and all(_alike(effect, group.library.get(name)) for group in others.groups)
     ]
+
+
+def _alike(one: Effect, other: Effect | None) -> bool:
+    """Whether an effect has the same parameters in two groups: fibres need not."""
+    names = [[p.name for p in effect.parameters] for effect in (one, other) if effect]
+    return names[0] == names[-1] and len(names) == 2
 
 
 def _with_effect(

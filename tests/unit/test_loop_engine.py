@@ -47,6 +47,7 @@ from softsample.loop.select import (
     Candidate,
     SelectionSettings,
     Step,
+    _alone,
     _beside_hysteresis,
     _members,
     _round,
@@ -966,3 +967,25 @@ def test_laws_have_fits_of_their_own_only_where_unloading_differs_from_loading(m
         found = select(pose(tests, SETTINGS)[0], effects, LoopSettings().selection)
         assert list(found.classes) == ["viscoelastic_relaxation"][: bool(relaxed)]
         assert set(asked) == models
+
+
+def test_an_effect_that_is_alone_in_the_end_has_the_class_of_the_round_of_the_plain_model(
+    monkeypatch,
+):
+    """Beside a law that was dropped later it was told from what is as likely without it."""
+    monkeypatch.setattr(
+        "softsample.loop.select._compared", lambda first, candidates, best: candidates
+    )
+    ratio, compliance, law = (
+        Candidate(name, None, None, None, evidence + 20.0, evidence, False, 0.5)
+        for name, evidence in (("poisson_ratio", 138.0), ("machine_compliance", 137.0), ("law", 50))
+    )
+    opening, settings = Step(12.0, [ratio, compliance, law], ratio), SelectionSettings()
+
+    def told(*names):
+        return _alone(None, opening, {name: [name] for name in names}, settings)
+
+    assert told("machine_compliance") == {
+        "machine_compliance": ["machine_compliance", "poisson_ratio"]
+    }
+    assert told("poisson_ratio") == told("machine_compliance", "law") == told("other") == {}

@@ -2,7 +2,6 @@
 
 import re
 from dataclasses import replace
-from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -166,14 +165,3 @@ def test_what_a_laboratory_knows_not_to_be_there_is_no_candidate():
     assert "force_offset" not in {*verdict["detection_limits"], *verdict["not_identifiable"]}
     assert "Known not to be there: force_offset." in page("A7", verdict)
     assert "Known not" not in page("A7", report(judged(15.0), LoopSettings()))
-
-
-def test_what_others_chose_is_not_taken_where_it_does_not_hold(monkeypatch):
-    theirs = SimpleNamespace(fit=object())
-    monkeypatch.setattr("softsample.loop.diagnose.pooled", lambda *_: theirs)
-    monkeypatch.setattr(
-        "softsample.loop.diagnose.unusable", lambda fit: "at an end" if fit is theirs.fit else ""
-    )
-    tests = laboratory.Lab(seed=5).specimens()
-    found = diagnose(tests, LoopSettings(), [OFFSET], others=object())
-    assert (found.told, found.verdict, found.objection) == (None, "none", "")

@@ -134,6 +134,25 @@ def test_a_model_that_ended_in_another_minimum_is_fitted_from_the_values_of_othe
     assert good.refitted([]) is good
 
 
+def test_an_effect_holds_in_a_group_unless_it_ends_at_a_bound_there():
+    tie, effect = SETTINGS.selection.class_gain, "compressible_foam"
+    groups = []
+    for test in WHOLE[1:3]:
+        posed = Posed.of([test], SETTINGS)
+        groups.append(Group.of(posed, posed, effects(test)).with_effect(effect, tie))
+    posed = Posed.of([WHOLE[0]], SETTINGS)  # with an exponent of 5
+    known = effects(WHOLE[0])
+    assert pool._holds(Group.of(posed, posed, known), [effect], groups)
+    narrow = [
+        replace(p, high=3.0) if p.name == "alpha" else p
+        for p in next(one for one in known if one.name == effect).parameters
+    ]
+    narrowed = [
+        replace(one, parameters=tuple(narrow)) if one.name == effect else one for one in known
+    ]
+    assert not pool._holds(Group.of(posed, posed, narrowed), [effect], groups)
+
+
 SCATTER = np.array([-0.02, 0.0, 0.02])
 
 

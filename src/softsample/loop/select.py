@@ -222,7 +222,7 @@ def select(problem: Problem, effects: Sequence[Effect], settings: SelectionSetti
         first.base,
         best.fit,
         search.steps,
-        best.classes,
+        {**best.classes, **_alone(first, opening, best.classes, settings)},
         weak,
         strongest,
         _others(visited, best),
@@ -294,6 +294,20 @@ def _others(visited: Sequence[_Visited], best: _Visited) -> list[tuple[Problem, 
             of.setdefault(frozenset(model.classes), model)
     of.pop(frozenset(best.classes), None)
     return [(of[names].problem, of[names].fit) for names in sorted(of, key=len)]
+
+
+def _alone(
+    first: _Round, opening: Step, classes: Mapping[str, list[str]], settings: SelectionSettings
+) -> dict[str, list[str]]:
+    """Class of an effect that is alone in the end, in the round of the plain model.
+
+    What it was chosen beside had told it from others, and was dropped.
+    """
+    found = [c for c in opening.candidates if [c.name] == list(classes)]
+    if not found or opening.chosen is found[0]:
+        return {}
+    candidates = _compared(first, opening.candidates, found[0])
+    return {found[0].name: _members(candidates, found[0], opening.threshold, settings)}
 
 
 @dataclass

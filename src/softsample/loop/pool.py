@@ -360,8 +360,8 @@ def _open(own: Group, others: Others, asked: Collection[str], chosen: Collection
 
 def _alike(one: Effect, other: Effect | None) -> bool:
     """Whether an effect has the same parameters in two groups: fibres need not."""
-    names = [[p.name for p in effect.parameters] for effect in (one, other) if effect]
-    return names[0] == names[-1] and len(names) == 2
+    names = [p.name for p in one.parameters]
+    return other is not None and [p.name for p in other.parameters] == names
 
 
 def _with_effect(

@@ -216,6 +216,23 @@ def test_a_bulk_modulus_that_stays_is_felt_as_in_a_strip_between_walls(bulk, g):
     np.testing.assert_allclose(force, exact, atol=0.1 * apart)
 
 
+def test_what_a_bulk_modulus_that_stays_adds_vanishes_as_the_platen_leaves():
+    """Continuous: fits go astray where a force jumps."""
+    time = np.arange(0.0, 20.0, 0.1)
+    way = np.interp(time, [0.0, 10.0, 20.0], [0.0, 1.0, 0.0])
+    pressed = strip(0.42, time, way)
+    known = pressed.elastic.curves
+    curves = ResponseCurves(known.fractions, known.displacement, known.curve(0.5)[None], "none")
+    elastic = replace(pressed.elastic, curves=curves, contact=True)
+    effect, specimen = EFFECTS["viscoelastic_relaxation"], replace(pressed, elastic=elastic)
+    values = {"g1": 0.5, "tau1_s": 8.0, "g2": 0.0, "g3": 0.0, "tau3_s": 60.0, "bulk": 1.0}
+    touching, leaving = (
+        effect.elastic(specimen, 0.5, way - way[-1] - off, values) for off in (-1e-6, 1e-6)
+    )
+    assert touching.max() > 0.05
+    np.testing.assert_allclose(leaving, touching, atol=1e-4)
+
+
 def test_play_is_used_up_at_each_reversal():
     travel = np.array([0.0, 1.0, 3.0, 2.9, 2.0, 0.0, 0.05, 1.0, 3.0, 4.0, 3.95])
     expected = [0.0, 1.0, 3.0, 3.0, 2.1, 0.1, 0.1, 1.0, 3.0, 4.0, 4.0]

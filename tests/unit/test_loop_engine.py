@@ -15,6 +15,7 @@ from softsample.loop.average import weighed
 from softsample.loop.diagnose import diagnose
 from softsample.loop.discrepancy import estimated, settled
 from softsample.loop.effects import library
+from softsample.loop.effects.base import Parameter
 from softsample.loop.effects.viscoelastic_relaxation import within
 from softsample.loop.errors import (
     MOST_LEFT_OUT,
@@ -597,6 +598,39 @@ def test_an_error_smoother_than_any_of_the_parts_has_its_size(perfect):
         sizes = SETTINGS.sizes(settled(problem, problem.fit_material())[0].variances)
         found.append(np.hypot(sizes["smooth"], sizes["kinked"]))
     assert 0.7 < np.median(found) < 1.4
+
+
+def sizes_beside(records, effect):
+    """Sizes that are estimated about the plain model and about one with an effect, near neutral."""
+    problem, _ = pose(records, SETTINGS)
+    base = problem.fit_material()
+    beside = problem.at(
+        Model((effect,)), State(base.state.material, {effect.name: effect.neutral()})
+    )
+    return [SETTINGS.sizes(estimated(problem, fit).variances) for fit in (base, beside)]
+
+
+def test_a_parameter_that_is_known_takes_no_error_away(perfect):
+    """Exponents that are free let the scale of tests be twice as large here."""
+    exponents = library()["ogden_exponents"]
+    narrow = [replace(p, known=(p.neutral, 1e-3 * (p.high - p.low))) for p in exponents.parameters]
+    effect = replace(exponents, parameters=tuple(narrow))
+    drawn = laboratory.drawn(perfect, SETTINGS, {"kinked": 3.0}, 4)
+    plain, beside = sizes_beside(drawn, effect)
+    assert beside == pytest.approx(plain, rel=0.05)
+
+
+def test_a_fit_takes_no_more_away_than_the_ranges_of_its_parameters_allow(perfect):
+    """An error that an effect would explain if it could be a thousand times as large."""
+
+    def wave(specimen, force, travel, values):
+        return force + values["part"] * specimen.peak * np.sin(4.0 * travel / specimen.reach) ** 2
+
+    tiny = (Parameter("part", "1", -1e-4, 1e-4, 1e-4),)
+    effect = replace(library()["force_offset"], name="wave", parameters=tiny, instrument=wave)
+    records = [replace(s, force=wave(s, s.force, s.travel, {"part": 0.1})) for s in perfect]
+    plain, beside = sizes_beside(records, effect)
+    assert beside == pytest.approx(plain, rel=0.05)
 
 
 def test_without_spread_sizes_are_those_of_the_settings(perfect):

@@ -142,7 +142,8 @@ def test_an_effect_holds_in_a_group_unless_it_ends_at_a_bound_there():
         groups.append(Group.of(posed, posed, effects(test)).with_effect(effect, tie))
     posed = Posed.of([WHOLE[0]], SETTINGS)  # with an exponent of 5
     known = effects(WHOLE[0])
-    assert pool._holds(Group.of(posed, posed, known), [effect], groups)
+    tried = pool._Tried(groups)
+    assert tried.holds_in(Group.of(posed, posed, known))
     narrow = [
         replace(p, high=3.0) if p.name == "alpha" else p
         for p in next(one for one in known if one.name == effect).parameters
@@ -150,10 +151,30 @@ def test_an_effect_holds_in_a_group_unless_it_ends_at_a_bound_there():
     narrowed = [
         replace(one, parameters=tuple(narrow)) if one.name == effect else one for one in known
     ]
-    assert not pool._holds(Group.of(posed, posed, narrowed), [effect], groups)
+    assert not tried.holds_in(Group.of(posed, posed, narrowed))
 
 
 SCATTER = np.array([-0.02, 0.0, 0.02])
+
+
+class Tried:
+    """Groups of which errors and evidence of all sets of effects are given."""
+
+    usable = True
+
+    def __init__(self, names, left, evidence, holds):
+        self.names, self.all = names, (left, evidence, holds)
+        self.left = left[frozenset(names)]
+
+    def with_effect(self, name, tie):
+        return Tried([*self.names, name], *self.all)
+
+    def more_likely(self, before):
+        (added,) = set(self.names) - set(before.names)
+        return self.all[1][added]
+
+    def holds_in(self, own):
+        return self.all[2](self.names)
 
 
 def searched(monkeypatch, left, evidence, holds=lambda names: True):
@@ -162,16 +183,27 @@ def searched(monkeypatch, left, evidence, holds=lambda names: True):
     # groups scatter so much with "a" that no third effect is significantly better
     errors[frozenset("a")] = 1.0 + 10.0 * SCATTER
     monkeypatch.setattr(
-        pool, "_open", lambda own, others, asked, chosen: [n for n in "abc" if n not in chosen]
+        pool._Search, "_open", lambda self, chosen: [n for n in "abc" if n not in chosen]
     )
-    monkeypatch.setattr(
-        pool, "_with_effect", lambda groups, names, tie: (names, errors[frozenset(names)])
-    )
-    monkeypatch.setattr(pool, "_evidence", lambda before, after: evidence[after[-1]])
-    monkeypatch.setattr(pool, "_holds", lambda own, names, groups: holds(names))
-    start = pool._Chain([], errors[frozenset()])
+    start = Tried([], errors, evidence, holds)
     rules = replace(SelectionSettings(), most_effects=2)
-    return pool._searched(start, None, None, (), rules)
+    return pool._Search(None, None, (), rules).completed(pool._Chain(start, start.left))
+
+
+def test_effects_that_were_tried_in_another_order_are_not_fitted_again(monkeypatch):
+    left = {"": 3.0, "a": 1.0, "b": 1.01, "c": 2.0, "ab": 0.2, "ac": 0.99, "bc": 0.9}
+    tried = []
+    monkeypatch.setattr(Tried, "__init__", recorded(Tried.__init__, tried))
+    searched(monkeypatch, left, dict.fromkeys("abc", 100.0))
+    assert len(tried) == len(set(tried)) == 7
+
+
+def recorded(method, tried):
+    def given(self, names, *others):
+        tried.append(frozenset(names))
+        method(self, names, *others)
+
+    return given
 
 
 def test_of_two_effects_as_good_as_each_other_both_are_followed(monkeypatch):

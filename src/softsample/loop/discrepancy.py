@@ -19,7 +19,7 @@ from scipy.optimize import minimize
 from scipy.sparse import csr_array
 
 from softsample.loop.fit import Fit, Problem
-from softsample.loop.model import CONTACT_ZERO, Packing
+from softsample.loop.model import Packing
 from softsample.loop.noise import AT_MOST_STATED, FURTHEST
 from softsample.loop.specimen import blocks
 
@@ -38,7 +38,7 @@ FIXED_THERE = 1e12
 """Precision of a parameter at the end of its range: the fit takes nothing away with it."""
 
 NOTHING = 1e-12
-"""Precision of a parameter without prior, as a part of that of the records."""
+"""Part of the precision of a parameter that keeps a factor positive whatever the rounding."""
 
 
 @dataclass(frozen=True)
@@ -69,14 +69,14 @@ def estimated(problem: Problem, fit: Fit) -> Problem:
         return problem
     problem = _scaled(problem, fit)
     tests = _tests(problem, fit, names)
-    count = fit.jacobian.shape[1]
+    of_priors, count = fit.jacobian[problem.count :], fit.jacobian.shape[1]
     shared, end = {}, count + 1
     for name, columns in problem.whiteners[0].shared.items():
         shared[names.index(name)] = slice(end, end := end + columns.shape[1])
-    prior = np.full(end, NOTHING)
-    prior[CONTACT_ZERO] += problem.settings.contact_zero_mm**-2
-    prior[count] = 1.0  # of what all tests share
+    prior, score = np.ones(end), np.zeros(end)  # 1 is that of what all tests share
+    prior[:count] = fit.flat + np.sum(of_priors**2, axis=0)
     prior[:count][Packing(fit.model, problem.fractions).at_end(fit.state)] = FIXED_THERE
+    score[:count] = of_priors.T @ fit.white[problem.count :]
     width = np.log(problem.settings.spread)
     here = problem.whiteners[0].variances
     starts = [np.zeros(len(names)), np.array([0.5 * np.log(here[name]) for name in names])]
@@ -85,8 +85,8 @@ def estimated(problem: Problem, fit: Fit) -> Problem:
     found = min(
         (
             minimize(
-                _restricted, start, (tests, prior, shared, width), jac=True, method="L-BFGS-B",
-                bounds=bounds, options={"maxiter": 30, "ftol": 1e-6},
+                _restricted, start, (tests, prior, score, shared, width), jac=True,
+                method="L-BFGS-B", bounds=bounds, options={"maxiter": 30, "ftol": 1e-6},
             )
             for start in starts[: 2 if starts[1].any() else 1]
         ),
@@ -139,17 +139,23 @@ def averaging(travel: Array) -> csr_array:
 
 
 def _restricted(
-    x: Array, tests: Sequence[_Test], prior: Array, shared: Mapping[int, slice], width: float
+    x: Array,
+    tests: Sequence[_Test],
+    prior: Array,
+    pulled: Array,
+    shared: Mapping[int, slice],
+    width: float,
 ) -> tuple[float, Array]:
     """Negative logarithm of the restricted posterior of log sizes (k,), and its slope.
 
-    `shared` are the entries of the prior (p,) whose variance is that of a size.
+    `prior` is the information of priors (p,), `pulled` what they ask of the parameters as the tests
+    do; `shared` are the entries whose variance is that of a size.
     """
     variances = np.exp(2.0 * x)
     prior = prior.copy()
     for k, entries in shared.items():
         prior[entries] = 1.0 / variances[k]
-    value, information, score = 0.0, np.diag(prior), np.zeros(len(prior))
+    value, information, score = 0.0, np.diag(prior), pulled.copy()
     inverses, weighted = [], []
     for test in tests:
         total = test.known + np.tensordot(variances, test.parts, 1)

@@ -74,14 +74,16 @@ class Fit:
     at_bound: tuple[str, ...]
 
     @property
-    def information(self) -> Array:
-        """Inverse of the covariance (p, p) of the packed parameters, Laplace's approximation.
-
-        All have flat priors over their ranges.
-        """
+    def flat(self) -> Array:
+        """Information (p,) of flat priors of the packed parameters over their ranges."""
         prior = np.full(self.jacobian.shape[1], FLAT)
         prior[: len(RANGES)] /= np.square(RANGES)
-        return np.asarray(self.jacobian.T @ self.jacobian + np.diag(prior))
+        return prior
+
+    @property
+    def information(self) -> Array:
+        """Inverse of the covariance (p, p) of the packed parameters, Laplace's approximation."""
+        return np.asarray(self.jacobian.T @ self.jacobian + np.diag(self.flat))
 
     @property
     def covariance(self) -> Array:

@@ -52,9 +52,15 @@ def drained(time: Array, force: Array, g: float, tau: float) -> Array:
     ----------
     K. Terzaghi, Theoretical Soil Mechanics, Wiley 1943, doi:10.1002/9780470172766.
     """
-    odd = np.arange(1, 2 * DRAINING, 2)
-    kept = [8.0 / (np.pi * n) ** 2 * relaxed(time, force, 1.0, tau / n**2) for n in odd]
-    return np.asarray((1.0 - g) * force + g * np.sum(kept, axis=0))
+    return (1.0 - g) * force + g * _undrained(time, force, tau)
+
+
+@njit(cache=True)
+def _undrained(time: Array, force: Array, tau: float) -> Array:
+    kept = np.zeros_like(force)
+    for n in range(1, 2 * DRAINING, 2):
+        kept += 8.0 / (np.pi * n) ** 2 * _remembered(time, force, tau / n**2)
+    return kept
 
 
 def turned(travel: Array) -> Array:

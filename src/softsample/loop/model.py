@@ -1,5 +1,6 @@
 """Predicted records: elastic curve, material, effects."""
 
+import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 
@@ -269,10 +270,10 @@ class Packing:
     def unpack(self, vector: Array) -> State:
         """State of a vector."""
         values: dict[str, Values] = {effect.name: {} for effect in self.model.effects}
-        for (effect, p), x in zip(self.model.parameters, vector[FIXED:], strict=True):
-            values[effect.name][p.name] = float(x * _unit(p))
-        material = Material(float(np.exp(vector[0])), float(vector[1]))
-        return State(material, values, float(vector[2]))
+        log_mu, fraction, contact_zero, *packed = vector.tolist()
+        for (effect, p), x in zip(self.model.parameters, packed, strict=True):
+            values[effect.name][p.name] = x * _unit(p)
+        return State(Material(math.exp(log_mu), fraction), values, contact_zero)
 
 
 def _unit(parameter: Parameter) -> float:

@@ -8,6 +8,7 @@ in its turn, from what is not held out of it and from all of the rest.
 
 from collections.abc import Collection, Mapping, Sequence
 from dataclasses import dataclass, field, replace
+from functools import cached_property
 from typing import Any, Self
 
 import numpy as np
@@ -24,8 +25,8 @@ from softsample.loop.joint import joint_fit, law_fit
 from softsample.loop.model import FIXED, Model, State
 from softsample.loop.posed import LoopSettings, Posed
 from softsample.loop.scale import most_likely
-from softsample.loop.screen import best_of_each, penalty, signatures
-from softsample.loop.select import SelectionSettings, unusable
+from softsample.loop.screen import best_of_each, signatures
+from softsample.loop.select import SelectionSettings, misfit_with_penalties, unusable
 from softsample.loop.specimen import Specimen
 
 Array = NDArray[np.float64]
@@ -94,13 +95,15 @@ class Group:
         return replace(self, whole=settled(problem, found))
 
     def refitted(self, others: Sequence[Self]) -> Self:
-        """The same, its model of all records fitted from the values of other groups too.
+        """The same, its model of all records fitted from the likeliest values of others too.
 
         What the first fit finds depends on the order in which effects were added.
         """
-        problem, fit = self.whole
+        (problem, fit), model = self.whole, self.whole[1].model
         starts = [replace(fit.state, values=other.whole[1].state.values) for other in others]
-        best = min(problem.fits(fit.model, starts, found=[fit]), key=lambda one: one.cost)
+        there = [problem.at(model, problem.of_own_modulus(model, start)) for start in starts]
+        nearest = [one.state for one in sorted(there, key=lambda one: one.cost)[:2]]
+        best = min(problem.fits(model, nearest, found=[fit]), key=lambda one: one.cost)
         return self if best is fit else replace(self, whole=settled(problem, best))
 
     def told(self) -> dict[str, dict[str, tuple[float, float]]]:
@@ -270,18 +273,73 @@ def pooled(
     """
     before = np.array([group.error(*group.part) for group in others.groups])
     alone = np.array([group.alone for group in others.groups])
-    found = _searched(_Chain(others.groups, before), own, others, asked, rules)
-    classes, groups, left = found.classes, found.groups, found.left
-    if not classes or np.nanmean(left) >= np.nanmean(alone):
+    found = _Search(own, others, asked, rules).completed(_Chain(_Tried(others.groups), before))
+    if not found.classes or np.nanmean(found.left) >= np.nanmean(alone):
         return None
-    told = _common([group.told() for group in groups])
-    problem, fit = own.predicted(list(classes), told, groups)
-    return Pooled(problem, fit, classes, found.evidence, _percent(before), _percent(alone), left)
+    problem, fit = found.tried.predicting(own, list(found.classes))
+    errors = _percent(before), _percent(alone), found.left
+    return Pooled(problem, fit, found.classes, found.evidence, *errors)
 
 
 def _percent(errors: Array) -> float:
     """Geometric mean of errors from their logarithms [%]."""
     return float(100.0 * np.exp(np.nanmean(errors)))
+
+
+@dataclass(frozen=True, eq=False)
+class _Tried:
+    """The other groups with the same effects in the models of all of their records."""
+
+    groups: Sequence[Group]
+
+    @property
+    def names(self) -> tuple[str, ...]:
+        """Of the effects."""
+        return self.groups[0].whole[1].model.names
+
+    @cached_property
+    def told(self) -> list[Told]:
+        """What each group tells."""
+        return [group.told() for group in self.groups]
+
+    @cached_property
+    def left(self) -> Array:
+        """Logarithm of the error on what is held out of each, predicted from the others."""
+        told = self.told
+        return np.array([
+            group.error(*group.predicted(self.names, _common([*told[:k], *told[k + 1 :]])))
+            for k, group in enumerate(self.groups)
+        ])  # fmt: skip
+
+    @property
+    def usable(self) -> bool:
+        """Whether the effects may explain something in most of them."""
+        fits = [fit for _, fit in (group.whole for group in self.groups)]
+        return sum(bool(unusable(fit)) for fit in fits) <= MOST_UNUSABLE * len(fits)
+
+    def predicting(self, own: Group, names: Sequence[str]) -> tuple[Problem, Fit]:
+        """What is not held out of another group, fitted with what these tell."""
+        return own.predicted(names, _common(self.told), self.groups)
+
+    def holds_in(self, own: Group) -> bool:
+        """Whether the effects may explain something in another group, too."""
+        return not unusable(self.predicting(own, self.names)[1])
+
+    def with_effect(self, name: str, tie: float) -> Self:
+        """The same with one effect more."""
+        alone = [group.with_effect(name, tie) for group in self.groups]
+        return replace(
+            self,
+            groups=[g.refitted([*alone[:k], *alone[k + 1 :]]) for k, g in enumerate(alone)],
+        )
+
+    def more_likely(self, before: Self) -> float:
+        """Fall of twice the negative log likelihood of all records, less the penalties."""
+        pairs = zip(before.groups, self.groups, strict=True)
+        return sum(
+            misfit_with_penalties(*one.whole) - misfit_with_penalties(*more.whole)
+            for one, more in pairs
+        )
 
 
 @dataclass(frozen=True)
@@ -290,7 +348,7 @@ class _Chain:
 
     Parameters
     ----------
-    groups : sequence of Group
+    tried : _Tried
         The other groups with these effects.
     left : Array
         Logarithm of the error on what is held out of each.
@@ -298,7 +356,7 @@ class _Chain:
         As those of `Pooled`.
     """
 
-    groups: Sequence[Group]
+    tried: _Tried
     left: Array
     classes: dict[str, list[str]] = field(default_factory=dict)
     evidence: dict[str, float] = field(default_factory=dict)
@@ -309,94 +367,73 @@ class _Chain:
         return float(np.nanmean(self.left))
 
 
-def _searched(
-    chain: _Chain,
-    own: Group,
-    others: Others,
-    asked: Collection[str],
-    rules: SelectionSettings,
-) -> _Chain:
-    """The chain with more effects, as long as they lower the error.
+@dataclass(frozen=True)
+class _Search:
+    """For effects of a group in the others; the first four parameters are those of `pooled`.
 
-    Of effects that do so equally well the best two are followed, each to its end: what is second
-    now can be what another effect needs beside it. So is the one that all records ask for most:
-    what is held out is a small part of them.
+    Parameters
+    ----------
+    known : dict
+        Sets of effects that were tried.
     """
-    if len(chain.classes) == rules.most_effects:
-        return chain
-    found: dict[str, _Chain] = {}
-    for name in _open(own, others, asked, chain.classes):
-        names = [*chain.classes, name]
-        added = _with_effect(chain.groups, names, rules.class_gain)
-        size = _evidence(chain.groups, added[0]) if added else -np.inf
-        if added and size >= rules.least_gain and _holds(own, names, added[0]):
-            found[name] = replace(chain, groups=added[0], left=added[1],
-                                  evidence={**chain.evidence, name: size})  # fmt: skip
-    ranked = sorted(found, key=lambda name: found[name].mean)
-    if not ranked or not lower(found[ranked[0]].left, chain.left):
-        return chain
-    alike = [name for name in ranked if not lower(found[ranked[0]].left, found[name].left)]
-    ends = []
-    likeliest = max(found, key=lambda name: found[name].evidence[name])
-    for name in dict.fromkeys([*alike[:BRANCHES], likeliest]):
-        as_good = [name, *(n for n in alike if n != name)]
-        taken = replace(found[name], classes={**chain.classes, name: as_good})
-        if lower(taken.left, chain.left):
-            ends.append(_searched(taken, own, others, asked, rules))
-    return min(ends, key=lambda end: end.mean)
 
+    own: Group
+    others: Others
+    asked: Collection[str]
+    rules: SelectionSettings
+    known: dict[frozenset[str], _Tried] = field(default_factory=dict)
 
-def _open(own: Group, others: Others, asked: Collection[str], chosen: Collection[str]) -> list[str]:
-    """Effects that may be added: asked for by some group, open to all, one law among them."""
-    model = Model(tuple(own.library[name] for name in chosen))
-    return [
-        name
-        for name, effect in own.library.items()
-        if (name in others.names or name in asked)
-        and model.admits(effect)
-        and all(_alike(effect, group.library.get(name)) for group in others.groups)
-    ]
+    def completed(self, chain: _Chain) -> _Chain:
+        """The chain with more effects, as long as they lower the error.
+
+        Of effects that do so equally well the best two are followed, each to its end: what is
+        second now can be what another effect needs beside it. So is the one that all records ask
+        for most: what is held out is a small part of them.
+        """
+        if len(chain.classes) == self.rules.most_effects:
+            return chain
+        open_to_all = self._open(chain.classes)
+        found = {name: more for name in open_to_all if (more := self._added(chain, name))}
+        ranked = sorted(found, key=lambda name: found[name].mean)
+        if not ranked or not lower(found[ranked[0]].left, chain.left):
+            return chain
+        alike = [name for name in ranked if not lower(found[ranked[0]].left, found[name].left)]
+        ends = []
+        likeliest = max(found, key=lambda name: found[name].evidence[name])
+        for name in dict.fromkeys([*alike[:BRANCHES], likeliest]):
+            as_good = [name, *(n for n in alike if n != name)]
+            taken = replace(found[name], classes={**chain.classes, name: as_good})
+            if lower(taken.left, chain.left):
+                ends.append(self.completed(taken))
+        return min(ends, key=lambda end: end.mean)
+
+    def _added(self, chain: _Chain, name: str) -> _Chain | None:
+        """The chain with one effect more; None if it is asked for too little, or cannot be."""
+        names = frozenset([*chain.classes, name])
+        if names not in self.known:
+            self.known[names] = chain.tried.with_effect(name, self.rules.class_gain)
+        tried = self.known[names]
+        size = tried.more_likely(chain.tried)
+        if size < self.rules.least_gain or not tried.usable or not tried.holds_in(self.own):
+            return None
+        return replace(chain, tried=tried, left=tried.left, evidence={**chain.evidence, name: size})
+
+    def _open(self, chosen: Collection[str]) -> list[str]:
+        """Effects that may be added: asked for by some group, open to all, one law among them."""
+        model = Model(tuple(self.own.library[name] for name in chosen))
+        return [
+            name
+            for name, effect in self.own.library.items()
+            if (name in self.others.names or name in self.asked)
+            and model.admits(effect)
+            and all(_alike(effect, group.library.get(name)) for group in self.others.groups)
+        ]
 
 
 def _alike(one: Effect, other: Effect | None) -> bool:
     """Whether an effect has the same parameters in two groups: fibres need not."""
     names = [p.name for p in one.parameters]
     return other is not None and [p.name for p in other.parameters] == names
-
-
-def _with_effect(
-    groups: Sequence[Group], names: Sequence[str], tie: float
-) -> tuple[list[Group], Array] | None:
-    """Groups with one effect more, the last, and the error of each predicted from the others.
-
-    None if it explains nothing in most of them.
-    """
-    alone = [group.with_effect(names[-1], tie) for group in groups]
-    found = [group.refitted([*alone[:k], *alone[k + 1 :]]) for k, group in enumerate(alone)]
-    if sum(bool(unusable(fit)) for _, fit in (g.whole for g in found)) > MOST_UNUSABLE * len(found):
-        return None
-    told = [group.told() for group in found]
-    errors = [
-        group.error(*group.predicted(names, _common([*told[:k], *told[k + 1 :]])))
-        for k, group in enumerate(found)
-    ]
-    return found, np.array(errors)
-
-
-def _holds(own: Group, names: Sequence[str], groups: Sequence[Group]) -> bool:
-    """Whether effects of which others tell may explain something in the group itself, too."""
-    _, fit = own.predicted(names, _common([group.told() for group in groups]), groups)
-    return not unusable(fit)
-
-
-def _evidence(before: Sequence[Group], after: Sequence[Group]) -> float:
-    """Fall of twice the negative log likelihood of all records, less the penalty of one effect."""
-    fall = 0.0
-    for one, other in zip(before, after, strict=True):
-        (problem, fit), (posed, more) = one.whole, other.whole
-        fall += problem.misfit(fit) - posed.misfit(more)
-        fall -= penalty(more.model.effects[-1], len(more.white))
-    return fall
 
 
 def lower(one: Array, other: Array) -> bool:

@@ -6,7 +6,6 @@ from typing import Protocol, Self
 
 import numpy as np
 import pandas as pd
-from numpy.polynomial.polynomial import polyder, polyval
 from numpy.typing import NDArray
 from scipy.interpolate import PchipInterpolator
 
@@ -186,11 +185,13 @@ class ResponseCurves:
 
     def _onwards(self, end: int, curve: Array, beyond: Array) -> Array:
         """What a fine curve changes by beyond one of its ends, 0 or -1."""
-        onwards = np.array([0.0, *self._polynomials[end] @ (curve - curve[end])])
+        coefficients = self._polynomials[end] @ (curve - curve[end])
         near = np.clip(beyond, -FOLLOWED * self._grid[-1], FOLLOWED * self._grid[-1])
-        return np.asarray(
-            polyval(near, onwards) + polyval(near, polyder(onwards)) * (beyond - near)
-        )
+        value, slope = np.zeros_like(near), np.zeros_like(near)
+        for coefficient in (*coefficients[::-1], 0.0):  # Horner's scheme, with the slope
+            slope = slope * near + value
+            value = value * near + coefficient
+        return np.asarray(value + slope * (beyond - near))
 
     @cached_property
     def _polynomials(self) -> tuple[Array, Array]:

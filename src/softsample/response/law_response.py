@@ -179,27 +179,29 @@ class LawResponse:
     def _ogden_on_grid(self, fraction: float, alpha: tuple[float, ...]) -> Array:
         terms, _, own = two_terms(fraction, alpha), *self._model(fraction)
         more = 0.0 if self._exact else self._mixed_excess(fraction, alpha) - own
-        return self._from_model(fraction, self._closed.ogden(terms), self._sheared(terms), more)
+        return self._from_model(fraction, self._closed.ogden(terms), terms, more)
 
     def _foam_on_grid(self, fraction: float, alpha: float, nu: float) -> Array:
         closed, model = self._closed.foam(alpha, nu), self._excess_of_model(fraction)
         more = 0.0 if self._exact else self._foam_excess(alpha, nu) - model
-        return self._from_model(fraction, closed, self._sheared(((1.0, alpha),)), more)
+        return self._from_model(fraction, closed, ((1.0, alpha),), more)
 
     def _from_model(
-        self, fraction: float, closed: Array, sheared: Array, more: Array | float
+        self, fraction: float, closed: Array, terms: Terms, more: Array | float
     ) -> Array:
         """From the model's force on the grid to another law's: see `_ratio`; normal forces [m2].
 
-        Its closed form is `closed`, that along a shear `sheared`, its excess the model's and
-        `more`.
+        Its closed form is `closed`, that along a shear the one of Ogden's `terms`, its excess the
+        model's and `more`.
         """
         base, _ = self._model(fraction)
         if not self.normal:
             return self._ratio(closed, base) + more
+        if self._exact:
+            return closed - base
         model = self._excess_of_model(fraction)
-        own = sheared * (model + more) - self._sheared(two_terms(fraction, self.alpha)) * model
-        return np.asarray(closed - base + (0.0 if self._exact else own))
+        own = self._sheared(two_terms(fraction, self.alpha)) * model
+        return np.asarray(closed - base + self._sheared(terms) * (model + more) - own)
 
     def _sheared(self, terms: Terms) -> Array:
         """Closed form of the force along the shear, to which normal ones are referred."""

@@ -165,6 +165,7 @@ class Tried:
     def __init__(self, names, left, evidence, holds):
         self.names, self.all = names, (left, evidence, holds)
         self.left = left[frozenset(names)]
+        self.mean = self.left.mean()
 
     def with_effect(self, name, tie):
         return Tried([*self.names, name], *self.all)
@@ -187,7 +188,7 @@ def searched(monkeypatch, left, evidence, holds=lambda names: True):
     )
     start = Tried([], errors, evidence, holds)
     rules = replace(SelectionSettings(), most_effects=2)
-    return pool._Search(None, None, (), rules).completed(pool._Chain(start, start.left))
+    return pool._Search(None, None, (), rules).completed(pool._Chain(start))
 
 
 def test_effects_that_were_tried_in_another_order_are_not_fitted_again(monkeypatch):

@@ -271,13 +271,13 @@ def pooled(
     rules : SelectionSettings
         As of the selection in one group.
     """
-    before = np.array([group.error(*group.part) for group in others.groups])
-    alone = np.array([group.alone for group in others.groups])
-    found = _Search(own, others, asked, rules).completed(_Chain(_Tried(others.groups), before))
-    if not found.classes or np.nanmean(found.left) >= np.nanmean(alone):
+    plain, alone = _Tried(others.groups), np.array([group.alone for group in others.groups])
+    found = _Search(own, others, asked, rules).completed(_Chain(plain))
+    left = found.tried.left
+    if not found.classes or np.nanmean(left) >= np.nanmean(alone):
         return None
     problem, fit = found.tried.predicting(own, list(found.classes))
-    errors = _percent(before), _percent(alone), found.left
+    errors = _percent(plain.left), _percent(alone), left
     return Pooled(problem, fit, found.classes, found.evidence, *errors)
 
 
@@ -304,12 +304,19 @@ class _Tried:
 
     @cached_property
     def left(self) -> Array:
-        """Logarithm of the error on what is held out of each, predicted from the others."""
+        """Logarithm of the error on what is held out of each, effects predicted from the others."""
+        if not self.names:
+            return np.array([group.error(*group.part) for group in self.groups])
         told = self.told
         return np.array([
             group.error(*group.predicted(self.names, _common([*told[:k], *told[k + 1 :]])))
             for k, group in enumerate(self.groups)
         ])  # fmt: skip
+
+    @property
+    def mean(self) -> float:
+        """Of the logarithms of the errors."""
+        return float(np.nanmean(self.left))
 
     @property
     def usable(self) -> bool:
@@ -350,21 +357,13 @@ class _Chain:
     ----------
     tried : _Tried
         The other groups with these effects.
-    left : Array
-        Logarithm of the error on what is held out of each.
     classes, evidence : dict
         As those of `Pooled`.
     """
 
     tried: _Tried
-    left: Array
     classes: dict[str, list[str]] = field(default_factory=dict)
     evidence: dict[str, float] = field(default_factory=dict)
-
-    @property
-    def mean(self) -> float:
-        """Of the logarithms of the errors."""
-        return float(np.nanmean(self.left))
 
 
 @dataclass(frozen=True)
@@ -394,18 +393,19 @@ class _Search:
             return chain
         open_to_all = self._open(chain.classes)
         found = {name: more for name in open_to_all if (more := self._added(chain, name))}
-        ranked = sorted(found, key=lambda name: found[name].mean)
-        if not ranked or not lower(found[ranked[0]].left, chain.left):
+        left = {name: more.tried.left for name, more in found.items()}
+        ranked = sorted(found, key=lambda name: found[name].tried.mean)
+        if not ranked or not lower(left[ranked[0]], chain.tried.left):
             return chain
-        alike = [name for name in ranked if not lower(found[ranked[0]].left, found[name].left)]
+        alike = [name for name in ranked if not lower(left[ranked[0]], left[name])]
         ends = []
         likeliest = max(found, key=lambda name: found[name].evidence[name])
         for name in dict.fromkeys([*alike[:BRANCHES], likeliest]):
             as_good = [name, *(n for n in alike if n != name)]
             taken = replace(found[name], classes={**chain.classes, name: as_good})
-            if lower(taken.left, chain.left):
+            if lower(left[name], chain.tried.left):
                 ends.append(self.completed(taken))
-        return min(ends, key=lambda end: end.mean)
+        return min(ends, key=lambda end: end.tried.mean)
 
     def _added(self, chain: _Chain, name: str) -> _Chain | None:
         """The chain with one effect more; None if it is asked for too little, or cannot be."""
@@ -416,7 +416,7 @@ class _Search:
         size = tried.more_likely(chain.tried)
         if size < self.rules.least_gain or not tried.usable or not tried.holds_in(self.own):
             return None
-        return replace(chain, tried=tried, left=tried.left, evidence={**chain.evidence, name: size})
+        return replace(chain, tried=tried, evidence={**chain.evidence, name: size})
 
     def _open(self, chosen: Collection[str]) -> list[str]:
         """Effects that may be added: asked for by some group, open to all, one law among them."""

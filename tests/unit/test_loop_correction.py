@@ -313,9 +313,12 @@ def test_the_table_of_residuals_has_the_curves_of_the_figure(tests, found):
         np.testing.assert_allclose(pulled[name], drawn)
 
 
-def test_the_table_of_residuals_has_tests_that_are_held_out_as_a_whole(tests):
+def test_table_and_figure_have_tests_that_are_held_out_as_a_whole(tests):
     whole = replace(tests[0], name="another", held_out=np.ones(len(tests[0].force), bool))
-    table = residual_table(diagnose([*tests, whole], SETTINGS, [library()["force_offset"]]))
+    found = diagnose([*tests, whole], SETTINGS, [library()["force_offset"]])
+    drawn = {ax.get_title(): ax.lines[0] for ax in loop_figure(found).axes}
+    assert drawn["another\ntension"].get_label() == "held out"
+    table = residual_table(found)
     another = table[table["sample"] == "another"]
     assert another["held_out"].all()
     error = (another["force_N"] - another["after_N"]).abs().max()

@@ -1,15 +1,60 @@
-"""What was measured beside what the models of a diagnosis predict, as a table."""
+"""What was measured beside what the models of a diagnosis predict."""
+
+from dataclasses import dataclass
 
 import numpy as np
 import pandas as pd
 from numpy.typing import NDArray
 
 from softsample.loop.diagnose import Diagnosis
-from softsample.loop.fit import Problem
 from softsample.loop.noise import block_size, most_blocks
 from softsample.loop.specimen import FORCE, Specimen, blocks
 
 Array = NDArray[np.float64]
+
+
+@dataclass(frozen=True)
+class Predicted:
+    """Record of a test beside the forces of the calibrated model and of the reported one.
+
+    Parameters
+    ----------
+    test : Specimen
+        The test.
+    before, after : (n,) float64
+        Of the models [N].
+    size : int
+        Samples in a block.
+    noise : float
+        Standard deviation of a block [N]; NaN if the test is held out as a whole.
+    """
+
+    test: Specimen
+    before: Array
+    after: Array
+    size: int
+    noise: float
+
+
+def predicted(found: Diagnosis) -> list[Predicted]:
+    """Tests of a group that are fitted, then those that are held out as a whole."""
+    (first, plain), problem, last = found.origin.first, found.problem, found.predicting
+    most, noises = most_blocks(len(problem.specimens)), [noise.block for noise in found.noises]
+    pairs = [
+        [*of.specimens, *(test for test in of.unseen if test.held_out.all())]
+        for of in (first, problem)
+    ]
+    noises += [np.nan] * (len(pairs[0]) - len(noises))
+    return [
+        Predicted(
+            test,
+            plain.model.predict(before, plain.state),
+            last.model.predict(test, last.state),
+            block_size(test, problem.settings, most),
+            noise,
+        )
+        for before, test, noise in zip(*pairs, noises, strict=True)
+    ]
 
 
 def residual_table(found: Diagnosis) -> pd.DataFrame:
@@ -27,27 +72,11 @@ def residual_table(found: Diagnosis) -> pd.DataFrame:
         `displacement_mm`, `force_N`, with the signs of records; `before_N`, `after_N`: force of
         the calibrated model and of the reported one; `held_out`: not fitted.
     """
-    models = found.origin.first, (found.problem, found.predicting)
-    predicted = [
-        [fit.model.predict(test, fit.state) for test in _tests(problem)] for problem, fit in models
-    ]
-    most = most_blocks(len(found.problem.specimens))
-    return pd.concat(
-        [
-            _residual(test, before, after, block_size(test, found.problem.settings, most))
-            for test, before, after in zip(_tests(found.problem), *predicted, strict=True)
-        ],
-        ignore_index=True,
-    )
+    return pd.concat([_rows(one) for one in predicted(found)], ignore_index=True)
 
 
-def _tests(problem: Problem) -> list[Specimen]:
-    """Tests that are fitted, then those that are held out as a whole."""
-    return [*problem.specimens, *(test for test in problem.unseen if test.held_out.all())]
-
-
-def _residual(test: Specimen, before: Array, after: Array, size: int) -> pd.DataFrame:
-    """Rows of one test, whose blocks have `size` samples."""
+def _rows(one: Predicted) -> pd.DataFrame:
+    test, size = one.test, one.size
     of_force = test.axis_sign if test.channel == FORCE else 1.0
     return pd.DataFrame(
         {
@@ -57,8 +86,8 @@ def _residual(test: Specimen, before: Array, after: Array, size: int) -> pd.Data
             "time_s": blocks(test.time, size) if test.timed else np.nan,
             "displacement_mm": 1e3 * test.axis_sign * blocks(test.travel, size),
             "force_N": of_force * blocks(test.force, size),
-            "before_N": of_force * blocks(before, size),
-            "after_N": of_force * blocks(after, size),
+            "before_N": of_force * blocks(one.before, size),
+            "after_N": of_force * blocks(one.after, size),
             "held_out": blocks(test.held_out.astype(float), size) > 0.0,
         }
     )

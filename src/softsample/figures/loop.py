@@ -67,7 +67,7 @@ def _forces(ax: Axes, one: Predicted) -> None:
             ax.plot(travel, np.where(part, force, np.nan), color=grey, lw=2.5, label=name)
     for colour, name, model in zip(colours(2), ENTRIES[2:], (one.before, one.after), strict=True):
         ax.plot(travel, blocks(model, size), color=colour, label=name)
-    channel = "" if test.channel == FORCE else f", {spoken(test.channel)}"
+    channel = "" if test.channel == FORCE else ", normal force"
     ax.set(title=f"{test.name}\n{spoken(test.mode)}{channel}", xlabel="travel [mm]")
 
 

@@ -37,6 +37,9 @@ MOST_UNUSABLE = 0.5
 BRANCHES = 2
 """Effects of those that are equally good that a search follows."""
 
+GUESSES = 2
+"""Values of other groups, the likeliest, from which a group is fitted again."""
+
 Told = Mapping[str, Mapping[str, tuple[float, float]]]
 """Mean and standard deviation of parameters, by effect and parameter."""
 
@@ -100,10 +103,10 @@ class Group:
         What the first fit finds depends on the order in which effects were added.
         """
         (problem, fit), model = self.whole, self.whole[1].model
-        starts = [replace(fit.state, values=other.whole[1].state.values) for other in others]
-        there = [problem.at(model, problem.of_own_modulus(model, start)) for start in starts]
-        nearest = [one.state for one in sorted(there, key=lambda one: one.cost)[:2]]
-        best = min(problem.fits(model, nearest, found=[fit]), key=lambda one: one.cost)
+        there = [replace(fit.state, values=other.whole[1].state.values) for other in others]
+        starts = [problem.of_own_modulus(model, state) for state in there]
+        starts.sort(key=lambda state: float(np.sum(problem.residual(model, state) ** 2)))
+        best = min(problem.fits(model, starts[:GUESSES], found=[fit]), key=lambda one: one.cost)
         return self if best is fit else replace(self, whole=settled(problem, best))
 
     def told(self) -> dict[str, dict[str, tuple[float, float]]]:

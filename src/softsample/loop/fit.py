@@ -1,7 +1,7 @@
 """Joint least squares of material and effects on whitened records."""
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, replace
 from functools import cached_property
 
 import numpy as np
@@ -64,8 +64,6 @@ class Fit:
         Its derivative by the packed parameters.
     at_bound : tuple of str
         Parameters of effects that lie on the end of their range.
-    problem : Problem
-        Records, and the noise that makes residual and derivative white.
     """
 
     model: Model
@@ -74,17 +72,6 @@ class Fit:
     white: Array
     jacobian: Array
     at_bound: tuple[str, ...]
-    problem: "Problem" = field(repr=False)
-
-    @property
-    def residual(self) -> list[Array]:
-        """Block means of measured less predicted force of every test (n,) [N]."""
-        return self.problem.coloured(self.white[: self.problem.count])
-
-    @property
-    def slopes(self) -> list[Array]:
-        """Derivatives (n, p) [N] of that by the packed parameters."""
-        return self.problem.coloured(self.jacobian[: self.problem.count])
 
     @property
     def flat(self) -> Array:
@@ -414,7 +401,6 @@ class Problem:
             np.asarray(found.fun),
             np.asarray(found.jac),
             tuple(name for name, end in zip(names, ends, strict=True) if end),
-            self,
         )
 
     def of_own_modulus(self, model: Model, state: State) -> State:

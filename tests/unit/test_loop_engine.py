@@ -633,6 +633,15 @@ def test_a_fit_takes_no_more_away_than_the_ranges_of_its_parameters_allow(perfec
     assert beside == pytest.approx(plain, rel=0.05)
 
 
+def test_sizes_do_not_depend_on_the_noise_that_the_fit_was_whitened_with(perfect):
+    """As of a fit that is asked about beside an error of form, or after a round."""
+    problem, _ = pose(laboratory.drawn(perfect, SETTINGS, {"kinked": 3.0}, 0), SETTINGS)
+    state = problem.fit_material().state
+    larger = problem.with_variances(dict.fromkeys(problem.variances, 25.0))
+    one, other = (estimated(problem, of.at(Model(), state)).variances for of in (problem, larger))
+    assert other == pytest.approx(one, rel=1e-3)
+
+
 def test_without_spread_sizes_are_those_of_the_settings(perfect):
     problem, _ = pose(perfect, replace(SETTINGS, spread=1.0))
     assert estimated(problem, problem.fit_material()) is problem
@@ -753,10 +762,12 @@ def test_an_effect_that_was_exchanged_does_not_come_back(monkeypatch):
             others = [n for n in self.current.model.names if n != name]
             return self.problem, fit(*others)
 
-    posed = SimpleNamespace(fit=lambda model, state: fit(*model.names))
+    posed = SimpleNamespace(fit=lambda model, state: fit(*model.names), unseen=[])
     monkeypatch.setattr("softsample.loop.select._pruned", lambda problem, fit, settings: fit)
-    monkeypatch.setattr("softsample.loop.select.settled", lambda problem, fit: (problem, fit))
-    search = Search(posed, [], LoopSettings().selection, 12.0, posed, fit())
+    monkeypatch.setattr(
+        "softsample.loop.select.settled", lambda problem, fit, *rounds: (problem, fit)
+    )
+    search = Search(posed, fit(), [], LoopSettings().selection, 12.0, posed, fit())
     for names in ("A", "AB", "ABC"):
         search._take(
             posed,

@@ -27,12 +27,10 @@ def birge_ratio(problem: Problem, fit: Fit) -> float:
     fit leaves may be larger as a whole, and its parameters are then further off by as much. Every
     test counts in parts of its peak.
     """
-    n = problem.count
-    residuals, slopes = problem.coloured(fit.white[:n]), problem.coloured(fit.jacobian[:n])
     found = expected = stated = 0.0
-    for specimen, w, left, slope, variance in zip(
-        problem.specimens, problem.whiteners, residuals, slopes, problem.variance, strict=True
-    ):
+    of_tests = zip(fit.residual, fit.slopes, problem.variance, strict=True)
+    of_records = zip(problem.specimens, problem.whiteners, of_tests, strict=True)
+    for specimen, w, (left, slope, variance) in of_records:
         if w.keep.any():
             taken = np.einsum("ij,jk,ik->i", slope, fit.covariance, slope)
             found += float(np.mean(left**2)) / specimen.peak**2

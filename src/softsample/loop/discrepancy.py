@@ -115,11 +115,9 @@ def settled(problem: Problem, fit: Fit, rounds: int = ROUNDS) -> tuple[Problem, 
 
 def _tests(problem: Problem, fit: Fit, names: Sequence[str]) -> list[_Test]:
     """Means of groups of blocks of every test."""
-    n = problem.count
-    residual, slopes = problem.coloured(fit.white[:n]), problem.coloured(fit.jacobian[:n])
     found = []
     for specimen, r, j, common, w in zip(
-        problem.specimens, residual, slopes, problem.common, problem.whiteners, strict=True
+        problem.specimens, fit.residual, fit.slopes, problem.common, problem.whiteners, strict=True
     ):
         if not len(r):
             continue

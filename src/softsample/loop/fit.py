@@ -1,7 +1,7 @@
 """Joint least squares of material and effects on whitened records."""
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from functools import cached_property
 
 import numpy as np
@@ -24,8 +24,9 @@ from softsample.loop.specimen import FORCE, Specimen, blocks
 Array = NDArray[np.float64]
 
 
-CORNER, CORNER_TIME = 0.2, 0.05
-"""Part of an error of form that is brief, as where a ramp ends, and its time over the other's."""
+BRIEF = 0.05
+"""Correlation time of the brief part of an error of form, as where a ramp ends or a platen leaves,
+over that of the other part."""
 
 
 FRACTIONS = (0.0, 0.2, 0.5, 0.8, 0.95, 1.0)
@@ -64,6 +65,8 @@ class Fit:
         Its derivative by the packed parameters.
     at_bound : tuple of str
         Parameters of effects that lie on the end of their range.
+    problem : Problem
+        Records, and the noise that makes residual and derivative white.
     """
 
     model: Model
@@ -72,6 +75,17 @@ class Fit:
     white: Array
     jacobian: Array
     at_bound: tuple[str, ...]
+    problem: "Problem" = field(repr=False)
+
+    @property
+    def residual(self) -> list[Array]:
+        """Block means of measured less predicted force of every test (n,) [N]."""
+        return self.problem.coloured(self.white[: self.problem.count])
+
+    @property
+    def slopes(self) -> list[Array]:
+        """Derivatives (n, p) [N] of that by the packed parameters."""
+        return self.problem.coloured(self.jacobian[: self.problem.count])
 
     @property
     def flat(self) -> Array:
@@ -310,8 +324,8 @@ class Problem:
     def doubting(self, fit: Fit) -> "Problem":
         """The same with room for error in the form of a fit's last effect, a part of what it adds.
 
-        Along the travel that error is alike over a quarter of the stroke, in time over
-        `form_time_s`; a part `CORNER` of it is as short as `CORNER_TIME`.
+        It has two parts of that size: one is alike over a quarter of the stroke and over
+        `form_time_s`, the other is `BRIEF`.
         """
         without = fit.model.without(fit.model.names[-1])
         whiteners = []
@@ -323,7 +337,7 @@ class Problem:
             apart = np.subtract.outer(clock, clock) / self.settings.form_time_s
             further = np.subtract.outer(way, way) / (0.25 * specimen.reach)
             likeness = np.exp(-0.5 * (apart**2 + further**2))
-            likeness += CORNER**2 * np.exp(-0.5 * (apart / CORNER_TIME) ** 2)
+            likeness += np.exp(-0.5 * (apart / BRIEF) ** 2)
             whiteners.append(whitener.with_form(np.outer(size, size) * likeness))
         return self.with_whiteners(whiteners)
 
@@ -401,6 +415,7 @@ class Problem:
             np.asarray(found.fun),
             np.asarray(found.jac),
             tuple(name for name, end in zip(names, ends, strict=True) if end),
+            self,
         )
 
     def of_own_modulus(self, model: Model, state: State) -> State:

@@ -7,7 +7,7 @@ from typing import Self
 import numpy as np
 from numpy.typing import NDArray
 
-from softsample.loop.discrepancy import settled
+from softsample.loop.discrepancy import ROUNDS, settled
 from softsample.loop.effects.base import Effect
 from softsample.loop.errors import cross_validated, log_densities, log_density, touched
 from softsample.loop.fit import Fit, Problem
@@ -202,7 +202,7 @@ def select(problem: Problem, effects: Sequence[Effect], settings: SelectionSetti
     threshold = family_wise(
         found, len(first.current.white), settings.null_draws, settings.seed, settings.least_gain
     )
-    fresh = _Search(problem, library, settings, threshold, problem, first.current)
+    fresh = _Search(problem, first.current, library, settings, threshold, problem, first.current)
     search = fresh.completed()
     opening, plain = search.steps[0], search.visited[0]
     others = (fresh.law_first(opening), fresh.left_out_first(opening))
@@ -315,6 +315,7 @@ class _Search:
     """State of a selection: what has been chosen, and the noise with the doubt of its form."""
 
     problem: Problem
+    plain: Fit
     library: list[Effect]
     settings: SelectionSettings
     threshold: float
@@ -328,7 +329,7 @@ class _Search:
     def completed(self, step: Step | None = None) -> Self:
         """Another search from here, that sets out from a step, or from nothing.
 
-        It adds effects until no more are asked for, and exchanges one that was a wrong choice.
+        It adds effects until no more are asked for, and exchanges what was a wrong choice.
         """
         other = replace(self, steps=[], classes={}, doubted={}, visited=[])
         if step is None:
@@ -336,7 +337,9 @@ class _Search:
         else:
             other.begin(step)
         other.forward()
-        if other.exchange():
+        been = {frozenset(other.current.model.names)}
+        while other.exchange() and (here := frozenset(other.current.model.names)) not in been:
+            been.add(here)
             other.forward()
         if step is not None:
             other._tell_beside_others()
@@ -445,7 +448,8 @@ class _Search:
 
     def _visit(self) -> None:
         """Remember where the search is."""
-        self.visited.append(_Visited(*settled(self.doubting, self.current), dict(self.classes)))
+        model = _settled(self.doubting, self.plain, self.current, self.settings.class_gain)
+        self.visited.append(_Visited(*model, dict(self.classes)))
 
     def _doubting(self, problem: Problem, fit: Fit) -> Problem:
         """With room for error in the form of the last effect, if the records show one."""
@@ -564,7 +568,7 @@ def _fitted(
         if signature in others and not signature.effect.idealised and smooth < asked:
             continue
         candidates.append(
-            _candidate(here, joint_fit(problem, current, signature, settings.class_gain))
+            _candidate(here, joint_fit(problem, current, signature, settings.class_gain), settings)
         )
     if _loses_on_return(here.settled):
         laws = [effect for effect in effects if effect.is_law]
@@ -573,7 +577,9 @@ def _fitted(
     if candidates and current.model.effects:
         again = _restarted(problem, candidates[0].fit, settings)
         if again is not candidates[0].fit:
-            candidates[0] = max(candidates[0], _candidate(here, again), key=lambda c: c.evidence)
+            candidates[0] = max(
+                candidates[0], _candidate(here, again, settings), key=lambda c: c.evidence
+            )
     return candidates
 
 
@@ -594,18 +600,33 @@ def _beside_hysteresis(here: _Round, law: Effect, settings: SelectionSettings) -
     as no law explains that they do.
     """
     fit = law_fit(here.settled, here.base, law, settings.class_gain)
-    return _candidate(here, here.problem.at(fit.model, fit.state))
+    return _candidate(here, here.problem.at(fit.model, fit.state), settings)
 
 
-def _candidate(here: _Round, fit: Fit) -> Candidate:
+def _candidate(here: _Round, fit: Fit, settings: SelectionSettings) -> Candidate:
     """What a joint fit with one effect more is worth."""
     effect, n = fit.model.effects[-1], len(here.current.white)
-    models = [settled(posed, fit, 1) for posed in (here.problem, here.problem.doubting(fit))]
+    models = [
+        _settled(posed, here.base, fit, settings.class_gain, 1)
+        for posed in (here.problem, here.problem.doubting(fit))
+    ]
     exact, doubted = (posed.misfit(likely) for posed, likely in models)
     (posed, likely), left = models[doubted < exact], min(exact, doubted)
     evidence = here.settled.misfit(here.base) - left - penalty(effect, n)
     gain = here.current.cost - fit.cost
     return Candidate(effect.name, fit, posed, likely, gain, evidence, doubted < exact)
+
+
+def _settled(
+    problem: Problem, base: Fit, fit: Fit, tie: float, rounds: int = ROUNDS
+) -> tuple[Problem, Fit]:
+    """`settled`; a law stays where it was if it is as good there and nearer to what was before."""
+    posed, moved = settled(problem, fit, rounds)
+    if not problem.unseen or not fit.model.effects or not fit.model.effects[-1].is_law:
+        return posed, moved
+    unmoved = posed.at(fit.model, fit.state)
+    alike = [moved, unmoved] if unmoved.cost < moved.cost + tie else [moved]
+    return posed, nearest(posed, base, alike)
 
 
 def _restarted(problem: Problem, fit: Fit, settings: SelectionSettings) -> Fit:

@@ -4,36 +4,20 @@ from softsample import io
 from softsample.constitutive.ogden import of_fit
 from softsample.figures.loop import loop_figure
 from softsample.figures.style import write
-from softsample.loop.ends import Recorded, diagnose_ends, for_sliding
-from softsample.loop.held_out import Tables, hold_out_text
+from softsample.from_files.diagnosis import assumed_ends
+from softsample.loop.ends import diagnose_ends, for_sliding
+from softsample.loop.held_out import hold_out_text
 from softsample.loop.leave_out import left_out_errors
 from softsample.loop.page import page
 from softsample.loop.posed import LoopSettings
 from softsample.loop.residual import residual_table
 from softsample.loop.verdict import document
-from softsample.shapes import IdealShape
 from softsample.workflow import logged_to, progress_bar, provenance
 
 with logged_to(snakemake):
     given, files, out = snakemake.params, snakemake.input, snakemake.output
     settings, solid = LoopSettings.of_config(given.loop), of_fit(io.read_json(files.fit))
-    reports = map(io.read_json, files.get("bonds", []))
-    bonds = [next(reports, None) if bonded else None for bonded in given.bonded]
-    records = [*map(io.read_record, files.records)]
-    shapes = [IdealShape.of_report(io.read_json(path)) for path in files.cuboids]
-    verdicts = [[*map(io.read_json, files.get(kind, []))] for kind in ("whole", "alone")]
-    own = given.samples, given.rows, records, shapes, given.hold_out, given.others
-    recorded = Recorded(*own, verdicts)
-    models = []
-    for ends in ("", "sliding_")[: 2 if files.get("sliding_curves") else 1]:
-        real = [*map(io.read_table, files.get(f"{ends}real", []))] or [None] * len(given.rows)
-        curves, changes = files[f"{ends}curves"], map(io.read_table, files[f"{ends}perturbations"])
-        known = {
-            path: Tables(io.read_table(path), [change], solid, *of_piece)
-            for path, change, *of_piece in zip(curves, changes, real, bonds, strict=True)
-        }
-        tables = [known[path] for path in curves]
-        models.append(recorded.with_ends(bool(ends), tables, settings, solid))
+    models = assumed_ends(files, given, settings, solid)
     elsewhere = sum(map(for_sliding, map(io.read_json, files.get("ends_of_others", []))))
     found = diagnose_ends(models, settings, elsewhere)
     left_out = left_out_errors(models, given.folds, settings, elsewhere, progress_bar())

@@ -25,8 +25,8 @@ Array = NDArray[np.float64]
 
 
 BRIEF = 0.05
-"""Correlation time of the brief part of an error of form, as where a ramp ends or a platen leaves,
-over that of the other part."""
+"""Correlation time of the brief part of an error of form, as where a ramp ends or a platen leaves
+a sample bit by bit, over that of the other part."""
 
 
 FRACTIONS = (0.0, 0.2, 0.5, 0.8, 0.95, 1.0)
@@ -325,7 +325,7 @@ class Problem:
         """The same with room for error in the form of a fit's last effect, a part of what it adds.
 
         It has two parts of that size: one is alike over a quarter of the stroke and over
-        `form_time_s`, the other is `BRIEF`.
+        `form_time_s`, the other over the part `BRIEF` of that time.
         """
         without = fit.model.without(fit.model.names[-1])
         whiteners = []

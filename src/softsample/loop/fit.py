@@ -18,15 +18,15 @@ from softsample.loop.model import (
     Packing,
     State,
 )
-from softsample.loop.noise import NoiseSettings, Whitener
+from softsample.loop.noise import NoiseSettings, Whitener, memory
 from softsample.loop.specimen import FORCE, Specimen, blocks
 
 Array = NDArray[np.float64]
 
 
 BRIEF = 0.05
-"""Correlation time of the brief part of an error of form, as where a ramp ends or a platen leaves
-a sample bit by bit, over that of the other part."""
+"""Part of the time over which what an effect adds is alike, over which its corners are rounded: a
+platen leaves a relaxed sample bit by bit."""
 
 
 FRACTIONS = (0.0, 0.2, 0.5, 0.8, 0.95, 1.0)
@@ -322,23 +322,28 @@ class Problem:
         ]
 
     def doubting(self, fit: Fit) -> "Problem":
-        """The same with room for error in the form of a fit's last effect, a part of what it adds.
+        """The same with room for error in the form of a fit's last effect.
 
-        It has two parts of that size: one is alike over a quarter of the stroke and over
-        `form_time_s`, the other over the part `BRIEF` of that time.
+        A part of what it adds is alike over a quarter of the stroke and of the time that is fitted;
+        besides, its corners may be rounded over the part `BRIEF` of that time.
         """
         without = fit.model.without(fit.model.names[-1])
         whiteners = []
         for specimen, whitener in zip(self.specimens, self.whiteners, strict=True):
-            part = fit.model.predict(specimen, fit.state) - without.predict(specimen, fit.state)
-            size = 0.01 * self.settings.form_percent * blocks(part, whitener.size)
+            added = fit.model.predict(specimen, fit.state) - without.predict(specimen, fit.state)
+            part = blocks(added, whitener.size)
             clock = blocks(specimen.time, whitener.size)
             way = blocks(specimen.travel, whitener.size)
-            apart = np.subtract.outer(clock, clock) / self.settings.form_time_s
+            apart = np.subtract.outer(clock, clock) / memory(specimen, whitener.size)
             further = np.subtract.outer(way, way) / (0.25 * specimen.reach)
-            likeness = np.exp(-0.5 * (apart**2 + further**2))
-            likeness += np.exp(-0.5 * (apart / BRIEF) ** 2)
-            whiteners.append(whitener.with_form(np.outer(size, size) * likeness))
+            long, brief = (
+                np.exp(-0.5 * (apart**2 + further**2)),
+                np.exp(-0.5 * (apart / BRIEF) ** 2),
+            )
+            size = 0.01 * self.settings.form_percent * part
+            rounded = brief @ part / brief.sum(axis=1) - part
+            form = np.outer(size, size) * long + np.outer(rounded, rounded) * brief
+            whiteners.append(whitener.with_form(form))
         return self.with_whiteners(whiteners)
 
     def fit(self, model: Model, start: State, starts: Sequence[State] = ()) -> Fit:

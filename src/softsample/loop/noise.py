@@ -79,15 +79,15 @@ class NoiseSettings:
         sticks and slips.
     history_percent : float
         The same for error that changes in the course of a test too, so that loading and unloading
-        differ; its correlation time is a quarter of what is fitted of the record.
+        differ; its correlation time is `memory`.
     scale_percent : float
         Standard deviation of the scale of each test [%]: element type, volume, glued area.
     contact_zero_mm : float
         Standard deviation of the height of the highest point [mm]; where compression begins is
         fitted with this prior, so that only a gap beyond it counts as an effect.
-    form_percent, form_time_s : float
+    form_percent : float
         Error in the form of an effect that has been chosen, in percent of its contribution, at
-        most, and its correlation time [s]; what comes after has to explain more than that.
+        most; what comes after has to explain more than that.
     poisson_ratio : float
         Standard deviation of the Poisson's ratio about that of the model; all tests share it.
     spread : float
@@ -105,7 +105,6 @@ class NoiseSettings:
     scale_percent: float = 2.0
     contact_zero_mm: float = 0.06
     form_percent: float = 5.0
-    form_time_s: float = 20.0
     poisson_ratio: float = 0.0005
     spread: float = 2.0
 
@@ -265,6 +264,13 @@ def moved(specimen: Specimen, size: int) -> Array:
     return np.asarray(0.01 * specimen.peak * blocks(onset, size))
 
 
+def memory(specimen: Specimen, size: int) -> float:
+    """Correlation time [s] of errors that change in the course of a test: a quarter of it."""
+    fitted = blocks(specimen.held_out.astype(float), size) == 0.0
+    time = blocks(specimen.time, size)[fitted]
+    return 0.25 * max(float(np.ptp(time)), 1e-9) if fitted.any() else 0.25
+
+
 def covariances(
     specimen: Specimen, noise: Noise, model: Array, settings: NoiseSettings, size: int
 ) -> tuple[Array, dict[str, Array]]:
@@ -304,10 +310,8 @@ def covariances(
     known += noise.slow**2 * np.exp(-lag / settings.correlation_s)
     known += along(100.0 * specimen.elastic.grain, np.exp(-0.5 * (apart / GRAIN_LENGTH) ** 2))
     scale = 0.01 * settings.scale_percent * model
-    fitted = blocks(specimen.held_out.astype(float), size) == 0.0
-    course = max(float(np.ptp(time[fitted])), 1e-9) if fitted.any() else 1.0
     alike = {name: of(apart, settings.floor_length) for name, of in SIMILARITY.items()}
-    forgotten = np.exp(-4.0 * lag / course)
+    forgotten = np.exp(-lag / memory(specimen, size))
     return known, {
         **{name: along(settings.each_percent, smooth) for name, smooth in alike.items()},
         "rough": along(settings.fine_percent, np.exp(-np.abs(apart) / settings.fine_length)),

@@ -693,6 +693,7 @@ def _beyond_doubt(here: _Round, candidate: Candidate, threshold: float) -> bool:
     """
     effect, posed = candidate.fit.model.effects[-1], candidate.posed
     doubt = posed.settings.doubt(posed.variances, effect.like_floor)
+    doubt = {name: least for name, least in doubt.items() if name in here.settled.variances}
     alone = _without(here, candidate)
     before = min(_doubted_misfit(*model, doubt) for model in ((here.settled, here.base), alone))
     after = _doubted_misfit(posed, candidate.settled, doubt)

@@ -8,6 +8,7 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 from scipy.linalg import block_diag
+from scipy.ndimage import gaussian_filter1d
 
 import laboratory
 from laboratory import elastic
@@ -426,9 +427,12 @@ def test_what_a_fold_leaves_out_stays_unknown_to_it():
 
 
 def test_folds_allow_for_errors_of_form_as_the_final_fit_does():
-    """A relaxation of two times, of which the library has three and the records show more."""
-    lab = laboratory.Lab(seed=3, relaxed=0.4).specimens()
-    bent = [replace(s, force=s.force * (1.0 + 0.05 * np.sin(s.clock / 3.0))) for s in lab]
+    """What relaxation takes goes up and down by a twentieth."""
+    lab, elastic = (laboratory.Lab(seed=3, relaxed=part).specimens() for part in (0.4, 0.0))
+    bent = [
+        replace(s, force=s.force + 0.05 * np.sin(s.clock / 10.0) * (s.force - e.force))
+        for s, e in zip(lab, elastic, strict=True)
+    ]
     found = diagnose(bent, LoopSettings(), [library()["viscoelastic_relaxation"]])
     doubting, posed = found.selection.problem, found.selection.plain
     assert found.selection.classes
@@ -442,6 +446,28 @@ def test_folds_allow_for_errors_of_form_as_the_final_fit_does():
     assert found.selected.folds == of_folds(doubting, found.selection.final)
     assert found.before.folds == of_folds(posed, found.selection.base)
     assert found.selected.folds != of_folds(posed, found.selection.final)
+
+
+def test_a_platen_that_leaves_bit_by_bit_says_nothing_of_the_rest_of_the_records():
+    """Relaxed, a sample is left at a corner of the predicted force, which is rounded here."""
+    sharp = laboratory.Lab(seed=3, relaxed=0.4).specimens()
+    rounded = [replace(s, force=_rounded(s)) if s.elastic.contact else s for s in sharp]
+    before, after = (
+        diagnose(lab, LoopSettings(), [library()["viscoelastic_relaxation"]]).selection.problem
+        for lab in (sharp, rounded)
+    )
+    assert FORM in after.variances
+    for name, variance in before.variances.items():
+        assert np.sqrt(after.variances[name] / variance) < 1.5
+
+
+def _rounded(specimen):
+    """Force (n,) [N] with means over 0.6 s about where the platen leaves."""
+    pushing = (specimen.phase == "unloading") & (specimen.force > 0.02 * specimen.peak)
+    near = np.abs(specimen.time - specimen.time[np.flatnonzero(pushing)[-1]]) < 3.0
+    means = gaussian_filter1d(specimen.force, 0.6 / np.median(np.diff(specimen.time)))
+    assert np.abs(means - specimen.force)[near].max() > 0.02 * specimen.peak
+    return np.where(near, means, specimen.force)
 
 
 def test_no_form_is_doubted_that_the_records_show_to_be_right(found):

@@ -51,6 +51,7 @@ from softsample.loop.select import (
     Step,
     _alone,
     _beside_hysteresis,
+    _beyond_doubt,
     _members,
     _round,
     _Search,
@@ -767,6 +768,24 @@ def test_a_class_holds_what_folds_do_not_tell_from_the_best(rival, left_out, tol
     )
     members = _members([a, b], a, 12.0, SelectionSettings())
     assert members == (["a"] if told else ["a", "b"])
+
+
+@pytest.mark.parametrize("doubted_before", [True, False])
+def test_errors_of_form_that_are_doubted_are_those_of_effects_chosen_before(
+    monkeypatch, doubted_before
+):
+    asked = []
+    monkeypatch.setattr(
+        "softsample.loop.select._doubted_misfit",
+        lambda posed, fit, doubt: asked.append(FORM in doubt) or 0.0,
+    )
+    monkeypatch.setattr("softsample.loop.select._without", lambda *given: (None, None))
+    before = SimpleNamespace(variances={"smooth": 1.0} | ({FORM: 1.0} if doubted_before else {}))
+    here = SimpleNamespace(settled=before, base=SimpleNamespace(white=np.ones(9)))
+    posed = SimpleNamespace(settings=SETTINGS, variances={"smooth": 1.0, FORM: 1.0})
+    fit = SimpleNamespace(model=Model((library()["force_offset"],)))
+    _beyond_doubt(here, Candidate("force_offset", fit, posed, fit, 1.0, 1.0, True), 12.0)
+    assert asked == [doubted_before] * 3
 
 
 def test_an_effect_that_was_exchanged_does_not_come_back(monkeypatch):

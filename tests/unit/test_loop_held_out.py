@@ -19,7 +19,13 @@ from softsample.loop.held_out import Tables, specimens_of
 from softsample.loop.leave_out import left_out_errors
 from softsample.loop.model import Material, Model, State
 from softsample.loop.posed import LoopSettings, pose
-from softsample.loop.scale import relative_stiffness, same_tests, scale_of, scatter
+from softsample.loop.scale import (
+    most_likely,
+    relative_stiffness,
+    same_tests,
+    scale_of,
+    scatter,
+)
 from softsample.loop.specimen import FORCE, NORMAL
 from softsample.loop.verdict import document, judgement
 from softsample.response.unit import homogeneous_response, response_table
@@ -232,6 +238,22 @@ def test_what_is_left_of_a_scale_belongs_to_other_tests_of_the_specimen():
     assert scale_of(replace(tests[2], piece="D"), scales) == 0.0
     blind = held_out_errors(found.selection.base, tests, 0.0, {})
     assert found.before.held_out["shear_3"].rms < 0.7 * blind["shear_3"].rms
+
+
+def test_errors_of_scale_are_those_of_the_force_that_a_fit_predicts():
+    """Against the ridge estimate, where the first fit was of another force than the last."""
+    (one,) = laboratory.Lab(seed=7).specimens(["shear"])
+    more = np.where(np.abs(one.travel) < 0.2 * one.reach, 1.5, 1.1)
+    problem, _ = pose([replace(one, force=more * one.force)], SETTINGS.noise)
+    problem = problem.with_variances({**problem.variances, "scale": 100.0})
+    fit = problem.at(Model(), pose([one], SETTINGS.noise)[0].fit_material().state)
+    (error,) = most_likely(problem, fit).values()
+    (test,), (force,) = problem.specimens, problem.predicted(fit.model, fit.state)
+    apart = problem.with_variances({**problem.variances, "scale": 0.0})
+    column, left = apart.white([force]), apart.white([test.force - force])
+    precision = 1.0 / (0.1 * SETTINGS.noise.scale_percent) ** 2
+    assert error == pytest.approx(float(column @ left / (column @ column + precision)), rel=1e-3)
+    assert 0.1 < error < 0.5
 
 
 def test_a_compliant_machine_and_its_sample_are_springs_in_series():

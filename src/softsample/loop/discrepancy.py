@@ -67,7 +67,7 @@ def estimated(problem: Problem, fit: Fit) -> Problem:
     names = list(problem.whiteners[0].discrepancy)
     if not names or problem.settings.spread <= 1.0:
         return problem
-    problem = _scaled(problem, fit)
+    problem = scaled(problem, fit)
     tests = _tests(problem, fit, names)
     of_priors, count = fit.jacobian[problem.count :], fit.jacobian.shape[1]
     shared, end = {}, count + 1
@@ -96,7 +96,7 @@ def estimated(problem: Problem, fit: Fit) -> Problem:
     return problem.with_variances(variances)
 
 
-def _scaled(problem: Problem, fit: Fit) -> Problem:
+def scaled(problem: Problem, fit: Fit) -> Problem:
     """The same with an error of scale that goes with the force of a fit."""
     forces = problem.predicted(fit.model, fit.state)
     return problem.with_whiteners([

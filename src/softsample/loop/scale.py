@@ -5,6 +5,7 @@ from collections.abc import Iterable, Mapping, Sequence
 import numpy as np
 from numpy.typing import NDArray
 
+from softsample.loop.discrepancy import scaled
 from softsample.loop.fit import Fit, Problem
 from softsample.loop.same_piece import same_piece
 from softsample.loop.specimen import Specimen
@@ -117,6 +118,7 @@ def most_likely(problem: Problem, fit: Fit) -> dict[Key, float]:
     The residual of the fit has to be one that the discrepancy of the problem is made for: of a
     model without a correction.
     """
+    problem = scaled(problem, fit)
     forces = problem.predicted(fit.model, fit.state)
     variance = (0.01 * problem.settings.sizes(problem.variances).get("scale", 0.0)) ** 2
     left = problem.white([s.force - f for s, f in zip(problem.specimens, forces, strict=True)])

@@ -669,6 +669,22 @@ def test_sizes_do_not_depend_on_the_noise_that_the_fit_was_whitened_with(perfect
     assert other == pytest.approx(one, rel=1e-3)
 
 
+@pytest.mark.parametrize("part", ["rough", "history"])
+def test_sizes_are_as_likely_as_the_likelihood_that_judges_says(perfect, part):
+    """Of records that return 5 % lower: the jump is where the platen rests.
+
+    Means over a whole rest would hide it, and what explains it be given hundreds too much.
+    """
+    records = [
+        replace(s, force=np.where(s.phase == "unloading", 0.95 * s.force, s.force)) for s in perfect
+    ]
+    problem, _ = pose(records, SETTINGS)
+    posed, fit = settled(problem, problem.fit_material())
+    for factor in (0.5, 2.0):
+        other = posed.with_variances({**posed.variances, part: factor**2 * posed.variances[part]})
+        assert other.misfit(other.fit(fit.model, fit.state)) > posed.misfit(fit) - 25.0
+
+
 def test_without_spread_sizes_are_those_of_the_settings(perfect):
     problem, _ = pose(perfect, replace(SETTINGS, spread=1.0))
     assert estimated(problem, problem.fit_material()) is problem

@@ -347,7 +347,7 @@ class _Test:
         double = fit.model.with_effect(_effect(lambda s, force, travel, values: 2.0 * force))
         state = replace(fit.state, values={**fit.state.values, NAME: {}})
         x = w.blocks(specimen.travel) / specimen.reach
-        to = averaging(x)
+        to = averaging(specimen, w)
         part = {name: v * w.kept(w.discrepancy[name]) for name, v in w.variances.items()}
         apart = w.kept(w.known) + part["rough"] + part["history"]
         spread = np.sqrt(sum(np.diag(part[name]) for name in SIMILARITY))

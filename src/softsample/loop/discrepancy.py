@@ -20,8 +20,8 @@ from scipy.sparse import csr_array
 
 from softsample.loop.fit import Fit, Problem
 from softsample.loop.model import Packing
-from softsample.loop.noise import AT_MOST_STATED, FURTHEST
-from softsample.loop.specimen import blocks
+from softsample.loop.noise import AT_MOST_STATED, FURTHEST, Whitener
+from softsample.loop.specimen import Specimen, blocks
 
 Array = NDArray[np.float64]
 
@@ -30,9 +30,6 @@ ROUNDS = 2
 
 MOST_GROUPS = 150
 """Means of blocks of a test from which sizes are estimated, about as many at most."""
-
-SHORTEST = 0.02
-"""Part of the stroke over which blocks are averaged at least: where the platen rests, into one."""
 
 FIXED_THERE = 1e12
 """Precision of a parameter at the end of its range: the fit takes nothing away with it."""
@@ -121,18 +118,23 @@ def _tests(problem: Problem, fit: Fit, names: Sequence[str]) -> list[_Test]:
     ):
         if not len(r):
             continue
-        to = averaging(w.blocks(specimen.travel) / specimen.reach)
+        to = averaging(specimen, w)
         parts = np.stack([to @ w.kept(w.discrepancy[name]) @ to.T for name in names])
         columns = np.column_stack([j, w.blocks(common), *(c[w.keep] for c in w.shared.values())])
         found.append(_Test(to @ r, to @ columns, to @ w.kept(w.known) @ to.T, parts))
     return found
 
 
-def averaging(travel: Array) -> csr_array:
-    """Matrix (m, n) that takes means of neighbours at travels (n,) [parts of the stroke]."""
-    path = np.cumsum(np.abs(np.diff(travel, prepend=travel[0])))
-    step = max(SHORTEST, float(path[-1]) / MOST_GROUPS)
-    _, place, count = np.unique(np.floor(path / step), return_inverse=True, return_counts=True)
+def averaging(specimen: Specimen, whitener: Whitener) -> csr_array:
+    """Matrix (m, n) that takes means of neighbours of the blocks of a test that count.
+
+    Neighbours are near in travel and in time, of which the whole counts as one stroke.
+    """
+    travel, time = whitener.blocks(specimen.travel), whitener.blocks(specimen.time)
+    parts = travel / specimen.reach, time / max(float(np.ptp(time)), 1e-9)
+    way = np.cumsum(np.hypot(*(np.diff(part, prepend=part[0]) for part in parts)))
+    place = np.floor(MOST_GROUPS * way / max(float(way[-1]), 1e-300))
+    _, place, count = np.unique(place, return_inverse=True, return_counts=True)
     return csr_array((place == np.arange(len(count))[:, None]) / count[:, None])
 
 

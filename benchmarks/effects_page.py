@@ -11,7 +11,7 @@ ALL = {"tension", "compression", "shear"}
 HEAD = """# Effects that the diagnosis can name
 
 Written by `benchmarks/effects_page.py` from `src/softsample/loop/effects`; edit the files there.
-How they are selected, and how to add one, is in [loop.md](loop.md). A section has the signature of
+Selection: [loop.md](loop.md); how to add one: [CONTRIBUTING.md](../CONTRIBUTING.md). A section has the signature of
 an effect, what it is confounded with, the discriminating experiment, and the source of form and
 range.
 

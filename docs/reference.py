@@ -15,7 +15,7 @@ Schema = Mapping[str, Any]
 PAGES = {
     "config": ("Settings", "Every key of `config.yaml`, with its default."),
     "samples": ("Columns of the table of samples", "Each row of `samples.tsv` follows this."),
-    "results": ("results.json", "Every number of a study, in `results/results.json`."),
+    "results": ("results.json", "Main numbers of a study, in `results/results.json`."),
 }
 
 

@@ -36,7 +36,7 @@ class Limits:
     sampling_hz
         Samples per second.
     stiffness_ratio, volume_ratio, strain_ratio
-        A sample against the median of the study's others: stiffness and strain in its mode, and
+        A sample against each of the study's others: stiffness and strain in its mode, and
         volume; either way.
     """
 

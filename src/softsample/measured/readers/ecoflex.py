@@ -12,7 +12,7 @@ from softsample.measured.sample import Sample, cylinder, record
 
 ABOUT = (
     "Silicone tissue phantoms of 19 materials, cylinders of 50 mm x 30 mm, compressed at 10 mm/min "
-    "to two thirds of their height; two specimens of each material, five repeats of each. Instron "
+    "by two thirds of their height; two specimens of each material, five repeats of each. Instron "
     "5900 with a load cell of 1 or 10 kN."
 )
 UNSTATED = (

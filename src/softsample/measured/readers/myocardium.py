@@ -22,7 +22,7 @@ UNSTATED = (
     "whether the three sizes are three cubes (taken as three specimens)",
     "which of the first two edges lies along the shear (taken as the first)",
     "forces are read, since the files of stress divide by the second times the third edge",
-    "time, order of the modes and preconditioning",
+    "how the faces are held (taken as bonded), time, order of the modes and preconditioning",
 )
 MODES = 9
 AXIAL = 3

@@ -8,7 +8,7 @@ from softsample.errors import InputError
 from softsample.measured.files import lines_of
 from softsample.measured.sample import Sample, cuboid, record
 
-ABOUT = "One blood clot, a strip of 40 mm x 10 mm x 3 mm, in pure shear to half of its height."
+ABOUT = "One blood clot, a strip of 40 mm x 10 mm x 3 mm, stretched by half of its height."
 UNSTATED = (
     "which edge is pulled (taken as 40 mm wide, 10 mm high, 3 mm thick)",
     "how the strip was held",

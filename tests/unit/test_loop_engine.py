@@ -383,6 +383,17 @@ def test_folds_leave_out_what_they_say(problem):
         assert specimen.travel[starts].min() > 0.74 * specimen.reach
 
 
+def test_a_fold_that_leaves_nothing_is_none():
+    """Ramps are held out: what comes after them is all that is fitted, and no fold tells of it."""
+    tests = [
+        replace(s, held_out=np.isin(s.phase, ("baseline", "ramp")))
+        for s in laboratory.PLANTED["force_offset"].specimens()
+    ]
+    found = diagnose(tests, LoopSettings(), [library()["force_offset"]])
+    assert "after_ramp" not in folds(found.problem)
+    assert (found.verdict, found.correction) == ("explained", None)
+
+
 def test_two_tests_of_one_mode_keep_their_own_lines():
     specimens = [laboratory.Lab(seed=s).specimens(["tension"])[0] for s in (1, 2)]
     problem, _ = pose(specimens, SETTINGS)
@@ -631,9 +642,8 @@ def sizes_beside(records, effect):
     """Sizes that are estimated about the plain model and about one with an effect, near neutral."""
     problem, _ = pose(records, SETTINGS)
     base = problem.fit_material()
-    beside = problem.at(
-        Model((effect,)), State(base.state.material, {effect.name: effect.neutral()})
-    )
+    state = replace(base.state, values={effect.name: effect.neutral()})
+    beside = problem.at(Model((effect,)), state)
     return [SETTINGS.sizes(estimated(problem, fit).variances) for fit in (base, beside)]
 
 
@@ -683,6 +693,14 @@ def test_sizes_are_as_likely_as_the_likelihood_that_judges_says(perfect, part):
     for factor in (0.5, 2.0):
         other = posed.with_variances({**posed.variances, part: factor**2 * posed.variances[part]})
         assert other.misfit(other.fit(fit.model, fit.state)) > posed.misfit(fit) - 25.0
+
+
+def test_without_spread_a_fit_is_that_to_the_noise_it_is_settled_with(perfect):
+    problem, _ = pose(perfect, replace(SETTINGS, spread=1.0))
+    fit = problem.fit_material()
+    larger = problem.with_variances(dict.fromkeys(problem.variances, 25.0))
+    posed, again = settled(larger, fit)
+    assert (posed, again.problem) == (larger, larger)
 
 
 def test_without_spread_sizes_are_those_of_the_settings(perfect):
@@ -795,12 +813,12 @@ def test_errors_of_form_that_are_doubted_are_those_of_effects_chosen_before(
         "softsample.loop.select._doubted_misfit",
         lambda posed, fit, doubt: asked.append(FORM in doubt) or 0.0,
     )
-    monkeypatch.setattr("softsample.loop.select._without", lambda *given: (None, None))
     before = SimpleNamespace(variances={"smooth": 1.0} | ({FORM: 1.0} if doubted_before else {}))
     here = SimpleNamespace(settled=before, base=SimpleNamespace(white=np.ones(9)))
     posed = SimpleNamespace(settings=SETTINGS, variances={"smooth": 1.0, FORM: 1.0})
     fit = SimpleNamespace(model=Model((library()["force_offset"],)))
-    _beyond_doubt(here, Candidate("force_offset", fit, posed, fit, 1.0, 1.0, True), 12.0)
+    candidate = Candidate("force_offset", fit, posed, fit, 1.0, 1.0, True)
+    _beyond_doubt(here, candidate, (None, None), 12.0)
     assert asked == [doubted_before] * 3
 
 
@@ -830,12 +848,7 @@ def test_an_effect_that_was_exchanged_does_not_come_back(monkeypatch):
     )
     search = Search(posed, fit(), [], LoopSettings().selection, 12.0, posed, fit())
     for names in ("A", "AB", "ABC"):
-        search._take(
-            posed,
-            search.current,
-            candidate(*names),
-            [names[-1]],
-        )
+        search._take(posed, candidate(*names), [names[-1]])
     assert search.current.model.names == ("A", "B", "C")
     assert search.exchange()
     assert search.current.model.names == ("B", "C", "D")
@@ -1009,6 +1022,19 @@ def test_resampled_records_keep_what_the_model_says_and_the_noise(problem):
     assert abs(np.corrcoef(white, fit.white)[0, 1]) < 0.2
 
 
+def test_resampled_noise_lies_where_records_are_fitted(problem):
+    gone = [replace(s, held_out=s.phase == "hold") for s in problem.specimens]
+    rest = pose(gone, SETTINGS)[0]
+    fit = rest.fit_material()
+    again = resampled(rest, fit, np.random.default_rng(2))
+    for one, whitener, force in zip(
+        again.specimens, rest.whiteners, rest.predicted(fit.model, fit.state), strict=True
+    ):
+        noise = blocks(one.force - force, whitener.size)
+        assert noise[whitener.keep].all()
+        assert not noise[~whitener.keep].any()
+
+
 def test_a_plain_effect_is_found_again_in_resampled_records(found):
     assert found.confidence(LoopSettings(), 0) is None
     assert found.confidence(LoopSettings(), 2) == 1.0
@@ -1043,7 +1069,8 @@ def test_nothing_is_chosen_beside_a_refused_effect_of_more_than_twice_the_eviden
         return Candidate(name, fit, None, fit, evidence, evidence, doubted=False)
 
     found = [one("uneven_contact", 100.0), one("late_contact", evidence)]
-    here = SimpleNamespace(settled=SimpleNamespace(misfit=lambda fit: 0.0), base=None)
+    settled = SimpleNamespace(misfit=lambda fit: 0.0)
+    here = SimpleNamespace(settled=settled, base=None, current=None)
     for name, stands_in in {
         "_fitted": lambda *given: found,
         "_without": lambda *given: (here.settled, None),
@@ -1086,10 +1113,11 @@ def test_an_effect_that_is_alone_in_the_end_has_the_class_of_the_round_of_the_pl
         Candidate(name, None, None, None, evidence + 20.0, evidence, False, 0.5)
         for name, evidence in (("poisson_ratio", 138.0), ("machine_compliance", 137.0), ("law", 50))
     )
-    opening, settings = Step(12.0, [ratio, compliance, law], ratio), SelectionSettings()
+    opening = Step(12.0, [ratio, compliance, law], ratio, current=SimpleNamespace())
+    settings = SelectionSettings()
 
     def told(*names):
-        return _alone(None, opening, {name: [name] for name in names}, settings)
+        return _alone(opening, {name: [name] for name in names}, settings)
 
     assert told("machine_compliance") == {
         "machine_compliance": ["machine_compliance", "poisson_ratio"]

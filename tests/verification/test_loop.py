@@ -179,7 +179,6 @@ EFFECT = Effect(
     name="moon",
     title="Phase of the moon",
     parameters=(Parameter("moons", "1", -20.0, 20.0, 1.0),),
-    tier="P",
     source="none",
     signature="random",
     confused_with=("gain",),

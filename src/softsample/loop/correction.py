@@ -220,20 +220,24 @@ def confirmed(
     found: list[Confirmed] = []
     reference = np.inf
     for place, (problem, fit, folds) in enumerate(models):
-        told = [name for name, fold in folds.items() if _can_tell(problem, name, fold)]
-        known = {name: learned(fold.problem, fold.fit) for name, fold in folds.items()}
-        bare = _left_out(problem, folds, told, noises)
-        after = _left_out(problem, _corrected(folds, known), told, noises)
-        held = [kind for kind in bare if _better(after[kind], bare[kind])]
-        corrected = _corrected(folds, {name: one.only(held) for name, one in known.items()})
+        told = {name: fold for name, fold in folds.items() if _can_tell(problem, name, fold)}
+        bare = _left_out(problem, told, noises)
         if place == 0:
             reference = _mean(bare)
-            if reference <= problem.settings.floor_percent:
+            if not problem.settings.floor_percent < reference < np.inf:
                 return None
         else:
             found.append(Confirmed(problem, fit, None, folds, reference, _mean(bare)))
-        left = _mean(_left_out(problem, corrected, told, noises))
-        own = learned(problem, fit).only(held)
+        known = {name: learned(fold.problem, fold.fit) for name, fold in told.items()}
+        after = _left_out(problem, _corrected(told, known), noises)
+        held = [kind for kind in bare if _better(after[kind], bare[kind])]
+        if not held:
+            continue
+        for name in folds.keys() - told.keys():
+            known[name] = learned(folds[name].problem, folds[name].fit)
+        only = {name: known[name].only(held) for name in folds}
+        left = _mean(_left_out(problem, _corrected(told, only), noises))
+        own, corrected = learned(problem, fit).only(held), _corrected(folds, only)
         found.append(Confirmed(problem, fit, own, corrected, reference, left))
     best = None
     for one in found:  # the least changed first: another has to be far better than it
@@ -256,13 +260,12 @@ def _can_tell(problem: Problem, name: str, fold: Fold) -> bool:
 
 
 def _left_out(
-    problem: Problem, folds: Mapping[str, Fold], told: Sequence[str], noises: Sequence[float]
+    problem: Problem, folds: Mapping[str, Fold], noises: Sequence[float]
 ) -> dict[Kind, Ways]:
     """RMS error of what folds leave out, by mode and channel, and by whether it is `LAST`."""
     kinds = {name: _kind(s) for name, s in zip(problem.labels, problem.specimens, strict=True)}
     found: dict[Kind, dict[bool, list[float]]] = {}
-    chosen = {name: folds[name] for name in told}
-    for name, tests in fold_errors(problem, chosen, noises).items():
+    for name, tests in fold_errors(problem, folds, noises).items():
         for label, error in tests.items():
             ways = found.setdefault(kinds[label], {})
             ways.setdefault(name == LAST, []).append((error.structured / error.peak) ** 2)
@@ -295,7 +298,7 @@ def _kind(specimen: Specimen) -> Kind:
 
 def _effect(tissue: Callable[[Specimen, Array, Array, Values], Array]) -> Effect:
     """Change of the force of the sample, as the last effect of a model."""
-    return Effect(NAME, "Correction", (), "P", __name__, "smooth in the strain", tissue=tissue)
+    return Effect(NAME, "Correction", (), __name__, "smooth in the strain", tissue=tissue)
 
 
 def learned(problem: Problem, fit: Fit) -> Correction:

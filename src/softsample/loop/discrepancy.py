@@ -104,7 +104,7 @@ def scaled(problem: Problem, fit: Fit) -> Problem:
 
 def settled(problem: Problem, fit: Fit, rounds: int = ROUNDS) -> tuple[Problem, Fit]:
     """Sizes of the discrepancy about a fit, and the fit with these."""
-    for _ in range(rounds if problem.settings.spread > 1.0 else 0):
+    for _ in range(rounds):
         problem = estimated(problem, fit)
         fit = problem.fit(fit.model, fit.state)
     return problem, fit

@@ -130,7 +130,8 @@ def folds(problem: Problem) -> dict[str, list[Mask]]:
     after = [
         np.isin(phase, ("hold", "unloading")) & own for phase, own in zip(phases, kept, strict=True)
     ]
-    if all(mask.any() for mask in after):
+    rest = any((own & ~mask).any() for own, mask in zip(kept, after, strict=True))
+    if rest and all(mask.any() for mask in after):
         found["after_ramp"] = after
     found["last_quarter"] = []
     for k, specimen in enumerate(problem.specimens):
@@ -186,9 +187,11 @@ def cross_validated(
     for name, masks in folds(problem).items():
         if names is not None and name not in names:
             continue
-        kept = [w.on(w.keep & ~mask) for w, mask in zip(problem.whiteners, masks, strict=True)]
-        rest = problem.with_whiteners(kept)
-        found[name] = Fold(masks, rest, rest.fit(fit.model, fit.state))
+        known = fit.folds if fit.problem is problem else {}
+        if name not in known:
+            kept = [w.on(w.keep & ~mask) for w, mask in zip(problem.whiteners, masks, strict=True)]
+            known[name] = problem.with_whiteners(kept).fit(fit.model, fit.state)
+        found[name] = Fold(masks, known[name].problem, known[name])
     return found
 
 

@@ -2,7 +2,7 @@
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
-from functools import cached_property
+from functools import cached_property, lru_cache
 
 import numpy as np
 from numpy.typing import NDArray
@@ -67,6 +67,8 @@ class Fit:
         Parameters of effects that lie on the end of their range.
     problem : Problem
         Records, and the noise that makes residual and derivative white.
+    folds : dict of Fit
+        The same model fitted to what a fold leaves, as far as that was asked for.
     """
 
     model: Model
@@ -76,6 +78,7 @@ class Fit:
     jacobian: Array
     at_bound: tuple[str, ...]
     problem: "Problem" = field(repr=False)
+    folds: "dict[str, Fit]" = field(default_factory=dict, init=False, repr=False, compare=False)
 
     @property
     def residual(self) -> list[Array]:
@@ -103,6 +106,17 @@ class Fit:
     def covariance(self) -> Array:
         """Covariance (p, p) of the packed parameters."""
         return np.asarray(np.linalg.inv(self.information))
+
+
+@lru_cache(maxsize=16)  # the tests of a group
+def _alike(specimen: Specimen, size: int) -> tuple[Array, Array]:
+    """Correlations (n, n) between blocks of errors in the form of effects: long and brief ones."""
+    clock, way = blocks(specimen.time, size), blocks(specimen.travel, size)
+    apart = np.subtract.outer(clock, clock) / memory(specimen, size)
+    further = np.subtract.outer(way, way) / (0.25 * specimen.reach)
+    both = np.hypot(apart, further)
+    long = np.mean([alike(both, 1.0) for alike in SIMILARITY.values()], axis=0)
+    return np.asarray(long), np.exp(-0.5 * (apart / BRIEF) ** 2)
 
 
 def labels(specimens: Sequence[Specimen]) -> list[str]:
@@ -171,13 +185,17 @@ class Problem:
         self.common = list(common) or [np.zeros_like(s.force) for s in self.specimens]
 
     @cached_property
-    def _joint(self) -> tuple[Array, Array]:
-        """Orthonormal directions (n, k) in which tests share errors, and their variance (k,)."""
+    def _joint(self) -> tuple[Array, Array, Array]:
+        """Orthonormal directions (n, k) in which tests share errors, and their variance (k,).
+
+        Last what whitening takes from a unit of each direction (n, k).
+        """
         columns = np.column_stack([
             self._own_white(self.common), np.concatenate([w.in_common for w in self.whiteners])
         ])  # fmt: skip
         directions, sizes, _ = np.linalg.svd(columns, full_matrices=False)
-        return directions, 1.0 + sizes**2
+        variance = 1.0 + sizes**2
+        return directions, variance, (1.0 - 1.0 / np.sqrt(variance)) * directions
 
     @property
     def labels(self) -> list[str]:
@@ -226,13 +244,12 @@ class Problem:
 
     def white(self, parts: Sequence[Array]) -> Array:
         """White residual (n, ...) of all tests from one (n_samples, ...) per test."""
-        own, (directions, variance) = self._own_white(parts), self._joint
-        less = (1.0 - 1.0 / np.sqrt(variance)) * directions
+        own, (directions, _, less) = self._own_white(parts), self._joint
         return np.asarray(own - less @ (directions.T @ own))
 
     def coloured(self, white: Array) -> list[Array]:
         """Block means [N] of every test with this noise from independent unit noise (n, ...)."""
-        directions, variance = self._joint
+        directions, variance, _ = self._joint
         own = white + (np.sqrt(variance) - 1.0) * directions @ (directions.T @ white)
         return [w.coloured(part) for w, part in zip(self.whiteners, self.by_test(own), strict=True)]
 
@@ -290,7 +307,7 @@ class Problem:
 
         With the prior of the sizes of the discrepancy.
         """
-        white = self.residual(fit.model, fit.state)
+        white = fit.white if fit.problem is self else self.residual(fit.model, fit.state)
         own = sum(w.log_determinant for w in self.whiteners)
         shared = np.log(self._joint[1]).sum()
         return float(white @ white + own + shared + self._unlikely_sizes)
@@ -332,14 +349,7 @@ class Problem:
         for specimen, whitener in zip(self.specimens, self.whiteners, strict=True):
             added = fit.model.predict(specimen, fit.state) - without.predict(specimen, fit.state)
             part = blocks(added, whitener.size)
-            clock = blocks(specimen.time, whitener.size)
-            way = blocks(specimen.travel, whitener.size)
-            apart = np.subtract.outer(clock, clock) / memory(specimen, whitener.size)
-            further = np.subtract.outer(way, way) / (0.25 * specimen.reach)
-            long = np.mean(
-                [of(np.hypot(apart, further), 1.0) for of in SIMILARITY.values()], axis=0
-            )
-            brief = np.exp(-0.5 * (apart / BRIEF) ** 2)
+            long, brief = _alike(specimen, whitener.size)
             size = 0.01 * self.settings.form_percent * part
             rounded = brief @ part / brief.sum(axis=1) - part
             form = np.outer(size, size) * long + np.outer(rounded, rounded) * brief

@@ -9,7 +9,7 @@ import numpy as np
 from softsample.loop.effects.base import Effect
 from softsample.loop.fit import Fit, Problem
 from softsample.loop.model import Model, State
-from softsample.loop.screen import Signature, nominal_step
+from softsample.loop.screen import Signature, nominal_step, orthonormal
 
 FAR_MORE = 2.0
 """How much more than another a fit changes what is held out for the other to be preferred."""
@@ -44,11 +44,9 @@ def joint_fit(problem: Problem, current: Fit, signature: Signature, tie: float) 
         margin = 0.02 * (p.high - p.low)
         size = p.neutral + x * nominal_step(p)
         estimate[p.name] = float(np.clip(size, p.low + margin, p.high - margin))
-    shapes = [p for p in effect.parameters if not p.is_size]
-    points = _points(effect) if len(effect.sizes) < 3 else []
-    starts = [estimate, {**signature.start, **_small(effect)}] + [
-        {**estimate, **dict(zip([p.name for p in shapes], point, strict=True))} for point in points
-    ]
+    starts = [estimate, {**signature.start, **_small(effect)}]
+    if len(effect.sizes) < 3:
+        starts += [{**estimate, **point} for point in effect.points]
     promised = current.cost - 0.95 * signature.gain(current.white)
     model = current.model.with_effect(effect)
     states = [
@@ -105,7 +103,7 @@ def _least_left(problem: Problem, current: Fit, model: Model, states: Sequence[S
 
     Where contact sets in late, what a small size does tells little of what a large one does.
     """
-    directions, _ = np.linalg.qr(current.jacobian)
+    directions = orthonormal(current.jacobian)
 
     def left(state: State) -> float:
         white = problem.residual(model, state)[: len(directions)]
@@ -125,11 +123,9 @@ def law_fit(problem: Problem, base: Fit, law: Effect, tie: float) -> Fit:
     law : Effect
         Another elastic law.
     """
-    shapes = [p.name for p in law.parameters if not p.is_size]
     starts = law.starts or [
-        {p.name: p.neutral + part * nominal_step(p) for p in law.sizes}
-        | dict(zip(shapes, point, strict=True))
-        for part, point in product(PARTS, _points(law))
+        {p.name: p.neutral + part * nominal_step(p) for p in law.sizes} | dict(point)
+        for part, point in product(PARTS, law.points)
     ]
     model = base.model.with_effect(law)
     states = _own_starts(problem, model, base.state, starts)
@@ -178,8 +174,3 @@ def _own_starts(
 def _small(effect: Effect) -> dict[str, float]:
     """Sizes just off their neutral values."""
     return {p.name: p.neutral + 0.01 * nominal_step(p) for p in effect.sizes}
-
-
-def _points(effect: Effect) -> list[tuple[float, ...]]:
-    """Points of the grid of how an effect acts."""
-    return list(product(*(p.grid for p in effect.parameters if not p.is_size)))

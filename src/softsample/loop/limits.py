@@ -61,9 +61,18 @@ def detection_limits(selection: Selection, final: Fit) -> dict[str, Limit]:
     law, found = final.model.law, final.state
     plain = State(found.material, {name: found.values[name] for name in law.names})
     threshold, n = selection.steps[0].threshold, len(selection.base.white)
+    problem = selection.problem
+    doubting = {
+        floor: problem.with_least(problem.settings.doubt(problem.variances, floor))
+        for floor in (False, True)
+    }
     limits = {
         name: _limit(
-            selection.problem, law, plain, signature, threshold + penalty(signature.effect, n)
+            doubting[signature.effect.like_floor],
+            law,
+            plain,
+            signature,
+            threshold + penalty(signature.effect, n),
         )
         for name, signature in selection.strongest.items()
         if name not in selection.weak and law.admits(signature.effect)
@@ -75,8 +84,7 @@ def _limit(
     problem: Problem, law: Model, plain: State, signature: Signature, need: float
 ) -> Limit | None:
     """Where as much is left as is needed, None beyond the range."""
-    doubt = problem.settings.doubt(problem.variances, signature.effect.like_floor)
-    problem, highest = problem.with_least(doubt), _highest(signature)
+    highest = _highest(signature)
     size = min(float(np.sqrt(need)) / signature.strength, highest)
     for _ in range(ROUNDS):
         fit = _plain_fit(problem, law, plain, signature.effect, _sized(signature, size))

@@ -242,19 +242,20 @@ def _last_digit(force: Array) -> float:
     return float(np.min(steps, initial=np.inf, where=steps > 0.0)) if steps.any() else 0.0
 
 
-def shared(noises: Sequence[Noise], cells: Sequence[bool] | None = None) -> list[Noise]:
+def shared(noises: Sequence[Noise], cells: Sequence[bool]) -> list[Noise]:
     """Noise of records of one machine: the medians, as one record alone shows it but roughly.
 
     `cells` tells records of a cell for torque from those of one for force.
     """
-    of = cells or [False] * len(noises)
+    of = {
+        cell: np.median(
+            [(n.white, n.slow) for n, c in zip(noises, cells, strict=True) if c == cell], axis=0
+        ).tolist()
+        for cell in set(cells)
+    }
     return [
-        Noise(
-            float(np.median([n.white for n, cell in zip(noises, of, strict=True) if cell == own])),
-            float(np.median([n.slow for n, cell in zip(noises, of, strict=True) if cell == own])),
-            noise.size,
-        )
-        for noise, own in zip(noises, of, strict=True)
+        Noise(of[cell][0], of[cell][1], noise.size)
+        for noise, cell in zip(noises, cells, strict=True)
     ]
 
 
@@ -361,16 +362,16 @@ class Whitener:
     @cached_property
     def _factor(self) -> Array:
         """Cholesky factor of the test's own covariance of the blocks that count."""
-        part = self.kept(self.known)
+        part = np.array(self.kept(self.known))
         for name, matrix in self.discrepancy.items():
             part += self.variances[name] * self.kept(matrix)
-        part += 1e-12 * np.trace(part) / max(len(part), 1) * np.eye(len(part))
-        return np.asarray(cholesky(part, lower=True, overwrite_a=True, check_finite=False))
+        part.flat[:: len(part) + 1] += 1e-12 * np.trace(part) / max(len(part), 1)
+        # symmetric: in the order of columns it is factorised in place
+        return np.asarray(cholesky(part.T, lower=True, overwrite_a=True, check_finite=False))
 
     def kept(self, matrix: Array) -> Array:
-        """Part of a matrix (n, n) that is of the blocks that count, as a copy."""
-        every = bool(self.keep.all())  # a plain copy is ten times as fast
-        return np.array(matrix if every else matrix[np.ix_(self.keep, self.keep)])
+        """Part of a matrix (n, n) that is of the blocks that count."""
+        return matrix if self.keep.all() else matrix[np.ix_(self.keep, self.keep)]
 
     @property
     def variance(self) -> Array:
@@ -438,7 +439,7 @@ class Whitener:
 
     def on(self, keep: NDArray[np.bool_]) -> "Whitener":
         """The same with other blocks."""
-        return self._but(keep=keep)
+        return self if np.array_equal(keep, self.keep) else self._but(keep=keep)
 
     def _but(self, **changed: Any) -> "Whitener":
         """The same with some parts changed."""

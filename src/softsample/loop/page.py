@@ -45,13 +45,13 @@ def page(group: str, verdict: Mapping[str, Any]) -> str:
     for effect in verdict["withheld"]:
         parts += [_withheld(effect), ""]
     parts += ["## Modulus", "", *_moduli(verdict), "", *_wider(verdict["birge_ratio"]["after"])]
-    parts += ["## Error", "", *_errors(verdict), ""]
+    parts += ["## Error", "", *_errors(verdict, "error", "test", "phase"), ""]
     if verdict["held_out_before"]:
         rule = (
             verdict.get("rule") or "the study holds nothing out: parts of what is fitted, in turn"
         )
         parts += [f"Held out, and predicted from the rest ({rule}):", ""]
-        parts += [*_held_out(verdict), ""]
+        parts += [*_errors(verdict, "held_out", "left out", "test"), ""]
     parts += ["## Path", "", *_path(verdict), "", *_limits(verdict, limits)]
     parts += ["", "![before and after](verdict.png)", ""]
     return "\n".join(parts)
@@ -227,24 +227,14 @@ def _wider(ratio: float) -> list[str]:
     ]
 
 
-def _errors(verdict: Mapping[str, Any]) -> list[str]:
+def _errors(verdict: Mapping[str, Any], key: str, *of: str) -> list[str]:
+    """Errors `key` before and after, by what the two columns `of` name."""
     return _table(
-        ["test", "phase", "RMS before [mN]", "after [mN]", "before [% of peak]", "after"],
+        [*of, "RMS before [mN]", "after [mN]", "before [% of peak]", "after"],
         [
-            [mode, phase, *_before_after(before, verdict["error_after"][mode][phase])]
-            for mode, phases in verdict["error_before"].items()
-            for phase, before in phases.items()
-        ],
-    )
-
-
-def _held_out(verdict: Mapping[str, Any]) -> list[str]:
-    return _table(
-        ["left out", "test", "RMS before [mN]", "after [mN]", "before [% of peak]", "after"],
-        [
-            [fold, mode, *_before_after(before, verdict["held_out_after"][fold][mode])]
-            for fold, modes in verdict["held_out_before"].items()
-            for mode, before in modes.items()
+            [one, two, *_before_after(before, verdict[f"{key}_after"][one][two])]
+            for one, parts in verdict[f"{key}_before"].items()
+            for two, before in parts.items()
         ],
     )
 

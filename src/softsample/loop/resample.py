@@ -56,7 +56,9 @@ def resampled(problem: Problem, fit: Fit, random: np.random.Generator) -> Proble
     drawn = [part[stretches(len(part), BLOCKS, random)] for part in white]
     noise = problem.coloured(np.concatenate(drawn))
     for force, means, whitener in zip(forces, noise, problem.whiteners, strict=True):
-        force[: len(means) * whitener.size] += np.repeat(means, whitener.size)
+        every = np.zeros(len(whitener.keep))
+        every[whitener.keep] = means
+        force[: len(every) * whitener.size] += np.repeat(every, whitener.size)
     return problem.with_forces(forces)
 
 

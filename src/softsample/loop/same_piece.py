@@ -5,7 +5,7 @@ more sharply than the error of any one of them would allow. Of tests at one spee
 whether they were made in one direction.
 """
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 
 import numpy as np
 from numpy.typing import NDArray
@@ -26,18 +26,26 @@ def same_piece(specimens: Sequence[Specimen]) -> list[int | None]:
 
     They are of one mode and channel, and go about as far.
     """
-    firsts: list[Specimen] = []
-    found = []
-    for specimen in specimens:
-        alike = [_alike(specimen, first) for first in firsts]
-        found.append(alike.index(True) if any(alike) else len(firsts))
-        firsts += [] if any(alike) else [specimen]
+    found = numbered(specimens, _alike)
     of = [
         [s for s, place in zip(specimens, found, strict=True) if place == k]
-        for k in range(len(firsts))
+        for k in range(max(found, default=-1) + 1)
     ]
     several = [k for k, tests in enumerate(of) if _speeds_differ(tests)]
     return [several.index(place) if place in several else None for place in found]
+
+
+def numbered(
+    specimens: Sequence[Specimen], alike: Callable[[Specimen, Specimen], bool]
+) -> list[int]:
+    """A number for each test, the same for those that are like the first of that number."""
+    firsts: list[Specimen] = []
+    found = []
+    for specimen in specimens:
+        like = [alike(specimen, first) for first in firsts]
+        found.append(like.index(True) if any(like) else len(firsts))
+        firsts += [] if any(like) else [specimen]
+    return found
 
 
 def _alike(one: Specimen, other: Specimen) -> bool:

@@ -7,7 +7,7 @@ from numpy.typing import NDArray
 
 from softsample.loop.discrepancy import scaled
 from softsample.loop.fit import Fit, Problem
-from softsample.loop.same_piece import same_piece
+from softsample.loop.same_piece import numbered, same_piece
 from softsample.loop.specimen import Specimen
 from softsample.protocol import ALIKE
 
@@ -58,6 +58,8 @@ def relative_stiffness(problem: Problem, fit: Fit) -> dict[str, float]:
     for _ in range(ROUNDS):
         known = problem.of_stiffness(found)
         found = _relative(known, known.fit(fit.model, fit.state))
+        if not found:
+            break
     return found
 
 
@@ -86,15 +88,7 @@ def _relative(problem: Problem, fit: Fit) -> dict[str, float]:
 
 def same_tests(specimens: Sequence[Specimen]) -> list[int]:
     """A number for each test, the same for those of one mode, channel, displacement and speed."""
-    firsts: list[Specimen] = []
-    found = []
-    for specimen in specimens:
-        alike = [_alike(specimen, first) for first in firsts]
-        if not any(alike):
-            firsts.append(specimen)
-            alike.append(True)
-        found.append(alike.index(True))
-    return found
+    return numbered(specimens, _alike)
 
 
 def _alike(one: Specimen, other: Specimen) -> bool:

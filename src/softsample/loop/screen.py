@@ -2,7 +2,6 @@
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
-from itertools import product
 
 import numpy as np
 from numpy.typing import NDArray
@@ -13,6 +12,9 @@ from softsample.loop.fit import Fit, Problem
 from softsample.loop.model import Model
 
 Array = NDArray[np.float64]
+
+LEVEL = 0.95
+"""Part of records of noise alone in which no effect passes the threshold."""
 
 LEAST_SIGNATURE = 1.0
 """A signature at nominal size below one standard deviation, all blocks together, says nothing."""
@@ -57,7 +59,7 @@ class Signature:
             return 0.0
         basis = self.basis
         if not all(allowed):
-            basis = _orthonormal(self.columns[:, allowed])
+            basis = orthonormal(self.columns[:, allowed])
         return float(np.sum((basis.T @ white) ** 2))
 
 
@@ -68,7 +70,7 @@ begins with a toe changes by a small shift in another way than by a large one.""
 
 def signatures(problem: Problem, base: Fit, effects: Sequence[Effect]) -> list[Signature]:
     """Signatures of all effects, one for every point of the grid of how each acts."""
-    explained = _orthonormal(base.jacobian)
+    explained = orthonormal(base.jacobian)
     here = problem.predicted(base.model, base.state)
     travels = [base.model.travel(specimen, base.state) for specimen in problem.specimens]
     found = []
@@ -85,12 +87,7 @@ def signatures(problem: Problem, base: Fit, effects: Sequence[Effect]) -> list[S
         return problem.predicted(base.model.with_effect(effect), state)
 
     for effect in effects:
-        shapes = [p for p in effect.parameters if not p.is_size]
-        points = list(product(*(p.grid for p in shapes)))
-        starts = [
-            {**effect.neutral(), **dict(zip([p.name for p in shapes], point, strict=True))}
-            for point in points
-        ]
+        starts = [{**effect.neutral(), **point} for point in effect.points]
         for step in STEPS[: 1 + (not effect.only_instrument)]:
             changed = [
                 predicted(effect, {**start, p.name: p.neutral + step * nominal_step(p)})
@@ -100,7 +97,7 @@ def signatures(problem: Problem, base: Fit, effects: Sequence[Effect]) -> list[S
             columns = problem.white_changes(here, changed, base.model) / step
             columns -= explained @ (explained.T @ columns)
             for start, part in zip(starts, np.split(columns, len(starts), axis=1), strict=True):
-                found.append(Signature(effect, start, part, _orthonormal(part)))
+                found.append(Signature(effect, start, part, orthonormal(part)))
     return found
 
 
@@ -109,7 +106,7 @@ def nominal_step(parameter: Parameter) -> float:
     return parameter.nominal - parameter.neutral or 0.1 * (parameter.high - parameter.neutral)
 
 
-def _orthonormal(columns: Array) -> Array:
+def orthonormal(columns: Array) -> Array:
     """Orthonormal basis of the columns, those that vanish left out."""
     if columns.shape[1] == 0:
         return columns
@@ -122,9 +119,7 @@ def penalty(effect: Effect, n: int) -> float:
     return float(len(effect.parameters) * np.log(n))
 
 
-def family_wise(
-    found: Sequence[Signature], n: int, draws: int, seed: int, least: float, level: float = 0.95
-) -> float:
+def family_wise(found: Sequence[Signature], n: int, draws: int, seed: int, least: float) -> float:
     """Gain less penalty, `least` or more, that the best effect reaches by noise in 5 % of records.
 
     Draws are not needed where the sum of the chances of all signatures to pass `least` is below
@@ -132,23 +127,21 @@ def family_wise(
     """
     seen = [s for s in found if s.basis.size]
     chances = [chi2.sf(least + penalty(s.effect, n), s.basis.shape[1]) for s in seen]
-    if sum(chances) <= 1.0 - level:
+    if sum(chances) <= 1.0 - LEVEL:
         return least
-    return max(least, null_threshold(found, n, draws, seed, level))
+    return max(least, null_threshold(found, n, draws, seed))
 
 
-def null_threshold(
-    found: Sequence[Signature], n: int, draws: int, seed: int, level: float = 0.95
-) -> float:
+def null_threshold(found: Sequence[Signature], n: int, draws: int, seed: int) -> float:
     """Largest gain less penalty among all effects that pure noise exceeds in 5 % of draws."""
     rng = np.random.default_rng(seed)
-    span = _orthonormal(np.hstack([signature.basis for signature in found]))
+    span = orthonormal(np.hstack([signature.basis for signature in found]))
     noise = rng.standard_normal((span.shape[1], draws))  # all of it that the signatures see
     best = np.full(draws, -np.inf)
     for signature in found:
         gains = np.sum((signature.basis.T @ span @ noise) ** 2, axis=0)
         best = np.maximum(best, gains - penalty(signature.effect, n))
-    return float(np.quantile(best, level))
+    return float(np.quantile(best, LEVEL))
 
 
 def best_of_each(found: Sequence[Signature], white: Array) -> Mapping[str, tuple[float, Signature]]:

@@ -2,6 +2,7 @@
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
+from functools import cached_property, lru_cache
 from typing import Self
 
 import numpy as np
@@ -136,6 +137,8 @@ class Step:
         What the records ask for most, if it is not given.
     why : str
         Why it is not.
+    current : Fit or None
+        What candidates were fitted beside.
     """
 
     threshold: float
@@ -144,6 +147,7 @@ class Step:
     members: list[str] = field(default_factory=list)
     refused: Candidate | None = None
     why: str = ""
+    current: Fit | None = None
 
 
 @dataclass(frozen=True)
@@ -193,7 +197,7 @@ class Selection:
 
 def select(problem: Problem, effects: Sequence[Effect], settings: SelectionSettings) -> Selection:
     """Find the effects that the records ask for."""
-    first = _Round.of(problem, problem.fit_material())
+    first = _plain_round(problem)
     library = [e for e in effects if e.identifiable]
     found = signatures(first.problem, first.current, library)
     strongest = {
@@ -202,14 +206,18 @@ def select(problem: Problem, effects: Sequence[Effect], settings: SelectionSetti
     threshold = family_wise(
         found, len(first.current.white), settings.null_draws, settings.seed, settings.least_gain
     )
-    fresh = _Search(problem, first.current, library, settings, threshold, problem, first.current)
+    fresh = _Search(
+        problem, first.current, library, settings, threshold, problem, first.current,
+        _Round.of(problem, first.current),
+    )  # fmt: skip
     search = fresh.completed()
     opening, plain = search.steps[0], search.visited[0]
     others = (fresh.law_first(opening), fresh.left_out_first(opening))
     rivals = [fresh.completed(step) for step in others if step is not None]
     asked = [one for one in rivals if one.likeliest.left < plain.left - threshold]
     visited = [model for one in (search, *rivals) for model in one.visited]
-    search = min([search, *asked], key=lambda one: one.likeliest.doubted)
+    if asked:
+        search = min([search, *asked], key=lambda one: one.likeliest.doubted)
     best = search.likeliest
     weak = [
         name for name, signature in strongest.items()
@@ -222,7 +230,7 @@ def select(problem: Problem, effects: Sequence[Effect], settings: SelectionSetti
         first.base,
         best.fit,
         search.steps,
-        {**best.classes, **_alone(first, opening, best.classes, settings)},
+        {**best.classes, **_alone(opening, best.classes, settings)},
         weak,
         strongest,
         _others(visited, best),
@@ -231,7 +239,7 @@ def select(problem: Problem, effects: Sequence[Effect], settings: SelectionSetti
 
 def plain_model(problem: Problem) -> tuple[Problem, Fit]:
     """Records with the most likely sizes of the discrepancy about the model without effects."""
-    first = _Round.of(problem, problem.fit_material())
+    first = _plain_round(problem)
     return first.settled, first.base
 
 
@@ -264,6 +272,12 @@ class _Round:
         return cls(posed, base, sharp, sharp.fit(base.model, base.state))
 
 
+@lru_cache(maxsize=2)  # of records as they are, and with the stiffness of specimens
+def _plain_round(problem: Problem) -> _Round:
+    """About the plain model."""
+    return _Round.of(problem, problem.fit_material())
+
+
 @dataclass(frozen=True)
 class _Visited:
     """A model that a search came to: records with the most likely sizes, its fit and classes."""
@@ -272,7 +286,7 @@ class _Visited:
     fit: Fit
     classes: dict[str, list[str]]
 
-    @property
+    @cached_property
     def left(self) -> float:
         """Misfit with the penalties for all effects; infinite if it explains nothing."""
         effects = self.fit.model.effects
@@ -297,16 +311,16 @@ def _others(visited: Sequence[_Visited], best: _Visited) -> list[tuple[Problem, 
 
 
 def _alone(
-    first: _Round, opening: Step, classes: Mapping[str, list[str]], settings: SelectionSettings
+    opening: Step, classes: Mapping[str, list[str]], settings: SelectionSettings
 ) -> dict[str, list[str]]:
     """Class of an effect that is alone in the end, in the round of the plain model.
 
     What it was chosen beside had told it from others, and was dropped.
     """
     found = [c for c in opening.candidates if [c.name] == list(classes)]
-    if not found or opening.chosen is found[0]:
+    if not found or opening.chosen is found[0] or opening.current is None:
         return {}
-    candidates = _compared(first, opening.candidates, found[0])
+    candidates = _compared(opening.current, opening.candidates, found[0])
     return {found[0].name: _members(candidates, found[0], opening.threshold, settings)}
 
 
@@ -321,6 +335,7 @@ class _Search:
     threshold: float
     doubting: Problem
     current: Fit
+    opening: _Round | None = None
     steps: list[Step] = field(default_factory=list)
     classes: dict[str, list[str]] = field(default_factory=dict)
     doubted: dict[str, bool] = field(default_factory=dict)
@@ -352,8 +367,7 @@ class _Search:
         name, effects = first.chosen.name, {e.name: e for e in best.fit.model.effects}
         if name not in effects or first.chosen.evidence >= self.threshold:
             return
-        known = {e: values for e, values in best.fit.state.values.items() if e != name}
-        less = best.problem.fit(best.fit.model.without(name), replace(best.fit.state, values=known))
+        less = best.problem.fit(best.fit.model.without(name), best.fit.state)
         posed, less = settled(best.problem, less)
         gain = posed.misfit(less) - best.problem.misfit(best.fit)
         gain -= penalty(effects[name], len(best.fit.white))
@@ -369,8 +383,7 @@ class _Search:
         asked = any(c.evidence >= self.threshold for c in opening.candidates if c.name in laws)
         if opening.chosen is None or opening.chosen.name in laws or not asked:
             return None
-        here = _Round.of(self.problem, self.current)
-        step = _round(here, list(laws.values()), self.threshold, self.settings)
+        step = _round(self._here, list(laws.values()), self.threshold, self.settings)
         return step if step.chosen else None
 
     def left_out_first(self, opening: Step) -> Step | None:
@@ -381,8 +394,7 @@ class _Search:
         known = [effect for effect in self.library if effect.idealised]
         if opening.chosen and opening.chosen.name in [effect.name for effect in known]:
             return None
-        here = _Round.of(self.problem, self.current)
-        found = _fitted(here, known, self.threshold, self.settings)
+        found = _fitted(self._here, known, self.threshold, self.settings)
         usable = [c for c in found if not unusable(c.settled)]
         return Step(self.threshold, usable, usable[0], [usable[0].name]) if usable else None
 
@@ -390,7 +402,7 @@ class _Search:
         """Set out from a step."""
         assert step.chosen is not None
         self.steps.append(step)
-        self._take(self.doubting, self.current, step.chosen, step.members)
+        self._take(self.doubting, step.chosen, step.members)
 
     def forward(self) -> None:
         """One effect after the other, until no more are asked for.
@@ -421,7 +433,7 @@ class _Search:
             if step.chosen is not None and step.chosen.name != effect.name:
                 self.steps.append(step)
                 del self.classes[effect.name]
-                self._take(problem, others, step.chosen, step.members)
+                self._take(problem, step.chosen, step.members)
                 return True
         return False
 
@@ -433,9 +445,15 @@ class _Search:
     def _round(self, problem: Problem, current: Fit) -> Step:
         """One effect more; another law in place of one that is there is left to an exchange."""
         left = [effect for effect in self.library if current.model.admits(effect)]
-        return _round(_Round.of(problem, current), left, self.threshold, self.settings)
+        here = self._here if current is self.plain else _Round.of(problem, current)
+        return _round(here, left, self.threshold, self.settings)
 
-    def _take(self, problem: Problem, current: Fit, chosen: Candidate, members: list[str]) -> None:
+    @property
+    def _here(self) -> _Round:
+        """The round of the plain model, from which every search sets out."""
+        return self.opening or _Round.of(self.problem, self.plain)
+
+    def _take(self, problem: Problem, chosen: Candidate, members: list[str]) -> None:
         """Add what was chosen, doubt its form if need be, and drop what it has made superfluous."""
         self.classes[chosen.name] = members
         self.doubted[chosen.name] = chosen.doubted
@@ -458,11 +476,10 @@ class _Search:
     def _doubting_others(self, name: str) -> tuple[Problem, Fit]:
         """All effects but one, each in the noise with the doubt of those before it."""
         problem, fit = self.problem, self.current
-        model, values = Model(), self.current.state.values
+        model = Model()
         for effect in self.current.model.without(name).effects:
             model = model.with_effect(effect)
-            known = {e.name: values[e.name] for e in model.effects}
-            fit = problem.fit(model, replace(self.current.state, values=known))
+            fit = problem.fit(model, self.current.state)
             problem = self._doubting(problem, fit)
         return problem, problem.fit(model, fit.state)
 
@@ -517,12 +534,26 @@ def _round(
     from there.
     """
     candidates = _fitted(here, effects, threshold, settings)
-    if candidates:
-        alone = _without(here, candidates[0])
-        over = here.settled.misfit(here.base) - alone[0].misfit(alone[1])
-        if over > settings.least_gain and again:
-            return _round(_Round.of(*alone), effects, threshold, settings, again=False)
-        candidates = [replace(c, evidence=c.evidence - max(over, 0.0)) for c in candidates]
+    if not candidates:
+        return Step(threshold, [], None)
+    alone = _without(here, candidates[0])
+    over = here.settled.misfit(here.base) - alone[0].misfit(alone[1])
+    if over > settings.least_gain and again:
+        return _round(_Round.of(*alone), effects, threshold, settings, again=False)
+    candidates = [replace(c, evidence=c.evidence - max(over, 0.0)) for c in candidates]
+    step = _chosen(here, candidates, alone, threshold, settings)
+    return replace(step, current=here.current)
+
+
+def _chosen(
+    here: _Round,
+    candidates: Sequence[Candidate],
+    alone: tuple[Problem, Fit],
+    threshold: float,
+    settings: SelectionSettings,
+) -> Step:
+    """The choice among candidates, of which the first would leave `alone` without itself."""
+    first = candidates[0].settled
     acceptable = [c for c in candidates if c.evidence >= threshold]
     if not acceptable:
         return Step(threshold, _one_of_each(candidates), None)
@@ -536,11 +567,12 @@ def _round(
         return Step(threshold, _one_of_each(candidates), None, refused=refused, why=why)
     if best.fit.model.effects[-1].is_law:
         best = _nearest_law(here, best, inside, settings)
-    if not _beyond_doubt(here, best, threshold):
+    alone = alone if best.settled is first else _without(here, best)
+    if not _beyond_doubt(here, best, alone, threshold):
         return Step(threshold, _one_of_each(candidates), None, refused=best, why=WITHIN_DOUBT)
     if not _earned(here, best):
         return Step(threshold, _one_of_each(candidates), None, refused=best, why=NOT_EARNED)
-    candidates = _compared(here, _one_of_each([best, *candidates]), best)
+    candidates = _compared(here.current, _one_of_each([best, *candidates]), best)
     members = _members(candidates, best, threshold, settings)
     return Step(threshold, candidates, best, members, refused, why)
 
@@ -635,8 +667,7 @@ def _restarted(problem: Problem, fit: Fit, settings: SelectionSettings) -> Fit:
     What was found without the last effect may be far off beside it.
     """
     for effect in fit.model.effects[:-1]:
-        values = {name: v for name, v in fit.state.values.items() if name != effect.name}
-        without = problem.fit(fit.model.without(effect.name), replace(fit.state, values=values))
+        without = problem.fit(fit.model.without(effect.name), fit.state)
         found = best_of_each(signatures(problem, without, [effect]), without.white)
         joint = joint_fit(problem, without, found[effect.name][1], settings.class_gain)
         again = problem.fit(fit.model, joint.state)
@@ -685,7 +716,9 @@ def _comes_later(candidate: Candidate) -> bool:
     return not candidate.fit.model.effects[-1].idealised
 
 
-def _beyond_doubt(here: _Round, candidate: Candidate, threshold: float) -> bool:
+def _beyond_doubt(
+    here: _Round, candidate: Candidate, alone: tuple[Problem, Fit], threshold: float
+) -> bool:
     """Whether a candidate is more than errors along it may be that no record shows.
 
     Those of geometry, mesh and element type for some, those in the form of effects that were
@@ -694,7 +727,6 @@ def _beyond_doubt(here: _Round, candidate: Candidate, threshold: float) -> bool:
     effect, posed = candidate.fit.model.effects[-1], candidate.posed
     doubt = posed.settings.doubt(posed.variances, effect.like_floor)
     doubt = {name: least for name, least in doubt.items() if name in here.settled.variances}
-    alone = _without(here, candidate)
     before = min(_doubted_misfit(*model, doubt) for model in ((here.settled, here.base), alone))
     after = _doubted_misfit(posed, candidate.settled, doubt)
     return before - after - penalty(effect, len(here.base.white)) >= threshold
@@ -733,9 +765,7 @@ def _without(here: _Round, candidate: Candidate) -> tuple[Problem, Fit]:
 
     What only finds a better material explains nothing.
     """
-    state = candidate.settled.state
-    values = {name: state.values[name] for name in here.current.model.names}
-    fit = here.problem.fit(here.current.model, replace(state, values=values))
+    fit = here.problem.fit(here.current.model, candidate.settled.state)
     return settled(here.problem, fit, 1)
 
 
@@ -749,15 +779,15 @@ def _nearest_law(
     here: _Round, best: Candidate, inside: Sequence[Candidate], settings: SelectionSettings
 ) -> Candidate:
     """A candidate for a law, or another of its class, see `softsample.loop.joint.nearest`."""
-    laws = [c for c in _compared(here, inside, best) if c.fit.model.effects[-1].is_law]
+    laws = [c for c in _compared(here.current, inside, best) if c.fit.model.effects[-1].is_law]
     alike = [c for c in laws if c.fit is best.fit or _in_class(c, best, settings)]
     taken = nearest(here.settled, here.base, [c.settled for c in alike])
     return next(c for c in inside if c.settled is taken)
 
 
-def _compared(here: _Round, candidates: Sequence[Candidate], best: Candidate) -> list[Candidate]:
+def _compared(current: Fit, candidates: Sequence[Candidate], best: Candidate) -> list[Candidate]:
     """Candidates with the cosine to the best one."""
-    cosines = [explained_alike(here.current, c.fit, best.fit) for c in candidates]
+    cosines = [explained_alike(current, c.fit, best.fit) for c in candidates]
     return [replace(c, cosine=x) for c, x in zip(candidates, cosines, strict=True)]
 
 
@@ -776,9 +806,7 @@ def _pruned(problem: Problem, fit: Fit, settings: SelectionSettings) -> Fit:
     posed, best = settled(problem, fit)
     left = posed.misfit(best)
     for effect in fit.model.effects[:-1]:
-        model = fit.model.without(effect.name)
-        values = {name: v for name, v in fit.state.values.items() if name != effect.name}
-        less = problem.fit(model, replace(fit.state, values=values))
+        less = problem.fit(fit.model.without(effect.name), fit.state)
         alone = settled(problem, less)
         gain = alone[0].misfit(alone[1]) - left
         if effect.like_floor:

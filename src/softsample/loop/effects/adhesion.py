@@ -20,7 +20,6 @@ EFFECT = Effect(
         Parameter("force_mN", "mN", 0.0, 60.0, 5.0),
         Parameter("range_mm", "mm", 0.03, 1.0, 0.15, grid=(0.1, 0.3)),
     ),
-    tier="P",
     source="adhesion hysteresis test, PMC5906650; 0.01 to 0.1 J/m2",
     signature="compression only: pull around zero travel, gone within 0.3 mm, back at the end",
     confused_with=("force_offset", "late_contact"),

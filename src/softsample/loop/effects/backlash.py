@@ -13,7 +13,6 @@ EFFECT = Effect(
     name="backlash",
     title="Backlash of the drive",
     parameters=(Parameter("play_mm", "mm", 0.0, 0.3, 0.03),),
-    tier="P",
     source="drives of test machines: 5 to 50 micrometres",
     signature="flat step at the start of the unloading, then the whole unloading shifted",
     confused_with=("mullins_softening", "channel_lag"),

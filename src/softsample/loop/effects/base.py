@@ -2,6 +2,7 @@
 
 from collections.abc import Callable
 from dataclasses import dataclass, field
+from itertools import product
 
 import numpy as np
 from numpy.typing import NDArray
@@ -103,8 +104,6 @@ class Effect:
         For people.
     parameters : tuple of Parameter
         With all sizes at their neutral values the effect is absent.
-    tier : str
-        `P` post-processing, `L` one more run per parameter, `M` changed model.
     source : str
         Where form and range come from.
     signature : str
@@ -144,7 +143,6 @@ class Effect:
     name: str
     title: str
     parameters: tuple[Parameter, ...]
-    tier: str
     source: str
     signature: str
     confused_with: tuple[str, ...] = ()
@@ -171,6 +169,14 @@ class Effect:
         """Whether no model has both: one effect twice, two laws, or what a law has of its own."""
         two_laws = self.is_law and other.is_law
         return two_laws or other.name in (self.name, *self.has) or self.name in other.has
+
+    @property
+    def points(self) -> list[Values]:
+        """Points of the grid of how it acts, without sizes."""
+        shapes = [p for p in self.parameters if not p.is_size]
+        names = [p.name for p in shapes]
+        every = product(*(p.grid for p in shapes))
+        return [dict(zip(names, point, strict=True)) for point in every]
 
     @property
     def shifts_travel(self) -> bool:

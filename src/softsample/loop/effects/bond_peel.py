@@ -22,7 +22,6 @@ EFFECT = Effect(
         Parameter("lost", "1", 0.0, 0.8, 0.1),
         Parameter("onset", "1", 0.0, 0.8, 0.0, grid=(0.0, 0.5)),
     ),
-    tier="P",
     source="estimate",
     signature="tension and shear soften towards the end and stay low on unloading",
     confused_with=("mullins_softening", "ogden_exponents", "partial_bond"),

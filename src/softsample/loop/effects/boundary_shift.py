@@ -13,7 +13,6 @@ EFFECT = Effect(
     name="boundary_shift",
     title="Surface too far out or in",
     parameters=(Parameter("shift_mm", "mm", -0.3, 0.3, 0.1),),
-    tier="L",
     like_floor=True,
     source="half a voxel; own runs with the surface moved by 0.1 mm",
     signature="slight scale of compression and tension, shear nearly untouched",

@@ -19,7 +19,6 @@ EFFECT = Effect(
     name="channel_crosstalk",
     title="Cross-talk of the force channels",
     parameters=(Parameter("share", "1", -0.2, 0.2, 0.03),),
-    tier="P",
     source="a misalignment of one degree gives 1.7 %; 4.6 % in records of sheared blood clots",
     signature="normal force off by a part of the shear force, with opposite signs to both sides",
     confused_with=("anisotropy", "force_offset"),

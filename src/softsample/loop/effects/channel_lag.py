@@ -15,7 +15,6 @@ EFFECT = Effect(
     title="Lag between the channels",
     parameters=(Parameter("lag_ms", "ms", -300.0, 500.0, 100.0),),
     of_time=True,
-    tier="P",
     source="Hiti, Measurement: Sensors 38 (2025) 101375",
     signature="shift along the ramp, overshoot at its corners, loop on unloading",
     confused_with=("displacement_zero", "backlash"),

@@ -17,7 +17,6 @@ EFFECT = Effect(
         Parameter("alpha", "1", -45.0, 40.0, 8.0, grid=(-8.0, 4.0, 16.0), inside=True),
         Parameter("nu", "1", 0.0, 0.49, 0.1, grid=(0.1, 0.35), limits=(0.0, 0.49)),
     ),
-    tier="L",
     is_law=True,
     has=("poisson_ratio",),
     like_floor=True,

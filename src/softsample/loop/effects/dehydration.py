@@ -13,7 +13,6 @@ EFFECT = Effect(
     title="Drying of the tissue",
     parameters=(Parameter("per_100_s", "1", 0.0, 0.3, 0.03),),
     of_time=True,
-    tier="P",
     source="Forte et al., porcine brain hydration, Bioengineering 6 (2019) 40",
     signature="force grows through ramp and hold alike, in proportion to itself",
     confused_with=("force_drift", "viscoelastic_relaxation", "poroelastic_drainage"),

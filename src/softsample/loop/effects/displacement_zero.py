@@ -12,7 +12,6 @@ EFFECT = Effect(
     name="displacement_zero",
     title="Wrong zero of travel",
     parameters=tuple(Parameter(f"{mode}_mm", "mm", -0.5, 0.5, 0.1) for mode in MODES),
-    tier="P",
     source="estimate",
     signature="force off by stiffness times shift from the start of the ramp, kept in the hold",
     confused_with=("late_contact", "channel_lag", "residual_precompression"),

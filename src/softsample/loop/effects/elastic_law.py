@@ -18,7 +18,6 @@ EFFECT = Effect(
         Parameter("share", "1", 0.0, 1.0, 1.0, limits=(0.0, 1.0)),
         Parameter("alpha", "1", -45.0, 40.0, -20.0, GRID, inside=True),
     ),
-    tier="L",
     is_law=True,
     like_floor=True,
     source="R. W. Ogden, Proc. R. Soc. Lond. A 326 (1972) 565, doi:10.1098/rspa.1972.0026",

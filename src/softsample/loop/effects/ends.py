@@ -9,7 +9,6 @@ EFFECT = Effect(
     name="ends",
     title="Sliding ends",
     parameters=(),
-    tier="M",
     source="a model of its own, whose ends bear no lateral force",
     signature="softer in every mode, of wide samples and in compression most",
     confused_with=("platen_slip", "poisson_ratio"),

@@ -14,7 +14,6 @@ EFFECT = Effect(
     title="Drift of the force",
     parameters=(Parameter("mN_per_s", "mN/s", -2.0, 2.0, 0.1),),
     of_time=True,
-    tier="P",
     source="makers' creep of load cells; 0.001 to 0.1 mN/s",
     signature="linear in the clock, alike along the machine's axis in all tests, without load too",
     confused_with=("viscoelastic_relaxation", "dehydration", "poroelastic_drainage"),

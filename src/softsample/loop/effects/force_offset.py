@@ -12,7 +12,6 @@ EFFECT = Effect(
     name="force_offset",
     title="Offset of the force",
     parameters=tuple(Parameter(f"{mode}_mN", "mN", -50.0, 50.0, 5.0) for mode in MODES),
-    tier="P",
     source="cells of 2.5 N: about 5 mN",
     signature="a constant, at rest as well",
     confused_with=("self_weight", "adhesion"),

@@ -12,7 +12,6 @@ EFFECT = Effect(
     name="gain",
     title="Gain of the force",
     parameters=(Parameter("gain", "1", -0.1, 0.1, 0.01),),
-    tier="P",
     source="calibration of cells: 0.1 to 1 %",
     signature="a scale",
     confused_with=("rate_stiffening",),

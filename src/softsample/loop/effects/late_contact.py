@@ -12,7 +12,6 @@ EFFECT = Effect(
     name="late_contact",
     title="Late contact",
     parameters=(Parameter("gap_mm", "mm", 0.0, 1.0, 0.2),),
-    tier="P",
     source="Hrapko et al., Biorheology 45 (2008) 663",
     signature="compression only: no force at first, then the curve shifted",
     confused_with=("platen_tilt", "displacement_zero", "real_geometry"),

@@ -13,7 +13,6 @@ EFFECT = Effect(
     name="machine_compliance",
     title="Compliance of machine and cell",
     parameters=(Parameter("mm_per_N", "mm/N", 0.0, 0.5, 0.05),),
-    tier="P",
     source="makers' data of small load cells: 0.1 to 0.5 mm at capacity",
     signature="force low by stiffness times force: compression most, shear least",
     confused_with=("poisson_ratio", "boundary_shift", "ogden_exponents"),

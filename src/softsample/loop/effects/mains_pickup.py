@@ -28,7 +28,6 @@ EFFECT = Effect(
         ),
         Parameter("period_s", "s", 0.8, 70.0, 10.0, PERIODS, inside=True),
     ),
-    tier="P",
     source="100 Hz ripple sampled at 100 Hz",
     signature="a sine of steady size, at rest as well",
     confused_with=("force_drift", "viscoelastic_relaxation"),

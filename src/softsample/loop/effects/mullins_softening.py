@@ -20,7 +20,6 @@ EFFECT = Effect(
         Parameter("d", "1", 0.0, 0.95, 0.2),
         Parameter("power", "1", 0.5, 10.0, 1.0, grid=(1.0, 3.0, 6.0)),
     ),
-    tier="P",
     source="Ogden, Roxburgh, Proc. R. Soc. A 455 (1999) 2861, doi:10.1098/rspa.1999.0431",
     signature="ramp and hold untouched, unloading low, back to nothing at the maximum",
     confused_with=("viscoelastic_relaxation", "backlash", "bond_peel"),

@@ -32,7 +32,6 @@ def about(solid: Material) -> Effect:
             {p.name: min(max(x, p.low), p.high) for p, x in zip(parameters, start, strict=True)}
             for start in STARTS
         ),
-        tier="L",
         is_law=True,
         like_floor=True,
         source="own runs of single terms; R. W. Ogden, Proc. R. Soc. Lond. A 326 (1972) 565, "

@@ -52,7 +52,6 @@ EFFECT = Effect(
     name="platen_slip",
     title="Slip on the platen",
     parameters=(Parameter("share", "1", 0.0, 1.0, 0.3),),
-    tier="M",
     source="Rashid, Destrade, Gilchrist, J. Mech. Behav. Biomed. Mater. 12 (2012); own runs "
     "without friction, and there and back with coefficients of 0.05, 0.15 and 0.3",
     signature="compression softer, more so with the stroke; on unloading below the loading",

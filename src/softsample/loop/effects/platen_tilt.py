@@ -29,7 +29,6 @@ EFFECT = Effect(
         Parameter("tilt_deg", "deg", 0.0, 4.0, 1.0),
         Parameter("axis_deg", "deg", -180.0, 180.0, 0.0, grid=(-135.0, -45.0, 45.0, 135.0)),
     ),
-    tier="M",
     like_floor=True,
     source="own finite element runs of the sample with a platen turned by one degree about x and "
     "y, either way; the axis it is turned about is at an angle from x to y",

@@ -16,7 +16,6 @@ def about(solid: Material) -> Effect:
         name="poisson_ratio",
         title="Another Poisson's ratio",
         parameters=(Parameter("nu", "1", nu - 0.14, 0.2 * nu + 0.8 * 0.5, nu - 0.01, neutral=nu),),
-        tier="L",
         like_floor=True,
         source="Hinrichsen et al., Biomech. Model. Mechanobiol. 2023, "
         "doi:10.1007/s10237-023-01739-w",

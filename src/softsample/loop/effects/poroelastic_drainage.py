@@ -19,7 +19,6 @@ EFFECT = Effect(
         Parameter("tau_s", "s", 40.0, 3000.0, 300.0, grid=(80.0, 300.0)),
     ),
     of_time=True,
-    tier="P",
     source="Greiner et al., Front. Mech. Eng. 7 (2021) 708350, doi:10.3389/fmech.2021.708350",
     signature="slow decay in the hold of tension and compression, none in shear",
     confused_with=("viscoelastic_relaxation", "force_drift", "dehydration"),

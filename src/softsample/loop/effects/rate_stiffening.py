@@ -13,7 +13,6 @@ EFFECT = Effect(
     title="Rate stiffening",
     parameters=(Parameter("per_decade", "1", 0.0, 0.5, 0.15),),
     of_time=True,
-    tier="P",
     source="Rashid, Destrade, Gilchrist, J. Mech. Behav. Biomed. Mater. 10 (2012) 23",
     signature="scale between rates; nothing at one rate",
     confused_with=("gain",),

@@ -23,7 +23,6 @@ EFFECT = Effect(
     name="residual_precompression",
     title="Compression left over from the pre-load",
     parameters=(Parameter("d_mm", "mm", 0.0, 1.0, 0.3),),
-    tier="M",
     source="Zhang et al., Adv. Mech. Eng. 10 (2018), doi:10.1177/1687814018795045; for shear own "
     "runs that start from a compression of 0.3 mm",
     signature="compression steeper, tension softer at the start, no force at zero travel; shear "

@@ -14,7 +14,6 @@ EFFECT = Effect(
     name="self_weight",
     title="Own weight",
     parameters=(Parameter("weight_mN", "mN", -60.0, 60.0, -30.0),),
-    tier="P",
     source="half of 6 g; one end carries it",
     signature="one constant along the machine's axis in tension and compression, none in shear",
     confused_with=("force_offset", "adhesion"),

@@ -24,7 +24,6 @@ EFFECT = Effect(
     name="slack",
     title="Slack before tension",
     parameters=(Parameter("slack_mm", "mm", 0.0, 2.0, 0.2),),
-    tier="P",
     source="estimate; strips are mounted slack lest they be stretched",
     signature="tension only: no force at first, then the curve shifted, never a push on unloading",
     confused_with=("displacement_zero", "permanent_set"),

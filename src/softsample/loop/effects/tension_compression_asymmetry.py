@@ -12,7 +12,6 @@ EFFECT = Effect(
     name="tension_compression_asymmetry",
     title="Asymmetry of tension and compression",
     parameters=(Parameter("more", "1", -0.5, 1.0, 0.1),),
-    tier="P",
     like_floor=True,
     source="Mihai, Budday et al., Proc. R. Soc. A 2018, doi:10.1098/rspa.2017.0858",
     signature="compression scaled against tension and shear",

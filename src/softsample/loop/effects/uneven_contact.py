@@ -18,7 +18,6 @@ EFFECT = Effect(
     name="uneven_contact",
     title="Rough or uneven face",
     parameters=(Parameter("depth_mm", "mm", 0.0, 2.0, 0.3),),
-    tier="P",
     like_floor=True,
     source="a bed of columns: Johnson, Contact Mechanics, Cambridge 1985, "
     "doi:10.1017/CBO9781139171731",

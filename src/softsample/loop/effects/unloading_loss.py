@@ -21,7 +21,6 @@ EFFECT = Effect(
         Parameter("loss", "1", 0.0, 0.9, 0.1),
         Parameter("reach", "1", 0.02, 1.0, 0.2, grid=(0.1, 0.4)),
     ),
-    tier="P",
     source="a play operator: Visintin, Differential Models of Hysteresis, Springer 1994; measured "
     "cryogels lose 19 %",
     signature="ramp and hold untouched, unloading low by one part of the force from soon after "

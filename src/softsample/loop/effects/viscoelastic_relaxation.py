@@ -100,7 +100,6 @@ def within(briefest: float, duration: float) -> Effect:
         ),
         whole=lambda values: _lost(values, duration),
         of_time=True,
-        tier="P",
         source="Budday et al., Acta Biomater. 48 (2017) 319, doi:10.1016/j.actbio.2016.10.036; "
         "the second time is the geometric mean of first and third, which lie within the clock of "
         "the records, here that of a usual study; bulk modulus: Tschoegl et al., Mech. "

@@ -92,7 +92,7 @@ def test_the_slope_of_the_restricted_likelihood_is_its_derivative(monkeypatch):
         assert slope[k] == pytest.approx((ahead - behind) / 2e-4, rel=1e-4, abs=1e-4)
 
 
-@pytest.mark.parametrize(("shared", "larger"), [(True, "smooth"), (False, "history")])
+@pytest.mark.parametrize(("shared", "larger"), [(True, "shared"), (False, "own")])
 def test_what_tests_of_one_piece_share_is_told_from_what_is_their_own(shared, larger):
     """Five tests of one piece with a wave of 4 % along the travel, the same in each or not."""
     (one,) = laboratory.Lab(seed=7).specimens(["shear"])
@@ -104,11 +104,13 @@ def test_what_tests_of_one_piece_share_is_told_from_what_is_their_own(shared, la
     problem, _ = pose(tests, SETTINGS)
     of_shared, _ = discrepancy.settled(problem, problem.fit_material())
     sizes = SETTINGS.sizes(of_shared.variances)
-    sizes["smooth"] = np.hypot(sizes["smooth"], sizes["kinked"])
-    other = {"smooth": "history", "history": "smooth"}[larger]
-    stated = {"smooth": SETTINGS.floor_percent, "history": SETTINGS.history_percent}
-    assert sizes[larger] > 2.0 * stated[larger]
-    assert sizes[other] < 1.5 * stated[other]
+    found = {
+        "shared": np.hypot(sizes["smooth"], sizes["kinked"]) / SETTINGS.floor_percent,
+        "own": np.hypot(sizes["rough"], sizes["history"])
+        / np.hypot(SETTINGS.fine_percent, SETTINGS.history_percent),
+    }
+    assert found.pop(larger) > 2.0
+    assert min(found.values()) < 1.5
 
 
 def test_a_block_is_no_longer_than_what_is_rough_in_a_fast_ramp():

@@ -79,6 +79,14 @@ def test_the_stiff_term_has_the_exponent_of_the_law(found):
     assert state.values["ogden_exponents"]["alpha2"] == pytest.approx(2.0, abs=0.3)
 
 
+def test_relaxation_is_that_of_the_strip(found):
+    """Its form was doubted beside the wrong law; the middle one of three terms is not there."""
+    relaxed = found.final.state.values["viscoelastic_relaxation"]
+    assert (relaxed["g1"], relaxed["g3"]) == pytest.approx(RELAXED, rel=0.02)
+    assert (relaxed["tau1_s"], relaxed["tau3_s"]) == pytest.approx(TIMES, rel=0.02)
+    assert relaxed["g2"] < 0.01
+
+
 @pytest.mark.parametrize("kind", ["cuboid", "cylinder"])
 def test_a_pulled_sample_pushes_up_to_eulers_load_on_its_way_back(kind):
     """Both of 2 mm; that of 13 mm x 20 mm x 10 mm pushes as the elastic model does."""

@@ -465,9 +465,18 @@ class _Search:
         self._visit()
 
     def _visit(self) -> None:
-        """Remember where the search is."""
-        model = _settled(self.doubting, self.plain, self.current, self.settings.class_gain)
-        self.visited.append(_Visited(*model, dict(self.classes)))
+        """Remember where the search is.
+
+        A form that was doubted without what came later may be right beside it.
+        """
+        here = [(self.doubting, self.current)]
+        if self.doubting is not self.problem and len(self.current.model.effects) > 1:
+            exact = _Round.of(self.problem, self.current)
+            again = _restarted(exact.problem, exact.current, self.settings)
+            here.append((self.problem, again))
+        for problem, fit in here:
+            model = _settled(problem, self.plain, fit, self.settings.class_gain)
+            self.visited.append(_Visited(*model, dict(self.classes)))
 
     def _doubting(self, problem: Problem, fit: Fit) -> Problem:
         """With room for error in the form of the last effect, if the records show one."""

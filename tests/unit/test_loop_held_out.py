@@ -140,7 +140,8 @@ def test_what_is_held_out_at_the_end_is_as_good_as_cut_off():
 def test_errors_of_what_is_held_out_are_of_its_samples_alone(tests, found):
     """By hand; peaks are its own, and noise is taken out of the structured error."""
     fit, noise = found.selection.base, found.noises[0].white
-    errors = held_out_errors(fit, tests, noise, {})
+    cells = {"force": noise, "torque": 0.1 * noise}
+    errors = held_out_errors(fit, tests, cells, {})
     for specimen in tests:
         left = (specimen.force - fit.model.predict(specimen, fit.state))[specimen.held_out]
         error = errors[specimen.mode]
@@ -148,8 +149,11 @@ def test_errors_of_what_is_held_out_are_of_its_samples_alone(tests, found):
         assert error.structured == pytest.approx(np.sqrt(np.mean(left**2) - noise**2))
         assert error.peak == np.abs(specimen.force[specimen.held_out]).max()
     others = [replace(s, force=np.where(s.held_out, s.force, 9.0)) for s in tests]
-    assert held_out_errors(fit, others, noise, {}) == errors
-    assert held_out_errors(fit, [cut(s) for s in tests], noise, {}) == {}
+    assert held_out_errors(fit, others, cells, {}) == errors
+    assert held_out_errors(fit, [cut(s) for s in tests], cells, {}) == {}
+    sheared = next(s for s in tests if s.mode == "shear")
+    (turned,) = held_out_errors(fit, [replace(sheared, mode="torsion")], cells, {}).values()
+    assert turned.structured**2 - errors["shear"].structured ** 2 == pytest.approx(0.99 * noise**2)
 
 
 STIFF = {"A": 0.8, "B": 1.0, "C": 1.25}
@@ -236,7 +240,7 @@ def test_what_is_left_of_a_scale_belongs_to_other_tests_of_the_specimen():
     assert scale_of(tests[2], scales) - scale_of(tests[0], scales) == pytest.approx(0.03, abs=0.01)
     assert scale_of(replace(tests[2], channel=NORMAL), scales) == scale_of(tests[2], scales)
     assert scale_of(replace(tests[2], piece="D"), scales) == 0.0
-    blind = held_out_errors(found.selection.base, tests, 0.0, {})
+    blind = held_out_errors(found.selection.base, tests, {}, {})
     assert found.before.held_out["shear_3"].rms < 0.7 * blind["shear_3"].rms
 
 
@@ -294,7 +298,7 @@ def test_a_test_that_is_left_out_is_predicted_by_a_diagnosis_of_the_others():
     sheared = next(s for s in tests if s.mode == "shear")
     judged = replace(sheared, held_out=~sheared.held_out)  # what the study holds out is no part
     for errors, fit in ((before, rest.selection.base), (after, rest.final)):
-        expected = held_out_errors(fit, [judged], rest.noises[0].white, {})
+        expected = held_out_errors(fit, [judged], {"force": rest.noises[0].white}, {})
         assert errors["shear"] == expected
     other = left_out_errors(assumed([spoiled(s) for s in tests]), folds, SETTINGS)
     assert other == (before, after)

@@ -107,8 +107,8 @@ def test_forces_that_are_held_out_of_the_group_change_nothing(found, verdicts):
     changed = replace(test, force=np.where(test.held_out, 3.0 * test.force, test.force))
     again = diagnose([changed], SETTINGS, effects(changed), others(verdicts))
     assert again.final.state == found.final.state
-    assert held_out_errors(again.final, [test], 0.0, {}) == held_out_errors(
-        found.final, [test], 0.0, {}
+    assert held_out_errors(again.final, [test], {}, {}) == held_out_errors(
+        found.final, [test], {}, {}
     )
 
 

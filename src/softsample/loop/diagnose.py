@@ -21,6 +21,7 @@ from softsample.loop.errors import (
     held_out_errors,
     log_density,
     repeat_error,
+    white_of,
 )
 from softsample.loop.fit import Fit, Problem
 from softsample.loop.noise import Noise
@@ -304,7 +305,7 @@ class _Judge:
         return Judged(
             errors(posed, fit, self.spread),
             fold_errors(posed, found, self.spread),
-            held_out_errors(fit, tests, self.noises[0].white, scales),
+            held_out_errors(fit, tests, white_of(posed, self.noises), scales),
             log_density(posed, fit, found),
             form_error(posed, fit, self.spread),
             repeat_error(posed, fit),

@@ -8,6 +8,7 @@ from numpy.typing import NDArray
 
 from softsample.loop.fit import Fit, Problem, labels
 from softsample.loop.model import FIXED, State, residuals
+from softsample.loop.noise import Noise
 from softsample.loop.same_piece import same_piece
 from softsample.loop.scale import Scales, scale_of
 from softsample.loop.screen import LEAST_SIGNATURE
@@ -247,8 +248,13 @@ def _evidence(problem: Problem, fit: Fit) -> float:
     return -0.5 * (problem.misfit(fit) + float(determinant))
 
 
+def white_of(problem: Problem, noises: Sequence[Noise]) -> dict[str, float]:
+    """Standard deviation of a sample [N], by what the cell of a test measures."""
+    return {s.cell: noise.white for s, noise in zip(problem.specimens, noises, strict=True)}
+
+
 def held_out_errors(
-    fit: Fit, specimens: Sequence[Specimen], noise: float, scales: Scales
+    fit: Fit, specimens: Sequence[Specimen], noise: Mapping[str, float], scales: Scales
 ) -> dict[str, Error]:
     """Error of a fit on what is held out of tests, by test; percent are of its own peak.
 
@@ -260,8 +266,8 @@ def held_out_errors(
         To what is not held out.
     specimens : sequence of Specimen
         All tests of the group.
-    noise : float
-        Standard deviation of a sample of the cell [N].
+    noise : mapping of float
+        Standard deviation of a sample [N], by what the cell measures; none if unknown.
     scales : mapping
         Errors of the scale of what the fit predicts.
     """
@@ -273,7 +279,7 @@ def held_out_errors(
             predicted = predicted * (1.0 + scale_of(specimen, scales))
             left = (specimen.force - predicted)[chosen]
             peak = float(np.abs(specimen.force[chosen]).max())
-            found[label] = error_of(left, noise, peak)
+            found[label] = error_of(left, noise.get(specimen.cell, 0.0), peak)
     return found
 
 

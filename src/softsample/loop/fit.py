@@ -150,6 +150,7 @@ class _Ended:
         self._costs = [self._costs[1], cost]
 
 
+@dataclass(frozen=True, eq=False)
 class Problem:
     """Records of one group with their noise.
 
@@ -169,20 +170,17 @@ class Problem:
         Tests of which something is held out: what a fit is to predict. Their forces are not used.
     """
 
-    def __init__(
-        self,
-        specimens: Sequence[Specimen],
-        whiteners: Sequence[Whitener],
-        settings: NoiseSettings,
-        start: Material | None = None,
-        common: Sequence[Array] = (),
-        unseen: Sequence[Specimen] = (),
-    ) -> None:
-        self.specimens, self.whiteners = list(specimens), list(whiteners)
-        self.settings = settings
-        self.start = start
-        self.unseen = list(unseen)
-        self.common = list(common) or [np.zeros_like(s.force) for s in self.specimens]
+    specimens: Sequence[Specimen]
+    whiteners: Sequence[Whitener]
+    settings: NoiseSettings
+    start: Material | None = None
+    common: Sequence[Array] = ()
+    unseen: Sequence[Specimen] = ()
+
+    def __post_init__(self) -> None:
+        if not self.common:
+            nothing = [np.zeros_like(s.force) for s in self.specimens]
+            object.__setattr__(self, "common", nothing)
 
     @cached_property
     def _joint(self) -> tuple[Array, Array, Array]:
@@ -211,27 +209,21 @@ class Problem:
     def with_forces(self, forces: Sequence[Array]) -> "Problem":
         """The same tests and noise with other forces (n,) [N], one per test."""
         specimens = [replace(s, force=f) for s, f in zip(self.specimens, forces, strict=True)]
-        return self._changed(specimens, self.whiteners)
+        return replace(self, specimens=specimens)
 
     def of_stiffness(self, known: Mapping[str, float]) -> "Problem":
         """The same tests of specimens of another stiffness."""
         unseen = [s.of_stiffness(known) for s in self.unseen]
         specimens = [s.of_stiffness(known) for s in self.specimens]
-        return Problem(specimens, self.whiteners, self.settings, self.start, self.common, unseen)
+        return replace(self, specimens=specimens, unseen=unseen)
 
     def with_whiteners(self, whiteners: Sequence[Whitener]) -> "Problem":
         """The same tests with other noise of each, or without some of their blocks."""
-        return self._changed(self.specimens, whiteners)
+        return replace(self, whiteners=whiteners)
 
     def with_open_contact(self) -> "Problem":
         """The same if the height of the samples did not say where compression begins."""
-        settings = replace(self.settings, contact_zero_mm=np.inf)
-        return Problem(
-            self.specimens, self.whiteners, settings, self.start, self.common, self.unseen
-        )
-
-    def _changed(self, specimens: Sequence[Specimen], whiteners: Sequence[Whitener]) -> "Problem":
-        return Problem(specimens, whiteners, self.settings, self.start, self.common, self.unseen)
+        return replace(self, settings=replace(self.settings, contact_zero_mm=np.inf))
 
     def with_variances(self, variances: Mapping[str, float]) -> "Problem":
         """The same with other sizes of the discrepancy."""
@@ -298,7 +290,7 @@ class Problem:
         return np.concatenate([self.white(changes), np.zeros((1 + len(model.known), len(there)))])
 
     @property
-    def variances(self) -> dict[str, float]:
+    def variances(self) -> Mapping[str, float]:
         """Sizes squared of the discrepancy over those of the settings, by part."""
         return self.whiteners[0].variances
 

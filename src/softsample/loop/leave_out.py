@@ -6,7 +6,7 @@ from dataclasses import replace
 import numpy as np
 
 from softsample.loop.ends import AssumedEnds, diagnose_ends
-from softsample.loop.errors import Error, held_out_errors
+from softsample.loop.errors import Error, held_out_errors, white_of
 from softsample.loop.posed import LoopSettings
 from softsample.loop.specimen import Specimen
 
@@ -46,10 +46,10 @@ def left_out_errors(
             continue
         found = diagnose_ends(rest, settings, elsewhere)
         plain, judged = (_only(models[ends].every, samples) for ends in (0, found.slides))
-        noise, origin = found.noises[0].white, found.origin
+        white, origin = white_of(found.problem, found.noises), found.origin
         alike = [specimen.of_stiffness(found.stiffness) for specimen in judged]
-        before[name] = held_out_errors(origin.first[1], plain, noise, origin.scales_before)
-        after[name] = held_out_errors(found.predicting, alike, noise, found.scales)
+        before[name] = held_out_errors(origin.first[1], plain, white, origin.scales_before)
+        after[name] = held_out_errors(found.predicting, alike, white, found.scales)
     return before, after
 
 

@@ -1,9 +1,8 @@
 """How far a force record can be trusted: noise of the cell, and what the model cannot resolve."""
 
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field, replace
 from functools import cached_property
-from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -242,10 +241,10 @@ def _last_digit(force: Array) -> float:
     return float(np.min(steps, initial=np.inf, where=steps > 0.0)) if steps.any() else 0.0
 
 
-def shared(noises: Sequence[Noise], cells: Sequence[bool]) -> list[Noise]:
+def shared(noises: Sequence[Noise], cells: Sequence[str]) -> list[Noise]:
     """Noise of records of one machine: the medians, as one record alone shows it but roughly.
 
-    `cells` tells records of a cell for torque from those of one for force.
+    `cells` says what the cell of each measures, torque or force.
     """
     of = {
         cell: np.median(
@@ -321,6 +320,7 @@ def covariances(
     }
 
 
+@dataclass(frozen=True, eq=False)
 class Whitener:
     """Turns residuals of one test into independent unit noise.
 
@@ -343,21 +343,19 @@ class Whitener:
         Which of those of the scale is that of this test.
     """
 
-    def __init__(
-        self,
-        known: Array,
-        size: int,
-        keep: NDArray[np.bool_] | None = None,
-        discrepancy: Mapping[str, Array] | None = None,
-        variances: Mapping[str, float] | None = None,
-        shared: Mapping[str, Array] | None = None,
-        slot: int | None = None,
-    ) -> None:
-        self.size = size
-        self.keep = np.ones(len(known), bool) if keep is None else keep
-        self.known, self.discrepancy = known, dict(discrepancy or {})
-        self.variances = dict.fromkeys(self.discrepancy, 1.0) | dict(variances or {})
-        self.shared, self.slot = dict(shared or {}), slot
+    known: Array
+    size: int
+    keep: NDArray[np.bool_] = field(default_factory=lambda: np.ones(0, bool))
+    discrepancy: Mapping[str, Array] = field(default_factory=dict)
+    variances: Mapping[str, float] = field(default_factory=dict)
+    shared: Mapping[str, Array] = field(default_factory=dict)
+    slot: int | None = None
+
+    def __post_init__(self) -> None:
+        if not len(self.keep):
+            object.__setattr__(self, "keep", np.ones(len(self.known), bool))
+        each = dict.fromkeys(self.discrepancy, 1.0) | dict(self.variances)
+        object.__setattr__(self, "variances", each)
 
     @cached_property
     def _factor(self) -> Array:
@@ -421,30 +419,22 @@ class Whitener:
 
     def with_form(self, covariance: Array) -> "Whitener":
         """The same with more error in the form of effects [N2], as part `FORM`."""
-        return self._but(
-            discrepancy={**self.discrepancy, FORM: self.discrepancy.get(FORM, 0.0) + covariance}
-        )
+        form = self.discrepancy.get(FORM, 0.0) + covariance
+        return replace(self, discrepancy={**self.discrepancy, FORM: form})
 
     def with_scale(self, error: Array) -> "Whitener":
         """The same with another error of scale, one standard deviation of it (n,) [N]."""
         if self.slot is None:
-            return self._but(discrepancy={**self.discrepancy, "scale": np.outer(error, error)})
+            scale = np.outer(error, error)
+            return replace(self, discrepancy={**self.discrepancy, "scale": scale})
         columns = np.zeros_like(self.shared["scale"])
         columns[:, self.slot] = error
-        return self._but(shared={**self.shared, "scale": columns})
+        return replace(self, shared={**self.shared, "scale": columns})
 
     def with_variances(self, variances: Mapping[str, float]) -> "Whitener":
         """The same with other sizes of the discrepancy."""
-        return self._but(variances=variances)
+        return replace(self, variances=variances)
 
     def on(self, keep: NDArray[np.bool_]) -> "Whitener":
         """The same with other blocks."""
-        return self if np.array_equal(keep, self.keep) else self._but(keep=keep)
-
-    def _but(self, **changed: Any) -> "Whitener":
-        """The same with some parts changed."""
-        parts = {
-            "known": self.known, "size": self.size, "keep": self.keep, "shared": self.shared,
-            "discrepancy": self.discrepancy, "variances": self.variances, "slot": self.slot,
-        }  # fmt: skip
-        return Whitener(**{**parts, **changed})
+        return self if np.array_equal(keep, self.keep) else replace(self, keep=keep)

@@ -140,7 +140,7 @@ class Group:
 
     def error(self, posed: Problem, fit: Fit) -> float:
         """Logarithm of the error of a fit on what is held out [parts of peaks, RMS over tests]."""
-        found = held_out_errors(fit, self.tests, 0.0, most_likely(posed, fit))
+        found = held_out_errors(fit, self.tests, {}, most_likely(posed, fit))
         return _log_rms([e.rms / e.peak for e in found.values()])
 
 

@@ -104,7 +104,7 @@ def pose(every: Sequence[Specimen], settings: NoiseSettings) -> tuple[Problem, l
     """
     specimens = _fitted(every, settings)
     most = most_blocks(len(specimens))
-    cells = [specimen.mode == "torsion" for specimen in specimens]
+    cells = [specimen.cell for specimen in specimens]
     noises = shared([measure_noise(specimen, settings, most) for specimen in specimens], cells)
     specimens = [
         specimen.reduced(max(1, noise.size // PER_BLOCK))

@@ -170,6 +170,11 @@ class Specimen:
         return KINDS.get(self.mode, self.mode)
 
     @property
+    def cell(self) -> str:
+        """What its cell measures: `torque` or `force`."""
+        return "torque" if self.mode == "torsion" else "force"
+
+    @property
     def axis_sign(self) -> float:
         """Direction of loading along the machine's axis: -1 where the platen presses."""
         return travel_sign(self.mode)

@@ -120,3 +120,16 @@ def test_a_name_with_two_meanings_is_refused():
         Plan(rows)
     rows["B"]["group"] = "B"
     assert Plan(rows).geometries("B") == ["ideal"]
+
+
+def test_experiments_on_shape_need_known_bonded_shapes_each_tested_once():
+    whole = {"T1": row("TC1", "tension", image="t1.nii"), "S": row("S", "shear", surface="s.stl")}
+    Plan(whole).check_alike()
+    again = row("TC1", "tension", image="t1.nii")
+    for other, what in (
+        (row("A", "tension", **CYLINDER), "'X' has neither image nor surface"),
+        (row("S", "compression", surface="s.stl", ends="sliding"), "ends that are not bonded"),
+        (again, "'X' has the piece of 'T1'.*each tested once"),
+    ):
+        with pytest.raises(InputError, match=what):
+            Plan({**whole, "X": other}).check_alike()

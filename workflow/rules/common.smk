@@ -76,7 +76,8 @@ def checked_study():
 # Stages that the report rests on; an export, say, may have failed.
 REPORTED = {
     *("check_inputs", "segment", "measure", "mesh", "simulate", "calibrate", "confirm"),
-    *("one_term", "band", "bond", "sensitivity", "perturbations", "diagnose", "checks"),
+    *("one_term", "band", "bond", "calibrate_bond", "sensitivity", "perturbations"),
+    *("diagnose", "checks"),
     *("figure_sample", "figure_response", "figure_strain"),
 }
 
@@ -97,6 +98,7 @@ def finished(plan, failures):
             *(f"sensitivity/{piece}/{plan.best(group)}.json" for piece in pieces),
             *(f"band/{piece}.json" for piece in pieces if piece in plan.banded),
             *(f"bond/{piece}.json" for piece in pieces if piece in plan.bonded),
+            *([f"bond/moduli/{group}.json"] if {*plan.bonded} & {*pieces} else []),
             f"loop/{group}/verdict.json",
             *([f"loop/{group}/ideal/verdict.json"] if "real" in geometries else []),
         ]
@@ -408,6 +410,13 @@ def of_pieces(pattern):
     )
 
 
+def of_piece(pattern):
+    """Input function: the file of the sample's piece."""
+    return lambda wildcards: expand(
+        pattern, sample=piece_of(wildcards.sample), geometry=wildcards.geometry
+    )[0]
+
+
 def of_real(pattern):
     """Input function: the sample's file of a pattern, none without a real geometry."""
 
@@ -459,8 +468,9 @@ def for_real(ending):
 
 
 def records_of_piece(wildcards):
-    """Input function: records of the samples that share a piece."""
-    return [f"<results>/records/{name}.csv" for name in records_of(wildcards.sample)]
+    """Input function: records of the samples that share the sample's piece."""
+    names = records_of(piece_of(wildcards.sample))
+    return [f"<results>/records/{name}.csv" for name in names]
 
 
 def has_closed_form(piece, geometry, ends=None):
@@ -486,8 +496,14 @@ def coarsening(times):
 
 
 def diagnosed(wildcards):
-    """Samples that a diagnosis is told of: those of the group, or all if a group is left out."""
-    return list(SAMPLES) if LEAVE_OUT == "group" else samples_of(wildcards.group)
+    """Samples that a diagnosis is told of: those of the group, or all if a group is left out.
+
+    All whose geometry is known as well as that of the group: others have another bias.
+    """
+    if LEAVE_OUT != "group":
+        return samples_of(wildcards.group)
+    best = PLAN.best(known_group(wildcards.group))
+    return [name for name in SAMPLES if PLAN.best(name) == best]
 
 
 def of_diagnosed(pattern, geometry=None, of=lambda name: name):
@@ -664,6 +680,24 @@ def checks():
 def groups_with(model):
     """Groups that a model can be calibrated on."""
     return [group for group in GROUPS if model in PLAN.models(group)]
+
+
+def of_alike(*files):
+    """Input function: files that rest on samples of known shape, bonded, each tested once."""
+
+    def find(wildcards):
+        try:
+            PLAN.check_alike()
+        except SoftsampleError as error:
+            raise WorkflowError(str(error)) from None
+        if HOLD_OUT:
+            raise WorkflowError(
+                "experiments on shape and free exponents use whole records; ask for them without "
+                "the setting hold_out"
+            )
+        return files
+
+    return find
 
 
 def geometry_results():

@@ -3,12 +3,14 @@
 
 rule extended:
     input:
-        "<results>/extended/direct.csv",
-        "<results>/extended/exponents.csv",
-        "<results>/extended/common_exponents.csv",
-        expand("<results>/extended/exponents.{kind}", kind=FORMATS),
-        geometry_results(),
-        "<results>/tables/confirmation.csv",
+        of_alike(
+            "<results>/extended/direct.csv",
+            "<results>/extended/exponents.csv",
+            "<results>/extended/common_exponents.csv",
+            *(f"<results>/extended/exponents.{kind}" for kind in FORMATS),
+            *geometry_results(),
+            "<results>/tables/confirmation.csv",
+        ),
     message:
         "Extended study complete: {input}"
 

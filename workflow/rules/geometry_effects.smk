@@ -165,6 +165,6 @@ rule figure_prescribed:
 
 rule geometry_effects:
     input:
-        geometry_results(),
+        of_alike(*geometry_results()),
     message:
         "Effects of the geometry: {input}"

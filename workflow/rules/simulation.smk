@@ -207,9 +207,9 @@ rule calibrate_bond:
 
 rule series:
     input:
-        mesh="<results>/mesh/{sample}/{geometry}.vtu",
+        mesh=of_piece("<results>/mesh/{sample}/{geometry}.vtu"),
         records=records_of_piece,
-        response="<results>/curves/{sample}/{geometry}/ogden2.json",
+        response=of_piece("<results>/curves/{sample}/{geometry}/ogden2.json"),
         fit=optimum("json"),
         code=library("workflow/scripts/series.py"),
     output:
@@ -229,8 +229,8 @@ rule series:
 
 rule export:
     input:
-        mesh="<results>/mesh/{sample}/{geometry}.vtu",
-        surface="<results>/mesh/{sample}/{geometry}.stl",
+        mesh=of_piece("<results>/mesh/{sample}/{geometry}.vtu"),
+        surface=of_piece("<results>/mesh/{sample}/{geometry}.stl"),
         records=records_of_piece,
         fit=optimum("json"),
         curve=optimum("csv"),

@@ -6,7 +6,8 @@ from functools import cached_property
 
 from softsample.errors import InputError
 from softsample.protocol import PRESSED_MODES
-from softsample.validation import DEFAULT_AXES, resolved
+from softsample.shapes import BONDED
+from softsample.validation import DEFAULT_AXES, ends_of, resolved
 
 Row = Mapping[str, str]
 
@@ -177,6 +178,28 @@ class Plan:
             and self.rows[piece]["mode"] not in PRESSED_MODES
             and "bond_mask" not in self.rows[piece]
         ]
+
+    def check_alike(self) -> None:
+        """Refuse what experiments on shape and exponents of whole cohorts are not made for.
+
+        Raises
+        ------
+        InputError
+            If a shape is not known, ends are not bonded, or a piece has several tests.
+        """
+        for name, row in self.rows.items():
+            wrong = {
+                "has neither image nor surface": not self.has_real(name),
+                "has ends that are not bonded": ends_of(row) != BONDED,
+                f"has the piece of {self.piece_of[name]!r}": self.piece_of[name] != name,
+            }
+            for what, is_so in wrong.items():
+                if is_so:
+                    raise InputError(
+                        f"sample {name!r} {what}: experiments on shape and free exponents need "
+                        "samples of known shape with bonded ends, each tested once; ask for them "
+                        "with a table of such samples (setting samples)"
+                    )
 
     def examples(self, wanted: Mapping[str, str]) -> dict[str, str]:
         """The piece that stands for each mode in figures: that of the wanted sample, or the first.

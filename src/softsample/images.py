@@ -89,6 +89,17 @@ def check_image(
     }
 
 
+def one_label(mask: NDArray[np.float32], source: str) -> NDArray[np.float32]:
+    """The same mask, or an `InputError` if it is not of one sample: one value, and 0 outside."""
+    inside = np.unique(mask[mask != 0.0])
+    if len(inside) > 1:
+        raise InputError(
+            f"{source}: has {len(inside)} values that are not 0, {inside[0]:g} to "
+            f"{inside[-1]:g}; give a mask of the sample alone, not interpolated, no probability"
+        )
+    return mask
+
+
 def on_grid_of(
     image: tuple[NDArray[np.float32], NDArray[np.float64]],
     mask: NDArray[np.float32],

@@ -55,6 +55,17 @@ def test_points_land_on_the_surface_and_rim_points_stay_in_the_base_plane(surfac
     assert np.all(landed[in_plane, 2] == 0.0)
 
 
+@pytest.mark.parametrize("width", [5.0e-3, 5.1e-3])
+def test_volume_of_a_block_is_exact_wherever_its_walls_lie_on_the_grid(width):
+    axes = [np.arange(-7e-3, 7.01e-3, SPACING)] * 2 + [np.arange(-2e-3, 7.01e-3, SPACING)]
+    grid = np.stack(np.meshgrid(*axes, indexing="ij"), axis=-1)
+    block = np.maximum.reduce(
+        [np.abs(grid[..., 0]) - width, np.abs(grid[..., 1]) - 4e-3, grid[..., 2] - 5e-3]
+    )
+    exact = 2.0 * width * 8e-3 * 5e-3
+    assert LevelSet(block, grid[0, 0, 0], SPACING).volume == pytest.approx(exact, rel=1e-3)
+
+
 def test_volume_is_that_of_cylinder_and_half_sphere(surface):
     exact = np.pi * RADIUS**2 * (HEIGHT - RADIUS) + 2.0 / 3.0 * np.pi * RADIUS**3
     assert surface.volume == pytest.approx(exact, rel=1e-3)  # midpoint rule, 0.125 mm

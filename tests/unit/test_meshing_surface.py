@@ -21,6 +21,7 @@ from softsample.meshing.quality import element_volumes, scaled_jacobian, surface
 from softsample.meshing.sample import mesh_ideal, mesh_real
 from softsample.meshing.surface import (
     TriangleSurface,
+    base_centre,
     boundary_surface,
     distance_grid,
     level_surface,
@@ -291,6 +292,14 @@ def test_what_is_no_stl_is_refused(tmp_path):
     (tmp_path / "text.stl").write_text("solid nothing\nendsolid\n")
     with pytest.raises(MeshError, match=r"text\.stl: not a readable STL file"):
         read_surface(tmp_path / "text.stl")
+
+
+def test_a_thin_surface_and_a_base_that_is_not_quite_square_are_taken(tmp_path):
+    box = pyvista.Box(bounds=(0, 18, 0, 15, 0, 2.5), level=9).triangulate().clean()
+    assert read_surface(saved(box, tmp_path)).volume / MM**3 == pytest.approx(675.0, rel=1e-4)
+    tilted = shape("block").rotate_x(0.2, inplace=False)
+    centre = base_centre(read_surface(saved(tilted, tmp_path)))
+    np.testing.assert_allclose(centre[:2] / MM, PLACE[:2], atol=0.1)
 
 
 def test_a_surface_without_a_flat_base_is_refused(tmp_path):

@@ -6,7 +6,7 @@ import pytest
 
 from softsample.constitutive.homogeneous import FREE, homogeneous_force, homogeneous_normal
 from softsample.constitutive.ogden import unit_modulus
-from softsample.fem.boundary import ContactSettings
+from softsample.fem.boundary import ContactSettings, mode_boundary
 from softsample.fem.explicit import SolverSettings
 from softsample.protocol import MODES, travel_sign
 from softsample.response import force
@@ -200,3 +200,17 @@ def test_a_pressed_sample_bears_nothing_before_contact_whatever_is_changed():
     assert np.abs(elastic.force_per_mu(0.6, gone)).max() < smallest
     assert np.abs(elastic.change_per_mu("poisson_0.02_less", 0.6, gone)).max() < smallest
     assert elastic.change_per_mu("poisson_0.02_less", 0.6, np.array([1e-3]))[0] > 0.0
+
+
+@pytest.mark.parametrize("ends", ["bonded", "sliding", 0.3])
+@pytest.mark.parametrize("friction", [None, 0.2])
+def test_changed_models_rub_on_the_platens_as_the_unchanged_one_does(block, ends, friction):
+    contact = ContactSettings(friction=friction)
+    test = MechanicalTest(
+        "compression", SOLID, REACH, contact, SolverSettings(), PerturbationSettings(), ends
+    )
+    glued = block.glued(1e-4)
+    plain = mode_boundary(block, "compression", glued, contact, ends)
+    changed = mode_boundary(block, "compression", glued, test.platen_contact)
+    assert changed.friction == plain.friction
+    np.testing.assert_array_equal(changed.held, plain.held)

@@ -8,6 +8,7 @@ import pytest
 from scipy.ndimage import binary_dilation, map_coordinates
 
 from softsample.errors import InputError, SegmentationError
+from softsample.images import one_label
 from softsample.imaging import distance as sdf
 from softsample.imaging import film, frame, intensity
 from softsample.imaging.measure import measure
@@ -243,6 +244,65 @@ def test_a_given_mask_takes_the_place_of_the_segmentation():
     assert 1e9 * result.volume == pytest.approx(truth().volume, rel=0.01)
     assert result.summary()["snr"] is None
     assert np.degrees(result.tilt) == pytest.approx(3.0, abs=0.3)
+
+
+def test_a_mask_of_two_pieces_is_refused_or_told():
+    mask = np.zeros((40, 30, 30))
+    mask[5:20, 5:25, 5:25] = 1.0
+    affine = np.diag([0.5, 0.5, 0.5, 1.0])
+    assert segmentation_from_mask(mask, affine).flags == ()
+    mask[25:29, 5:25, 5:25] = 1.0
+    told = "another region of 200 mm3 was left out"
+    assert told in segmentation_from_mask(mask, affine).flags
+    mask[25:34, 5:25, 5:25] = 1.0
+    with pytest.raises(SegmentationError, match="two samples found, of 750 and 450 mm3"):
+        segmentation_from_mask(mask, affine)
+
+
+def test_a_mask_is_of_one_sample():
+    mask = np.zeros((4, 4, 4), dtype=np.float32)
+    mask[1:3] = 7.0
+    assert one_label(mask, "m.nii") is mask
+    for other in (0.5, 2.0):
+        mask[1, 1, 1] = other
+        with pytest.raises(InputError, match=f"m.nii: has 2 values that are not 0, {other:g} to 7"):
+            one_label(mask, "m.nii")
+
+
+@pytest.mark.parametrize(("voxel", "height"), [((0.3, 0.3, 1.0), 3.5), ((0.6, 0.6, 0.6), 2.5)])
+def test_a_thin_sample_is_as_high_as_it_is(voxel, height):
+    """Two layers of voxels inside say nothing about the bias along the height."""
+    flat = replace(SHAPE, height=height, walls=(Waves(),) * 4, top=Waves(), slope=(0.0, 0.0))
+    result = segment(*replace(PLAIN, voxel=voxel).image(flat), find_film=False)
+    assert 1e3 * result.highest_point[2] == pytest.approx(height, abs=0.15)
+    assert 1e9 * result.volume == pytest.approx(measured(flat).volume, rel=0.04)
+
+
+def about_the_sample(low, high, level):
+    """Image of the plain sample with a ring of tissue of some brightness, `low` to `high` mm."""
+    scan = replace(SCANS["shear"], margin=5.0)
+    image, affine = scan.image(SHAPE)
+    own = np.linalg.inv(scan.sample_to_world) @ affine
+    x, y, z = own[:3, :3] @ np.indices(image.shape).reshape(3, -1) + own[:3, 3:]
+    away = np.hypot(x, y).reshape(image.shape)
+    height = z.reshape(image.shape)
+    outside = (SHAPE.value(x, y, z) > 0.25).reshape(image.shape)
+    ring = (away > low) & (away < high) & (height > 0.5) & (height < 7.0) & outside
+    tissue = np.percentile(image, 98)
+    noise = np.random.default_rng(2).normal(0.0, tissue / 25.0, (2, *image.shape))
+    return np.where(ring, np.hypot(noise[0] + level * tissue, noise[1]), image), affine
+
+
+def test_a_container_or_a_bath_is_not_taken_for_the_sample():
+    for low, level in ((0.0, 2.2), (8.6, 1.0)):  # saline up to the sample, a tube that touches it
+        with pytest.raises(SegmentationError, match=r"encloses \d+ % of its sections.*in air"):
+            segment(*about_the_sample(low, 12.5, level))
+
+
+def test_another_bright_object_does_not_move_the_boundary():
+    result = segment(*about_the_sample(11.0, 12.0, 0.8))
+    assert 1e9 * result.volume == pytest.approx(truth().volume, rel=0.006)
+    assert 1e3 * result.film == pytest.approx(0.0, abs=0.01)
 
 
 TAPER = 0.02

@@ -1,7 +1,7 @@
 """Segment the image of one sample, or take over its segmentation or surface (rule `segment`)."""
 
 from softsample import io
-from softsample.images import on_grid_of, world_axis
+from softsample.images import on_grid_of, one_label, world_axis
 from softsample.imaging.segment import SegmentationSettings, segment, segmentation_from_mask
 from softsample.imaging.surface import segmentation_from_surface
 from softsample.meshing.surface import level_surface
@@ -18,8 +18,8 @@ with logged_to(snakemake):
         data, affine = io.read_image(files.image[0])
         elsewhere = next(iter(files.segmentation), None)
         if elsewhere:
-            mask = io.read_image(elsewhere, segments=(sample, "sample"))
-            data = on_grid_of((data, affine), *mask, elsewhere)
+            mask, own = io.read_image(elsewhere, segments=(sample, "sample"))
+            data = on_grid_of((data, affine), one_label(mask, elsewhere), own, elsewhere)
         found = (segmentation_from_mask if elsewhere else segment)(data, affine, settings, **axes)
     report, surface = found.summary(), level_surface(found.distance, found.origin, found.spacing)
     io.write_image(written.mask, found.mask.astype("uint8"), affine)

@@ -158,10 +158,10 @@ def mode_boundary(
         raise InputError(f"ends: {mode} with {ends!r}; an indenter belongs to indentation alone")
     if isinstance(ends, Indenter):
         _check_ends("compression", ends.ends)
-        return indenter_boundary(mesh, _rubbing(contact, ends.ends), ends.kind, ends.radius)
+        return indenter_boundary(mesh, rubbing(contact, ends.ends), ends.kind, ends.radius)
     _check_ends(mode, ends)
     if mode == "compression":
-        return platen_boundary(mesh, _rubbing(contact, ends))
+        return platen_boundary(mesh, rubbing(contact, ends))
     if mode == "confined_compression":
         smooth = replace(contact, friction=0.0, base_friction=0.0)
         return replace(platen_boundary(mesh, smooth), confined=(0, 1))
@@ -194,7 +194,7 @@ def _check_ends(mode: str, ends: PlatenEnds) -> None:
         )
 
 
-def _rubbing(contact: ContactSettings, ends: PlatenEnds) -> ContactSettings:
+def rubbing(contact: ContactSettings, ends: PlatenEnds) -> ContactSettings:
     """Rules of contact with the friction of the ends, where they give none themselves."""
     if ends == BONDED:
         return contact

@@ -109,6 +109,7 @@ def bias_field(data: Array, interior: Mask, order: int) -> Array:
     low, high = index.min(axis=0), index.max(axis=0)
     centre, half = 0.5 * (low + high), np.maximum(0.5 * (high - low), 1.0)
     values = np.log(np.maximum(data[interior], 1e-6 * np.max(data)))
+    values -= values.mean()  # of terms that are one in thin samples the level goes to none
     terms = _polynomial((index - centre) / half, order)
     weight = np.ones(len(values))
     for _ in range(5):

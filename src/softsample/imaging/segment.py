@@ -68,6 +68,13 @@ noise does not tilt it."""
 PADDING_MM = 2.5
 """Rim around the sample in the grid of the distance [mm]: room for the walls below the base."""
 
+LEFT_OUT = 0.05
+"""A region that is larger than this beside the sample may be a part of it, in its volumes."""
+
+MOST_ENCLOSED = 0.1
+"""Part of the sections of a sample that it may enclose: bubbles and drops do 0.01 at most, tubes
+and baths 0.3 to 0.5."""
+
 MIN_CONTRAST = 4.0
 """Signal of the tissue over the noise that a sample needs to be told from its surroundings."""
 
@@ -241,6 +248,7 @@ def segment(
     spacing = voxel_size(to_world)
     share = tissue_share(image, spacing, settings)
     check_component(share.mask, spacing, settings)
+    _refuse_surrounded(share.mask & ~share.hole, to_world, up)
     if not find_film:
         share = replace(share, power=None, relative_noise=None)
     return _from_share(share, to_world, settings, up, shear, on_platen=True)
@@ -263,6 +271,7 @@ def segmentation_from_mask(
     image, to_world = checked_image(mask, affine)
     up, shear = checked_axes(loading_axis, shear_axis)
     spacing = voxel_size(to_world)
+    left_out = _left_out(image != 0.0, spacing)
     solid = intensity.largest_component(image != 0.0)
     check_component(solid, spacing, settings)
     share = TissueShare(
@@ -277,6 +286,7 @@ def segmentation_from_mask(
         noise=np.nan,
         level=np.nan,
         threshold=np.nan,
+        left_out=left_out,
     )
     # a segmentation made elsewhere has its say
     return _from_share(share, to_world, settings, up, shear, on_platen=False)
@@ -299,6 +309,8 @@ class TissueShare:
         Standard deviation of the tissue about its level nearby, relative.
     snr, noise, level, threshold : float
         As in `Segmentation`.
+    left_out : float
+        Volume [m3] of another region that is large enough for a person to look at, or zero.
     """
 
     share: Array
@@ -312,6 +324,7 @@ class TissueShare:
     noise: float
     level: float
     threshold: float
+    left_out: float
 
 
 def tissue_share(image: Array, spacing: Array, settings: SegmentationSettings) -> TissueShare:
@@ -322,8 +335,9 @@ def tissue_share(image: Array, spacing: Array, settings: SegmentationSettings) -
     """
     blur = _blur(spacing)
     bright = intensity.bright_mask(image, spacing, blur)
-    _refuse_two(bright, spacing)
+    left_out = _left_out(bright, spacing)
     rough = intensity.largest_component(bright)
+    bright |= rough
     if np.count_nonzero(rough) * np.prod(spacing) < settings.min_volume_mm3 * MM**3:
         raise SegmentationError(
             f"no sample found: the largest bright region is smaller than"
@@ -337,18 +351,18 @@ def tissue_share(image: Array, spacing: Array, settings: SegmentationSettings) -
             "no sample found: the largest bright region has no interior; check the image and"
             " its scale"
         )
-    around = intensity.surroundings(image, rough, spacing, 2.0 * margin)
+    around = intensity.surroundings(image, bright, spacing, 2.0 * margin)
     level = float(np.median(image[interior]))
     if np.median(around) < -LEAST_NOISE * level:
         raise SegmentationError(
             f"the surroundings of the sample are negative ({np.median(around):.4g}); give"
             " magnitudes as scanned, which are zero where there is no signal"
         )
-    noise = intensity.noise_level(image, rough, spacing, 2.0 * margin)
+    noise = intensity.noise_level(image, bright, spacing, 2.0 * margin)
     noise = max(noise, LEAST_NOISE * level)
     square = image**2 - np.mean(around**2)
     image = intensity.without_noise_floor(image, noise)
-    floor = float(np.mean(intensity.surroundings(image, rough, spacing, 2.0 * margin)))
+    floor = float(np.mean(intensity.surroundings(image, bright, spacing, 2.0 * margin)))
     level = float(np.median(image[interior]))
     if level - floor < MIN_CONTRAST * noise:
         raise SegmentationError(
@@ -377,17 +391,37 @@ def tissue_share(image: Array, spacing: Array, settings: SegmentationSettings) -
         noise=noise,
         level=level,
         threshold=floor + HALF * (level - floor),
+        left_out=left_out,
     )
 
 
-def _refuse_two(bright: Mask, spacing: Array) -> None:
-    """Refuse an image in which something else is more than half as large as the sample."""
-    labels, _ = ndimage.label(bright)
-    first, second = np.sort(np.append(np.bincount(labels.ravel())[1:], [0, 0]))[[-1, -2]]
+def _left_out(regions: Mask, spacing: Array) -> float:
+    """Volume [m3] of what is largest beside the sample; zero if it is small beside it.
+
+    Refuses what is more than half as large as the sample.
+    """
+    labels, _ = ndimage.label(regions)
+    sizes = np.bincount(labels.ravel())[1:] * float(np.prod(spacing))
+    first, second = np.sort(np.append(sizes, [0.0, 0.0]))[[-1, -2]]
     if second > 0.5 * first:
-        sizes = np.array([first, second]) * np.prod(spacing) / MM**3
         raise SegmentationError(
-            f"two samples found, of {sizes[0]:.0f} and {sizes[1]:.0f} mm3; crop the image to one"
+            f"two samples found, of {first / MM**3:.0f} and {second / MM**3:.0f} mm3; crop the "
+            "image to one"
+        )
+    return float(second) if second > LEFT_OUT * first else 0.0
+
+
+def _refuse_surrounded(solid: Mask, to_world: Array, up: Array) -> None:
+    """Refuse a sample whose sections are rings: a container, or a bath about the sample."""
+    axis = int(np.abs(up @ (to_world[:3, :3] / voxel_size(to_world))).argmax())
+    sections = np.moveaxis(solid, axis, 0)
+    filled = sum(np.count_nonzero(ndimage.binary_fill_holes(section)) for section in sections)
+    enclosed = 1.0 - np.count_nonzero(solid) / filled
+    if enclosed > MOST_ENCLOSED:
+        raise SegmentationError(
+            f"the brightest region encloses {100.0 * enclosed:.0f} % of its sections: it looks "
+            "like a container, or fluid about a sample; give an image of the sample in air, or "
+            "a mask in column segmentation"
         )
 
 
@@ -539,7 +573,8 @@ def _boundary(
     hole = frame.sampled(share.hole.astype(np.float64), to_voxel, shape, order=1) > 0.01
     seen = np.minimum(away, _away(hole, spacing)) > reach
     found = _fitted(rough, seen, origin, share, to_sample, settings)
-    layers = round(CONTINUATION_MM * MM / spacing)
+    top = int(np.argwhere(found.distance < 0.0)[:, 2].max())
+    layers = max(1, min(round(CONTINUATION_MM * MM / spacing), (top - first) // 2))
     whole = sdf.continue_below(found.distance, first, layers, blur=2.0)
     boundary = frame.iso_surface(-whole, 0.0, grid)
     distance = sdf.signed_distance(whole < 0.0, boundary, origin, spacing)
@@ -630,6 +665,8 @@ def _flags(share: TissueShare, spread: float, voxel: Array) -> tuple[str, ...]:
         flags.append("free fluid on the sample was left out")
     if share.hole.any():
         flags.append("a hole in the sample was filled")
+    if share.left_out:
+        flags.append(f"another region of {share.left_out / MM**3:.0f} mm3 was left out")
     if spread > 0.5 * float(np.max(voxel)):
         flags.append("base is not flat")
     if share.snr < 8.0:

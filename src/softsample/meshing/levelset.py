@@ -91,7 +91,7 @@ class LevelSet:
         """Volume [m3] of the solid above the base plane, midpoint rule on cells of the grid."""
         low, high = self.inside_box
         cell = 0.5 * self.spacing
-        axes = [np.arange(low[a] - 2 * cell, high[a] + 2 * cell, cell) for a in (0, 1)]
+        axes = [np.arange(low[a] - 2 * cell, high[a] + 2.5 * cell, cell) for a in (0, 1)]
         height = (np.arange(int(np.ceil(high[2] / cell)) + 2) + 0.5) * cell
         plane = np.stack(np.meshgrid(*axes, indexing="ij"), axis=-1).reshape(-1, 2)
         total = 0.0

@@ -14,10 +14,11 @@ from softsample.meshing.mesh import HexMesh
 Array = NDArray[np.float64]
 Ids = NDArray[np.int64]
 
-EXTENT = (3e-3, 0.1)
-"""Sizes of a sample [m]; anything else was written in another unit."""
+LONGEST, SMALLEST = 0.1, 3e-3**3
+"""Length of a sample [m] at most, volume of the box about it [m3] at least; anything else was
+written in another unit."""
 
-FLAT = 1e-3
+FLAT = 1e-2
 """Corners this near to the lowest point, in heights of the surface, lie in the base."""
 
 LEAST_BASE = 0.05
@@ -85,11 +86,11 @@ class TriangleSurface:
         if len(self.triangles) == 0:
             raise MeshError(f"{self.source}: holds no triangles; export the surface again")
         extent = np.ptp(self.points[self.triangles].reshape(-1, 3), axis=0)
-        if not (extent.min() >= EXTENT[0] and extent.max() <= EXTENT[1]):  # true for NaN
+        if not (np.prod(extent) >= SMALLEST and extent.max() <= LONGEST):  # true for NaN
             size = " x ".join(f"{1e3 * length:.4g}" for length in extent)
             raise MeshError(
-                f"{self.source}: {size} mm large, expected {1e3 * EXTENT[0]:g} to "
-                f"{1e3 * EXTENT[1]:g} mm; export the surface in mm"
+                f"{self.source}: {size} mm large, expected {1e9 * SMALLEST:g} mm3 at least and "
+                f"{1e3 * LONGEST:g} mm at most; export the surface in mm"
             )
         _, count = np.unique(np.sort(self.sides, axis=1), axis=0, return_counts=True)
         if np.any(count != 2):

@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 
 from softsample.constitutive.material import Material
 from softsample.constitutive.ogden import unit_modulus
-from softsample.fem.boundary import Boundary, ContactSettings, Ends, mode_boundary
+from softsample.fem.boundary import Boundary, ContactSettings, Ends, mode_boundary, rubbing
 from softsample.fem.explicit import ExplicitModel, SolverSettings
 from softsample.meshing.marks import MarkedImage
 from softsample.meshing.mesh import HexMesh
@@ -120,10 +120,7 @@ class MechanicalTest:
     def platen_contact(self) -> ContactSettings:
         """Contact of a pressed sample, its friction that of the ends."""
         ends = self.ends
-        if isinstance(ends, Indenter) or ends == "bonded" or self.contact.friction is not None:
-            return self.contact
-        friction = 0.0 if isinstance(ends, str) else float(ends)
-        return replace(self.contact, friction=friction, base_friction=friction)
+        return self.contact if isinstance(ends, Indenter) else rubbing(self.contact, ends)
 
 
 def _of_both_terms(material: Material) -> Material:

@@ -14,7 +14,7 @@ from softsample.errors import InputError, SoftsampleError
 from softsample.formats import Volume
 from softsample.formats.machine import described, read
 from softsample.holdout import check_hold_out, selecting
-from softsample.images import check_image, on_grid_of, world_axis
+from softsample.images import check_image, on_grid_of, one_label, world_axis
 from softsample.imaging.measure import MeasurementSettings
 from softsample.imaging.propose import Glance, coarsened, glance
 from softsample.imaging.segment import SegmentationSettings
@@ -309,7 +309,8 @@ def _size(row: Mapping[str, str], told: list[str]) -> IdealShape | None:
 
 
 def _mask(path: str, segments: Sequence[str], image: Volume) -> NDArray[np.float32]:
-    return on_grid_of(image, *read_image(path, segments), path)
+    mask, affine = read_image(path, segments)
+    return on_grid_of(image, one_label(mask, path), affine, path)
 
 
 def _glued(path: str, image: Volume) -> None:

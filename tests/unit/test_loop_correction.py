@@ -53,8 +53,8 @@ def test_what_another_law_leaves_is_corrected_and_goes_on_beyond_what_was_fitted
     correction = verdict["correction"]
     assert (correction["class"], correction["with"]) == ("elastic_form", [])
     assert correction["left_out_after_percent"] < 0.8 * correction["left_out_before_percent"]
-    plain = held_out_errors(found.selection.base, tests, 0.0, found.scales_before)
-    after = held_out_errors(found.predicting, tests, 0.0, found.scales)
+    plain = held_out_errors(found.selection.base, tests, {}, found.scales_before)
+    after = held_out_errors(found.predicting, tests, {}, found.scales)
     domain = correction["domain_mm"]
     assert set(domain) == {"tension", "compression", "shear"}
     assert all(after[name].rms < plain[name].rms for name in domain)
@@ -71,9 +71,8 @@ def test_a_mode_is_corrected_only_where_folds_confirm_it():
     shear = replace(shear, force=shear.force + shear.peak * jumps[: len(shear.force)])
     tests = [tension, compression, shear]
     judged = diagnose(tests, SETTINGS, [library()["force_offset"]])
-    problem, fit = judged.selection.plain, judged.selection.base
-    spread = [noise.block for noise in judged.noises]
-    found = confirmed([(problem, fit, cross_validated(problem, fit))], spread)
+    fit = judged.selection.base
+    found = confirmed([(fit, cross_validated(fit))], judged.posed.spread)
     assert found.learned is not None
     assert "shear" not in found.report()["domain_mm"]
     np.testing.assert_array_equal(
@@ -91,9 +90,8 @@ def test_nothing_is_corrected_where_nothing_is_wrong():
     """Nor does a verdict without a misfit hold a correction."""
     found = diagnose(laboratory.Lab(seed=5).specimens(), SETTINGS, [library()["force_offset"]])
     assert (found.verdict, found.correction) == ("none", None)
-    spread = [noise.block for noise in found.noises]
-    plain = found.selection.plain, found.selection.base
-    assert confirmed([(*plain, cross_validated(*plain))], spread) is None
+    plain = found.selection.base
+    assert confirmed([(plain, cross_validated(plain))], found.posed.spread) is None
 
 
 @pytest.mark.parametrize("came_there", [True, False])
@@ -103,8 +101,8 @@ def test_folds_choose_among_all_models_that_a_search_came_to(came_there, monkeyp
     def dropped(problem, known, settings):
         found = select(problem, known, settings)
         assert found.final.model.names == ("viscoelastic_relaxation",)
-        visited = [(found.problem, found.final)] if came_there else []
-        return replace(found, problem=found.plain, final=found.base, classes={}, visited=visited)
+        visited = [found.final] if came_there else []
+        return replace(found, final=found.base, classes={}, visited=visited)
 
     monkeypatch.setattr("softsample.loop.diagnose.select", dropped)
     known = [library()["viscoelastic_relaxation"]]
@@ -157,12 +155,12 @@ def test_tests_of_one_mode_share_a_correction_in_proportion_to_their_force():
         elastic=replace(first.elastic, curves=doubled(first.elastic.curves)),
         held_out=np.ones(len(first.force), bool),
     )  # fmt: skip
-    problem, fit = fitted([first])
-    whole = learned(problem, fit).of(fit)
+    _, fit = fitted([first])
+    whole = learned(fit).of(fit)
     assert whole.model.names == (NAME,)
     change = [whole.model.predict(s, whole.state) - fit.model.predict(s, fit.state)
               for s in (first, other)]  # fmt: skip
-    own = learned(problem, fit).scale[first.name, first.mode, first.channel]
+    own = learned(fit).scale[first.name, first.mode, first.channel]
     smooth = change[0] - own * fit.model.predict(first, fit.state)
     np.testing.assert_allclose(change[1], 2.0 * smooth, atol=1e-6 * np.abs(change[1]).max())
 
@@ -172,12 +170,12 @@ def test_scales_of_tests_are_learned_beside_what_they_share(ratio):
     """Of two specimens that differ in stiffness, with a bow that one law does not follow."""
     one = bent(10.0)[0]
     other = replace(one, name="other", piece="other", force=ratio * one.force)
-    problem, fit = settled(*fitted([one, other]))
-    correction = learned(problem, fit)
+    fit = settled(*fitted([one, other]))
+    correction = learned(fit)
     scales = [1.0 + correction.scale[s.name, s.mode, s.channel] for s in (one, other)]
     assert scales[1] / scales[0] == pytest.approx(ratio, rel=0.1)
     whole = correction.of(fit)
-    for s in problem.specimens:
+    for s in fit.problem.specimens:
         left = s.force - whole.model.predict(s, whole.state)
         assert np.sqrt(np.mean(left**2)) < 0.02 * s.peak
 
@@ -223,9 +221,9 @@ def fung(mode, sign=1.0, toe=0.0, seed=5):
 
 def errors_beyond(tests, wanted):
     """Error of what is held out of tests [% of peak], without and with a correction."""
-    problem, fit = fitted(tests)
-    whole = learned(problem, fit).of(fit)
-    found = [held_out_errors(f, wanted, 0.0, {}) for f in (fit, whole)]
+    _, fit = fitted(tests)
+    whole = learned(fit).of(fit)
+    found = [held_out_errors(f, wanted, {}, {}) for f in (fit, whole)]
     return [100.0 * np.mean([e.rms / e.peak for e in of.values()]) for of in found]
 
 
@@ -313,8 +311,10 @@ def test_the_table_of_residuals_has_the_curves_of_the_figure(tests, found):
         np.testing.assert_allclose(pulled[name], drawn)
 
 
-def test_table_and_figure_have_tests_that_are_held_out_as_a_whole(tests):
-    whole = replace(tests[0], name="another", held_out=np.ones(len(tests[0].force), bool))
+@pytest.mark.parametrize("fitted", [0, 5])
+def test_table_and_figure_have_tests_of_which_not_one_block_is_fitted(tests, fitted):
+    held_out = np.arange(len(tests[0].force)) >= fitted
+    whole = replace(tests[0], name="another", held_out=held_out)
     found = diagnose([*tests, whole], SETTINGS, [library()["force_offset"]])
     drawn = {ax.get_title(): ax.lines[0] for ax in loop_figure(found).axes}
     assert drawn["another\ntension"].get_label() == "held out"
@@ -327,9 +327,9 @@ def test_table_and_figure_have_tests_that_are_held_out_as_a_whole(tests):
 
 def residuals(found):
     """Tests and what the first model predicts of them."""
-    first, plain = found.first
-    forces = first.predicted(plain.model, plain.state)
-    return zip(found.problem.specimens, forces, strict=True)
+    first = found.posed.first
+    forces = first.problem.predicted(first.model, first.state)
+    return zip(found.posed.problem.specimens, forces, strict=True)
 
 
 @pytest.mark.parametrize(("count", "told"), [(1, False), (2, True), (7, True)])

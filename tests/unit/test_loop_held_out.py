@@ -84,7 +84,7 @@ def found(tests):
 
 def same(one, other):
     """Whether two diagnoses are the same to the last bit."""
-    assert one.noises == other.noises
+    assert one.posed.noises == other.posed.noises
     assert [s.threshold for s in one.selection.steps] == [
         s.threshold for s in other.selection.steps
     ]
@@ -112,7 +112,7 @@ def test_a_test_that_is_held_out_as_a_whole_is_no_part_of_a_diagnosis(found):
     tests = held(lambda s: back(s) | (s.mode == "compression"), every)
     whole = diagnose([spoiled(s) for s in tests], SETTINGS, EFFECTS)
     same(found, whole)
-    assert whole.problem.labels == ["tension", "shear"]
+    assert whole.posed.problem.labels == ["tension", "shear"]
     assert set(whole.before.held_out) == set(every)
 
 
@@ -126,7 +126,7 @@ def test_what_is_held_out_at_the_end_is_as_good_as_cut_off():
     short = diagnose([cut(s) for s in tests], SETTINGS, EFFECTS)
     assert short.before.held_out == {}
     assert found.selection.classes == short.selection.classes
-    assert found.noises == short.noises
+    assert found.posed.noises == short.posed.noises
     for name in ("base", "final"):
         a, b = (getattr(d.selection, name).state for d in (found, short))
         assert a.material.mu == pytest.approx(b.material.mu, rel=1e-6)
@@ -139,7 +139,7 @@ def test_what_is_held_out_at_the_end_is_as_good_as_cut_off():
 
 def test_errors_of_what_is_held_out_are_of_its_samples_alone(tests, found):
     """By hand; peaks are its own, and noise is taken out of the structured error."""
-    fit, noise = found.selection.base, found.noises[0].white
+    fit, noise = found.selection.base, found.posed.noises[0].white
     cells = {"force": noise, "torque": 0.1 * noise}
     errors = held_out_errors(fit, tests, cells, {})
     for specimen in tests:
@@ -176,12 +176,12 @@ def scattered():
 def test_specimens_that_differ_in_stiffness_are_told_and_predicted(scattered):
     """What is held out of each is predicted as well as that of the one that is as the mean."""
     _, found = scattered
-    assert found.stiffness == pytest.approx(STIFF, rel=0.01)
+    assert found.posed.stiffness == pytest.approx(STIFF, rel=0.01)
     verdict = document(found, ({}, {}), SETTINGS, SOLID, [{"ends": "bonded"}], "")
     assert verdict["verdict"] == "explained"
     (effect,) = verdict["effects"]
     assert effect["class"] == ["specimen_stiffness"]
-    assert {piece: p["value"] for piece, p in effect["parameters"].items()} == found.stiffness
+    assert {piece: p["value"] for piece, p in effect["parameters"].items()} == found.posed.stiffness
     assert effect["evidence"] > 0.0
     before, after = ({k: e.rms / e.peak for k, e in judged.held_out.items()}
                      for judged in (found.before, found.after))  # fmt: skip
@@ -195,7 +195,7 @@ def test_specimens_that_differ_in_stiffness_are_told_and_predicted(scattered):
 def test_tests_of_one_specimen_that_differ_in_scale_are_not_specimens(scattered):
     tests, _ = scattered
     found = diagnose([replace(s, piece="A") for s in tests], SETTINGS, [library()["force_offset"]])
-    assert (found.verdict, found.stiffness) == ("unknown", {})
+    assert (found.verdict, found.posed.stiffness) == ("unknown", {})
     assert found.objection.startswith("the scales of the tests differ by")
 
 
@@ -227,7 +227,7 @@ def test_tests_at_another_speed_or_to_another_displacement_tell_nothing_of_stiff
     alike = stiffer(one, 1.2, "C")
     assert same_tests([one, fast, alike]) == [0, 1, 0]
     problem, _ = pose([one, fast], SETTINGS.noise)
-    assert relative_stiffness(problem, problem.fit_material()) == {}
+    assert relative_stiffness(problem.fit_material()) == {}
 
 
 def test_what_is_left_of_a_scale_belongs_to_other_tests_of_the_specimen():
@@ -235,7 +235,7 @@ def test_what_is_left_of_a_scale_belongs_to_other_tests_of_the_specimen():
     (one,) = laboratory.Lab(seed=7).specimens(["shear"])
     tests = [stiffer(one, by, name) for by, name in ((1.0, "A"), (1.0, "B"), (1.03, "C"))]
     found = diagnose(tests, SETTINGS, [library()["force_offset"]])
-    assert (found.verdict, found.stiffness) == ("none", {})
+    assert (found.verdict, found.posed.stiffness) == ("none", {})
     scales = found.scales_before
     assert scale_of(tests[2], scales) - scale_of(tests[0], scales) == pytest.approx(0.03, abs=0.01)
     assert scale_of(replace(tests[2], channel=NORMAL), scales) == scale_of(tests[2], scales)
@@ -251,7 +251,7 @@ def test_errors_of_scale_are_those_of_the_force_that_a_fit_predicts():
     problem, _ = pose([replace(one, force=more * one.force)], SETTINGS.noise)
     problem = problem.with_variances({**problem.variances, "scale": 100.0})
     fit = problem.at(Model(), pose([one], SETTINGS.noise)[0].fit_material().state)
-    (error,) = most_likely(problem, fit).values()
+    (error,) = most_likely(fit).values()
     (test,), (force,) = problem.specimens, problem.predicted(fit.model, fit.state)
     apart = problem.with_variances({**problem.variances, "scale": 0.0})
     column, left = apart.white([force]), apart.white([test.force - force])
@@ -298,7 +298,7 @@ def test_a_test_that_is_left_out_is_predicted_by_a_diagnosis_of_the_others():
     sheared = next(s for s in tests if s.mode == "shear")
     judged = replace(sheared, held_out=~sheared.held_out)  # what the study holds out is no part
     for errors, fit in ((before, rest.selection.base), (after, rest.final)):
-        expected = held_out_errors(fit, [judged], {"force": rest.noises[0].white}, {})
+        expected = held_out_errors(fit, [judged], {"force": rest.posed.noises[0].white}, {})
         assert errors["shear"] == expected
     other = left_out_errors(assumed([spoiled(s) for s in tests]), folds, SETTINGS)
     assert other == (before, after)

@@ -82,7 +82,7 @@ def test_a_limit_tells_what_the_effect_makes_of_the_modulus():
     size = nu.neutral + np.sign(nu.nominal - nu.neutral) * limit["value"]
     plain = State(found.final.state.material)
     model, state = Model((effect,)), replace(plain, values={effect.name: {"nu": size}})
-    problem = found.selection.problem
+    problem = found.selection.final.problem
     problem = problem.with_least(SETTINGS.noise.doubt(problem.variances, floor=True))
     fit = problem.with_forces(problem.predicted(model, state)).fit(Model(), plain)
     factor = fit.state.material.mu / plain.material.mu

@@ -62,7 +62,7 @@ def test_residuals_are_whitened_and_judged_by_the_joint_covariance():
     np.testing.assert_allclose(np.concatenate(problem.coloured(white)), means, rtol=1e-6, atol=1e-9)
     fit = problem.fit_material()
     left = problem.residual(fit.model, fit.state)
-    likelihood = problem.misfit(fit) - left @ left - problem._unlikely_sizes
+    likelihood = fit.misfit - left @ left - problem._unlikely_sizes
     assert likelihood == pytest.approx(np.linalg.slogdet(joint)[1], rel=1e-6)
 
 
@@ -102,8 +102,8 @@ def test_what_tests_of_one_piece_share_is_told_from_what_is_their_own(shared, la
         force, time = one.force + 0.04 * one.peak * wave, (1.0 + k) * one.time
         tests.append(replace(one, name=str(k), piece="A", time=time, force=force))
     problem, _ = pose(tests, SETTINGS)
-    of_shared, _ = discrepancy.settled(problem, problem.fit_material())
-    sizes = SETTINGS.sizes(of_shared.variances)
+    of_shared = discrepancy.settled(problem, problem.fit_material())
+    sizes = SETTINGS.sizes(of_shared.problem.variances)
     found = {
         "shared": np.hypot(sizes["smooth"], sizes["kinked"]) / SETTINGS.floor_percent,
         "own": np.hypot(sizes["rough"], sizes["history"])

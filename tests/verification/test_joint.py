@@ -138,7 +138,7 @@ def diagnosed(ends):
 def test_ends_that_slid_are_found_where_the_study_leaves_them_open():
     found = diagnosed("sliding")
     assert (found.verdict, found.slides, list(found.selection.classes)) == ("explained", True, [])
-    material, bonded = found.final.state.material, found.origin.first[1].state.material
+    material, bonded = found.final.state.material, found.origin.posed.first.state.material
     assert material.mu == pytest.approx(MU, rel=0.01)
     assert material.mu1_fraction == pytest.approx(FRACTION, abs=0.02)
     assert abs(bonded.mu / MU - 1.0) > 0.1
@@ -201,11 +201,10 @@ def test_other_groups_tell_what_the_platens_do():
 def test_other_groups_choose_the_ends_by_more_than_a_standard_error():
     """Else the likelihood does, as where they tell nothing."""
     bonded, sliding = diagnosed("sliding").other_ends, diagnosed("sliding")
-    first = sliding.problem, sliding.final
 
     def told(found, *percent):
         errors = np.log(0.01 * np.array(percent))
-        return replace(found, told=Pooled(*first, {}, {}, 50.0, 30.0, errors))
+        return replace(found, told=Pooled(sliding.final, {}, {}, 50.0, 30.0, errors))
 
     stiff = told(bonded, 4.0, 5.0, 6.0)
     assert not likelier(stiff, told(sliding, 8.0, 9.0, 13.0)).slides
@@ -216,13 +215,13 @@ def test_other_groups_choose_the_ends_by_more_than_a_standard_error():
 
 def test_evidence_on_ends_is_doubted_by_errors_of_geometry_that_no_record_shows():
     found = [diagnose(m.specimens, SETTINGS, []) for m in models("sliding")]
-    plain = [(one.selection.plain, one.selection.base) for one in found]
-    sharp = np.subtract(*(misfit_with_penalties(*model) for model in plain))
-    less = np.subtract(*(misfit_with_penalties(*doubted(*model)) for model in plain))
+    plain = [one.selection.base for one in found]
+    sharp = np.subtract(*(misfit_with_penalties(fit) for fit in plain))
+    less = np.subtract(*(misfit_with_penalties(doubted(fit)) for fit in plain))
     assert 0.0 < less < 0.7 * sharp
     assert found[0].left - found[1].left == pytest.approx(less, rel=1e-4)
-    for posed, _ in (doubted(*model) for model in plain):
-        assert min(posed.variances[name] for name in GEOMETRY) >= SETTINGS.noise.spread**2
+    for fit in map(doubted, plain):
+        assert min(fit.problem.variances[name] for name in GEOMETRY) >= SETTINGS.noise.spread**2
 
 
 def test_where_nothing_explains_the_modulus_is_that_of_both_ends_as_far_as_they_are_open():
@@ -299,11 +298,11 @@ def test_of_opposite_exponents_which_shear_hardly_tells_the_nearer_is_taken():
 def test_the_normal_force_takes_part_in_the_fit():
     """Held out, it is predicted; fitted, it makes the fraction better known."""
     found = diagnose(two_channels([{"channel": "force_normal"}]), SETTINGS, [])
-    assert found.problem.labels == ["shear"]
+    assert found.posed.problem.labels == ["shear"]
     error = found.before.held_out["shear_normal"]
     assert error.rms < 0.02 * error.peak
     both = diagnose(two_channels(), SETTINGS, [])
-    assert both.problem.labels == ["shear", "shear_normal"]
+    assert both.posed.problem.labels == ["shear", "shear_normal"]
     assert set(both.before.fitted) == {"shear", "shear_normal"}
     material = both.selection.base.state.material
     assert material.mu == pytest.approx(MU, rel=0.01)
@@ -315,7 +314,7 @@ def test_the_normal_force_takes_part_in_the_fit():
 def test_instruments_of_the_force_are_not_those_of_the_normal_force():
     effects = [library()[name] for name in ("force_offset", "machine_compliance")]
     problem, _ = pose(two_channels()[1:], SETTINGS.noise)
-    for signature in signatures(problem, problem.fit_material(), effects):
+    for signature in signatures(problem.fit_material(), effects):
         assert signature.strength < 1e-6
     found = diagnose(two_channels(offset=0.02), SETTINGS, effects)
     assert list(found.selection.classes) == ["force_offset"]

@@ -124,10 +124,10 @@ def test_a_model_that_ended_in_another_minimum_is_fitted_from_the_values_of_othe
         group = Group.of(posed, posed, effects(test))
         groups.append(group.with_effect("compressible_foam", SETTINGS.selection.class_gain))
     good, guide = groups
-    problem, fit = good.whole
+    fit = good.whole
     far = replace(fit.state, values={"compressible_foam": {"alpha": -25.0, "nu": 0.45, "share": 1}})
-    stuck = replace(good, whole=(problem, problem.at(fit.model, far)))
-    again = stuck.refitted([guide]).whole[1].state
+    stuck = replace(good, whole=fit.problem.at(fit.model, far))
+    again = stuck.refitted([guide]).whole.state
     for name in ("alpha", "nu"):
         own, found = (s.values["compressible_foam"][name] for s in (fit.state, again))
         assert found == pytest.approx(own, abs=0.02 * abs(own) + 0.01)

@@ -5,7 +5,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from softsample.loop.errors import Error, Errors
+from softsample.loop.errors import Error, Errors, cross_validated, log_density
 from softsample.loop.noise import NoiseSettings
 from softsample.loop.select import WITHIN_DOUBT, Selection, SelectionSettings, unusable
 
@@ -22,8 +22,6 @@ class Judged:
         Cross-validated error by fold and test, within what is fitted.
     held_out : dict
         Error by test of what the study holds out.
-    density : float
-        Logarithm of the predictive density of what the folds leave out, summed over them.
     form : float
         Error of the form of the records, whatever their scale [% of peak].
     repeats : float
@@ -33,7 +31,6 @@ class Judged:
     fitted: Errors
     folds: Errors
     held_out: Mapping[str, Error]
-    density: float
     form: float
     repeats: float
 
@@ -78,7 +75,7 @@ def objection_to(
     last, named = selection.steps[-1], bool(selection.final.model.effects)
     if last.refused and last.why != WITHIN_DOUBT and not named:
         return last.why
-    scale = max(after.repeats, noise.sizes(selection.problem.variances)["scale"])
+    scale = max(after.repeats, noise.sizes(selection.final.problem.variances)["scale"])
     enough = named and fold_ratio(before.folds, after.folds) <= rules.unknown_share
     pairs = (after.form, before.form), (after.total, before.total)
     little = named and all(left > rules.unknown_share * was for left, was in pairs)
@@ -92,7 +89,9 @@ def objection_to(
         return ""
     if why := unusable(selection.final):
         return why
-    if after.density < before.density:
-        less = before.density - after.density
+    fits = selection.base, selection.final
+    without, beside = (log_density(fit, cross_validated(fit)) for fit in fits)
+    if beside < without:
+        less = without - beside
         return f"what folds leave out is exp({less:.3g}) times less likely with the effects"
     return ""

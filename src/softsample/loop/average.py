@@ -8,19 +8,16 @@ J. A. Hoeting, D. Madigan, A. E. Raftery, C. T. Volinsky, Statistical Science 14
 doi:10.1214/ss/1009212519.
 """
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.optimize import brentq
 from scipy.stats import norm
 
 from softsample.loop.deviation import bond_deviation, log_modulus_deviation
-from softsample.loop.fit import Fit, Problem
+from softsample.loop.fit import Fit
 from softsample.loop.select import Selection, misfit_with_penalties, unusable
-
-Array = NDArray[np.float64]
 
 INTERVAL = (0.05, 0.95)
 """Quantiles at the ends of a 90 % interval."""
@@ -48,12 +45,10 @@ class Weighed:
     deviation: float
 
     @classmethod
-    def of(
-        cls, problem: Problem, fit: Fit, weight: float, stiffness: Mapping[str, float]
-    ) -> "Weighed":
-        """A fit to records with the sizes of its discrepancy, and the stiffness of specimens."""
-        alone = log_modulus_deviation(problem, fit, stiffness)
-        return cls(fit, weight, float(np.hypot(alone, bond_deviation(problem, fit))))
+    def of(cls, fit: Fit, weight: float, stiffness: Mapping[str, float]) -> "Weighed":
+        """A fit with the sizes of its discrepancy, and the stiffness of specimens."""
+        alone = log_modulus_deviation(fit, stiffness)
+        return cls(fit, weight, float(np.hypot(alone, bond_deviation(fit))))
 
 
 def weighed(selection: Selection, stiffness: Mapping[str, float]) -> list[Weighed]:
@@ -64,32 +59,24 @@ def weighed(selection: Selection, stiffness: Mapping[str, float]) -> list[Weighe
     the plain model is known to leave out was selected, no model without it counts.
     """
     known = {effect.name for effect in selection.final.model.effects if effect.idealised}
-    likeliest: dict[frozenset[str], tuple[float, Problem, Fit]] = {}
+    likeliest: dict[frozenset[str], tuple[float, Fit]] = {}
     odds = 2.0 * np.log(len(selection.library) or 1)
-    for problem, fit in _models(selection):
+    candidates = [c.settled for step in selection.steps for c in step.candidates]
+    for fit in (selection.base, selection.final, *candidates, *selection.visited):
         effects = fit.model.effects
         names = frozenset(fit.model.names)
         if (effects and unusable(fit)) or not known <= names:
             continue
-        left = misfit_with_penalties(problem, fit) + odds * len(effects)
+        left = misfit_with_penalties(fit) + odds * len(effects)
         if names not in likeliest or left < likeliest[names][0]:
-            likeliest[names] = left, problem, fit
-    least = min(left for left, *_ in likeliest.values())
-    weights = [float(np.exp(-0.5 * (left - least))) for left, *_ in likeliest.values()]
+            likeliest[names] = left, fit
+    least = min(left for left, _ in likeliest.values())
+    weights = [float(np.exp(-0.5 * (left - least))) for left, _ in likeliest.values()]
     found = [
-        Weighed.of(problem, fit, weight / sum(weights), stiffness)
-        for (_, problem, fit), weight in zip(likeliest.values(), weights, strict=True)
+        Weighed.of(fit, weight / sum(weights), stiffness)
+        for (_, fit), weight in zip(likeliest.values(), weights, strict=True)
     ]
     return sorted(found, key=lambda one: -one.weight)
-
-
-def _models(selection: Selection) -> Iterator[tuple[Problem, Fit]]:
-    yield selection.plain, selection.base
-    yield selection.problem, selection.final
-    for step in selection.steps:
-        for candidate in step.candidates:
-            yield candidate.posed, candidate.settled
-    yield from selection.visited
 
 
 def averaged(models: Sequence[Weighed]) -> tuple[float, float, float]:

@@ -19,8 +19,6 @@ PEAKS = (0.2, 5.0)
 RIPPLE_HZ = (95.0, 105.0)
 """Sampling rates [Hz] that fold the ripple of the mains, of 100 Hz, to that effect's periods."""
 
-RIPPLE = "mains_pickup"
-
 
 def candidates(specimens: Sequence[Specimen], height: float, solid: Material) -> list[Effect]:
     """The library for the records of a group.
@@ -44,19 +42,18 @@ def candidates(specimens: Sequence[Specimen], height: float, solid: Material) ->
     peaks = [s.peak for s in specimens if not s.held_out.all()]
     force = _beyond(float(np.median(peaks)), PEAKS)
     scales = {"mm": length, "mN": force, "mN/s": force, "mm/N": length / force}
+    laws = [s.elastic.laws.exponents for s in specimens if s.elastic.laws is not None]
     there = {
-        RIPPLE: rippled,
-        "elastic_law": all(s.elastic.laws is not None for s in specimens),
-        "ogden_exponents": all(s.elastic.laws is not None for s in specimens),
+        "mains_pickup": rippled,
+        "elastic_law": len(laws) == len(specimens),
+        "ogden_exponents": len(laws) == len(specimens),
         "compressible_foam": all(s.elastic.knows_foams for s in specimens),
     }
-    laws = [s.elastic.laws.exponents for s in specimens if s.elastic.laws is not None]
     known = max((low for low, _ in laws), default=0.0), min((high for _, high in laws), default=0.0)
-    absent = {name for name, present in there.items() if not present}
     return [
         _known(_scaled(effect, scales), known)
         for effect in library(solid, specimens).values()
-        if (timed or not effect.of_time) and effect.name not in absent
+        if (timed or not effect.of_time) and there.get(effect.name, True)
     ]
 
 
@@ -79,22 +76,15 @@ def _scaled(effect: Effect, scales: dict[str, float]) -> Effect:
 
 def _known(effect: Effect, exponents: tuple[float, float]) -> Effect:
     """A law with exponents between those whose response was simulated; others as they are."""
-    if not effect.is_law:
-        return effect
-    parameters = tuple(
-        _between(p, *exponents) if p.name.startswith("alpha") else p for p in effect.parameters
-    )
-    return replace(effect, parameters=parameters)
+    low, high = exponents
 
+    def known(p: Parameter) -> Parameter:
+        if not (effect.is_law and p.name.startswith("alpha")):
+            return p
+        grid = tuple(value for value in p.grid if low <= value <= high)
+        return replace(p, low=max(p.low, low), high=min(p.high, high), grid=grid)
 
-def _between(parameter: Parameter, low: float, high: float) -> Parameter:
-    """A parameter of a smaller range."""
-    return replace(
-        parameter,
-        low=max(parameter.low, low),
-        high=min(parameter.high, high),
-        grid=tuple(value for value in parameter.grid if low <= value <= high),
-    )
+    return replace(effect, parameters=tuple(map(known, effect.parameters)))
 
 
 def _stretched(parameter: Parameter, by: float) -> Parameter:

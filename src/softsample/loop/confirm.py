@@ -10,7 +10,6 @@ from typing import Any
 
 import numpy as np
 import pandas as pd
-from numpy.typing import NDArray
 
 from softsample.constitutive.material import Material, Term
 from softsample.constitutive.ogden import Fibres, OgdenMaterial
@@ -19,14 +18,13 @@ from softsample.loop.discrepancy import settled
 from softsample.loop.effects import library
 from softsample.loop.effects.base import Effect, Values
 from softsample.loop.fit import Fit, Problem
-from softsample.loop.model import Model, State
+from softsample.loop.model import Model
 from softsample.loop.posed import LoopSettings, pose
 from softsample.loop.screen import penalty
-from softsample.loop.specimen import KINDS, Specimen
+from softsample.loop.specimen import KINDS, Array, Specimen
 from softsample.response.perturbations import MARGIN, changed_boundaries, paced
 from softsample.response.pieces import MechanicalTest, MeshedSample
 
-Array = NDArray[np.float64]
 Runs = list[tuple[float, Material, Boundary]]
 Sizes = Mapping[str, Values]
 
@@ -180,12 +178,12 @@ def confirmations(
     """
     problem, _ = pose([s.of_stiffness(stiffness) for s in specimens], settings.noise)
     base = problem.fit_material()
-    before, rows = _left(problem, base), []
+    before, rows = settled(problem, base).misfit, []
     for name, values in sizes.items():
         effect = effects[name]
-        scaled = _fitted(problem.fit, effect, base, values)
+        scaled = _fitted(problem, effect, base, values)
         stand_in = replace(effect, parameters=(), elastic=_simulated(name))
-        run = _fitted(problem.fit, stand_in, scaled, {})
+        run = _fitted(problem, stand_in, scaled, {})
         same_material = replace(scaled.state, values={name: {}})
         apart = [
             np.abs(a - b).max() / np.abs(specimen.force).max()
@@ -197,7 +195,8 @@ def confirmations(
             )
         ]
         evidence, confirmed = (
-            before - _left(problem, fit) - penalty(effect, len(base.white)) for fit in (scaled, run)
+            before - settled(problem, fit).misfit - penalty(effect, len(base.white))
+            for fit in (scaled, run)
         )
         rows.append(
             (
@@ -215,12 +214,6 @@ def confirmations(
     return pd.DataFrame(rows, columns=list(COLUMNS))
 
 
-def _left(problem: Problem, fit: Fit) -> float:
-    """Misfit with the most likely sizes of the discrepancy."""
-    posed, likely = settled(problem, fit)
-    return posed.misfit(likely)
-
-
 def at_size(name: str) -> str:
     """Name of the variant that is an effect simulated at its size."""
     return f"at_size_{name}"
@@ -232,7 +225,6 @@ def _simulated(name: str) -> Callable[[Specimen, float, Array, Values], Array]:
     )
 
 
-def _fitted(fit: Callable[[Model, State], Fit], effect: Effect, start: Fit, values: Values) -> Fit:
+def _fitted(problem: Problem, effect: Effect, start: Fit, values: Values) -> Fit:
     """Joint fit of material and one effect from some sizes."""
-    state = State(start.state.material, {effect.name: values}, start.state.contact_zero)
-    return fit(Model((effect,)), state)
+    return problem.fit(Model((effect,)), replace(start.state, values={effect.name: values}))

@@ -14,7 +14,6 @@ from dataclasses import dataclass, field, replace
 from typing import Any, Self
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.linalg import block_diag, eigh
 from scipy.optimize import minimize_scalar
 
@@ -24,9 +23,8 @@ from softsample.loop.errors import Fold, fold_errors
 from softsample.loop.fit import Fit, Problem
 from softsample.loop.noise import SIMILARITY
 from softsample.loop.scale import Scales, by_specimen, most_likely, scale_of
-from softsample.loop.specimen import FORCE, Specimen
+from softsample.loop.specimen import FORCE, Array, Specimen
 
-Array = NDArray[np.float64]
 Kind = tuple[str, str]
 Ways = dict[bool, float]
 """Errors of what folds leave out [parts of the peak], by whether that is the end of the stroke."""
@@ -104,15 +102,10 @@ class Correction:
         """Of some modes and channels alone."""
         return replace(self, strain={k: x for k, x in self.strain.items() if k in kinds})
 
-    @property
-    def effect(self) -> Effect:
-        """It as the last effect of a model."""
-        return _effect(self.apply)
-
     def of(self, fit: Fit) -> Fit:
         """A fit with it."""
-        state = replace(fit.state, values={**fit.state.values, NAME: {}})
-        return replace(fit, model=fit.model.with_effect(self.effect), state=state)
+        model = fit.model.with_effect(_effect(self.apply))
+        return replace(fit, model=model, state=fit.state.with_values(NAME, {}))
 
 
 @dataclass(frozen=True)
@@ -121,10 +114,8 @@ class Confirmed:
 
     Parameters
     ----------
-    problem : Problem
-        The records.
     fit : Fit
-        Of a model to them.
+        Of a model to the records.
     learned : Correction or None
         Of that model; none if it is best as it is.
     folds : dict of Fold
@@ -133,7 +124,6 @@ class Confirmed:
         Error of what these leave out, of the first model that was tried and of this [% of peak].
     """
 
-    problem: Problem
     fit: Fit
     learned: Correction | None
     folds: Mapping[str, Fold] = field(repr=False)
@@ -149,7 +139,7 @@ class Confirmed:
     def scales(self) -> Scales:
         """Errors of the scale of what the whole predicts; what is corrected has its own."""
         corrected = self.learned.strain if self.learned else {}
-        found = most_likely(self.problem, self.fit)
+        found = most_likely(self.fit)
         return {key: error for key, error in found.items() if key[1:] not in corrected}
 
     @property
@@ -159,19 +149,20 @@ class Confirmed:
             return _stage(self.fit.model.effects[0])
         if self.learned.size["smooth"] >= self.learned.size["scale"]:
             return "elastic_form"
-        modes = [s.mode for s in self.problem.specimens]
+        modes = [s.mode for s in self.fit.problem.specimens]
         once = len(set(modes)) == len(modes)
         return "mode_ratio" if once or _within(self.learned.scale) else "specimen_stiffness"
 
     def report(self) -> dict[str, Any]:
         """What `verdict.json` holds."""
+        problem = self.fit.problem
         return {
             "class": self.kind,
             "smooth_part": self.learned is not None,
             "with": list(self.fit.model.names),
             "domain_mm": {
                 label: float(1e3 * np.abs(s.travel[~s.held_out]).max(initial=0.0))
-                for label, s in zip(self.problem.labels, self.problem.specimens, strict=True)
+                for label, s in zip(problem.labels, problem.specimens, strict=True)
                 if self.learned is None or _kind(s) in self.learned.strain
             },
             "modulus_factors": self.learned.of_modulus if self.learned else {},
@@ -194,17 +185,17 @@ def _stage(effect: Effect) -> str:
     """Class of what an effect stands for, if it is not taken for the cause."""
     if effect.name in EXPERIMENTS:
         return effect.name
-    if effect.crosses:
+    if effect.crosstalk:
         return "cross_talk"
-    if effect.acts_on_tissue:  # by its history, or in proportion to the force, as geometry may
+    if effect.tissue:  # by its history, or in proportion to the force, as geometry may
         return "mode_ratio" if effect.like_floor else "history"
-    if effect.acts_on_law:
+    if effect.elastic:
         return "elastic_form"
     return "drift" if effect.only_instrument else "zero"
 
 
 def confirmed(
-    models: Sequence[tuple[Problem, Fit, Mapping[str, Fold]]], noises: Sequence[float]
+    models: Sequence[tuple[Fit, Mapping[str, Fold]]], noises: Sequence[float]
 ) -> Confirmed | None:
     """What predicts best what folds leave out; none if it is not far better than the first model.
 
@@ -212,14 +203,15 @@ def confirmed(
 
     Parameters
     ----------
-    models : sequence of (problem, fit, folds)
-        Records, what was fitted to them, and the same fitted to what each fold leaves.
+    models : sequence of (fit, folds)
+        What was fitted to the records, and the same fitted to what each fold leaves.
     noises : sequence of float
         Standard deviation of a block of each test [N].
     """
     found: list[Confirmed] = []
     reference = np.inf
-    for place, (problem, fit, folds) in enumerate(models):
+    for place, (fit, folds) in enumerate(models):
+        problem = fit.problem
         told = {name: fold for name, fold in folds.items() if _can_tell(problem, name, fold)}
         bare = _left_out(problem, told, noises)
         if place == 0:
@@ -227,18 +219,18 @@ def confirmed(
             if not problem.settings.floor_percent < reference < np.inf:
                 return None
         else:
-            found.append(Confirmed(problem, fit, None, folds, reference, _mean(bare)))
-        known = {name: learned(fold.problem, fold.fit) for name, fold in told.items()}
+            found.append(Confirmed(fit, None, folds, reference, _mean(bare)))
+        known = {name: learned(fold.fit) for name, fold in told.items()}
         after = _left_out(problem, _corrected(told, known), noises)
         held = [kind for kind in bare if _better(after[kind], bare[kind])]
         if not held:
             continue
         for name in folds.keys() - told.keys():
-            known[name] = learned(folds[name].problem, folds[name].fit)
+            known[name] = learned(folds[name].fit)
         only = {name: known[name].only(held) for name in folds}
         left = _mean(_left_out(problem, _corrected(told, only), noises))
-        own, corrected = learned(problem, fit).only(held), _corrected(folds, only)
-        found.append(Confirmed(problem, fit, own, corrected, reference, left))
+        own, corrected = learned(fit).only(held), _corrected(folds, only)
+        found.append(Confirmed(fit, own, corrected, reference, left))
     best = None
     for one in found:  # the least changed first: another has to be far better than it
         if one.error_after <= CONFIRMED * (best.error_after if best else reference):
@@ -301,8 +293,9 @@ def _effect(tissue: Callable[[Specimen, Array, Array, Values], Array]) -> Effect
     return Effect(NAME, "Correction", (), __name__, "smooth in the strain", tissue=tissue)
 
 
-def learned(problem: Problem, fit: Fit) -> Correction:
+def learned(fit: Fit) -> Correction:
     """The most likely correction of a fit: a conditional mean of Gaussian processes."""
+    problem = fit.problem
     kinds: dict[Kind, list[int]] = {}
     for k, (s, w) in enumerate(zip(problem.specimens, problem.whiteners, strict=True)):
         if w.keep.any():
@@ -311,7 +304,7 @@ def learned(problem: Problem, fit: Fit) -> Correction:
     scale: list[tuple[Specimen, float]] = []
     squares = {"smooth": 0.0, "scale": 0.0}
     for kind, members in kinds.items():
-        tests = [_Test.of(problem, fit, k) for k in members]
+        tests = [_Test.of(fit, k) for k in members]
         strain[kind], variance, weights = _conditional(tests)
         weight[kind] = variance * weights * np.concatenate([t.force for t in tests])
         parts = np.split(weights, np.cumsum([len(t.strain) for t in tests])[:-1])
@@ -343,12 +336,13 @@ class _Test:
     scale_variance: float
 
     @classmethod
-    def of(cls, problem: Problem, fit: Fit, k: int) -> "_Test":
-        """Of one test of a problem."""
+    def of(cls, fit: Fit, k: int) -> "_Test":
+        """Of one test of a fit."""
+        problem = fit.problem
         specimen, w = problem.specimens[k], problem.whiteners[k].alone
         force = fit.model.predict(specimen, fit.state)
         double = fit.model.with_effect(_effect(lambda s, force, travel, values: 2.0 * force))
-        state = replace(fit.state, values={**fit.state.values, NAME: {}})
+        state = fit.state.with_values(NAME, {})
         x = w.blocks(specimen.travel) / specimen.reach
         to = averaging(specimen, w)
         part = {name: v * w.kept(w.discrepancy[name]) for name, v in w.variances.items()}

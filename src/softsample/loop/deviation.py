@@ -8,26 +8,24 @@ R. T. Birge, Physical Review 40 (1932) 207, doi:10.1103/PhysRev.40.207.
 from collections.abc import Mapping
 
 import numpy as np
-from numpy.typing import NDArray
 
-from softsample.loop.fit import Fit, Problem
+from softsample.loop.fit import Fit
 from softsample.loop.scale import scatter
+from softsample.loop.specimen import Array
 from softsample.response.floor import rectangular
-
-Array = NDArray[np.float64]
 
 NOTHING = 1e-9
 """Part of the variance of the discrepancy below which a fit takes all of it."""
 
 
-def birge_ratio(problem: Problem, fit: Fit) -> float:
+def birge_ratio(fit: Fit) -> float:
     """Root mean square of what a fit leaves over that which its discrepancy predicts, at least 1.
 
     Sizes of the discrepancy are estimated from how rough residuals are, and have limits. What a
     fit leaves may be larger as a whole, and its parameters are then further off by as much. Every
     test counts in parts of its peak.
     """
-    found = expected = stated = 0.0
+    problem, found, expected, stated = fit.problem, 0.0, 0.0, 0.0
     of_tests = zip(fit.residual, fit.slopes, problem.variance, strict=True)
     of_records = zip(problem.specimens, problem.whiteners, of_tests, strict=True)
     for specimen, w, (left, slope, variance) in of_records:
@@ -39,30 +37,31 @@ def birge_ratio(problem: Problem, fit: Fit) -> float:
     return float(np.sqrt(max(1.0, found / expected))) if expected > NOTHING * stated else 1.0
 
 
-def deviations(problem: Problem, fit: Fit) -> Array:
+def deviations(fit: Fit) -> Array:
     """Standard deviations (p,) of the packed parameters of a fit."""
-    return np.asarray(birge_ratio(problem, fit) * np.sqrt(np.diag(fit.covariance)))
+    return np.asarray(birge_ratio(fit) * np.sqrt(np.diag(fit.covariance)))
 
 
-def log_modulus_deviation(problem: Problem, fit: Fit, stiffness: Mapping[str, float]) -> float:
+def log_modulus_deviation(fit: Fit, stiffness: Mapping[str, float]) -> float:
     """Standard deviation of ln(mu): of the fit, and of a scale that all tests share.
 
     Where the stiffness of specimens scatters, the modulus is their geometric mean.
     """
-    shared = 0.01 * problem.settings.scale_percent
-    found = float(np.hypot(deviations(problem, fit)[0], shared))
+    shared = 0.01 * fit.problem.settings.scale_percent
+    found = float(np.hypot(deviations(fit)[0], shared))
     if stiffness:
         found = float(np.hypot(found, scatter(stiffness) / np.sqrt(len(stiffness))))
     return found
 
 
-def bond_deviation(problem: Problem, fit: Fit) -> float:
+def bond_deviation(fit: Fit) -> float:
     """Standard deviation of ln(mu) by what the bonded area leaves open.
 
     The step from the model's bonded area to that of the other rule, the same part of it in all
     tests, is one parameter more, linearly; either rule is a limit (`rectangular`). Records that
     show it, as tension beside compression may, leave less open.
     """
+    problem = fit.problem
     forces = problem.predicted(fit.model, fit.state)
     change = problem.white([s.bond * f for s, f in zip(problem.specimens, forces, strict=True)])
     beside = fit.jacobian[: problem.count].T @ change

@@ -2,10 +2,9 @@
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
-from functools import cached_property
+from functools import cached_property, partial
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.special import expit
 
 from softsample.loop.accept import Judged, objection_to
@@ -19,12 +18,10 @@ from softsample.loop.errors import (
     fold_errors,
     form_error,
     held_out_errors,
-    log_density,
     repeat_error,
     white_of,
 )
-from softsample.loop.fit import Fit, Problem
-from softsample.loop.noise import Noise
+from softsample.loop.fit import Fit
 from softsample.loop.pool import Group, Others, Pooled, pooled
 from softsample.loop.posed import LoopSettings, Posed
 from softsample.loop.resample import confidence
@@ -39,8 +36,6 @@ from softsample.loop.select import (
 )
 from softsample.loop.specimen import Specimen
 
-Array = NDArray[np.float64]
-
 STIFFNESS = specimen_stiffness.EFFECT.name
 """Effect that stands for what scattered specimens differ in."""
 
@@ -51,21 +46,15 @@ class Diagnosis:
 
     Parameters
     ----------
-    problem : Problem
+    posed : Posed
         Records and their noise.
-    noises : list of Noise
-        One for each test.
     selection : Selection
         The path to the verdict.
     objection : str
         Why the selected effects do not hold as an explanation, or why nothing explains what is
         left; empty if there is no objection.
-    stiffness : mapping of float
-        Modulus of specimens over that of the group where they scatter; empty if not.
-    first : tuple of Problem, Fit
-        Records and plain model of one stiffness.
     before : Judged
-        Errors of that.
+        Errors of the plain model of one stiffness.
     plain : Judged
         Errors of the plain model with the stiffness of each specimen.
     selected : Judged
@@ -86,12 +75,9 @@ class Diagnosis:
         Evidence of the other groups for sliding ends.
     """
 
-    problem: Problem
-    noises: list[Noise]
+    posed: Posed
     selection: Selection
     objection: str
-    stiffness: Mapping[str, float]
-    first: tuple[Problem, Fit]
     before: Judged
     plain: Judged
     selected: Judged
@@ -119,7 +105,7 @@ class Diagnosis:
         """`explained`, `explained_class`, `none` or `unknown`."""
         if self.objection:
             return "explained_class" if self.correction else "unknown"
-        named = self.selection.classes or self.stiffness or self.shows_sliding
+        named = self.selection.classes or self.posed.stiffness or self.shows_sliding
         return "explained" if named else "none"
 
     @property
@@ -137,13 +123,6 @@ class Diagnosis:
         return self.selection.base if self.objection else self.selection.final
 
     @property
-    def posed(self) -> Problem:
-        """The records with the sizes of the discrepancy about `final`."""
-        if self.correction:
-            return self.correction.problem
-        return self.selection.plain if self.objection else self.selection.problem
-
-    @property
     def predicting(self) -> Fit:
         """What predicts best what is not measured: `final`, with a correction that holds."""
         return self.correction.whole if self.correction else self.final
@@ -154,10 +133,9 @@ class Diagnosis:
 
         Errors of geometry and mesh may look like other ends, so they are as large as is doubted.
         """
-        plain = self.selection.plain, self.selection.base
-        found = plain if self.objection else (self.selection.problem, self.selection.final)
-        specimens = max(0, len(self.stiffness) - 1) * float(np.log(len(self.final.white)))
-        return misfit_with_penalties(*doubted(*found)) + specimens
+        found = self.selection.base if self.objection else self.selection.final
+        specimens = max(0, len(self.posed.stiffness) - 1) * float(np.log(len(self.final.white)))
+        return misfit_with_penalties(doubted(found)) + specimens
 
     @property
     def of_ends(self) -> "list[tuple[Diagnosis, float]]":
@@ -178,29 +156,26 @@ class Diagnosis:
         """
         if not self.objection:
             return {}
-        plain = self.selection.plain, self.selection.base
-        found = self.correction.learned if self.correction else learned(*plain)
+        found = self.correction.learned if self.correction else learned(self.selection.base)
         return found.of_modulus if found else {}
 
     @property
     def scales_before(self) -> Scales:
         """Errors of the scale of what the model of one stiffness predicts."""
-        return {} if self.stiffness else most_likely(*self.first)
+        return {} if self.posed.stiffness else most_likely(self.posed.first)
 
     @property
     def scales(self) -> Scales:
         """Errors of the scale of what `predicting` predicts."""
         if self.correction:
             return self.correction.scales
-        return most_likely(self.posed, self.final)
+        return most_likely(self.final)
 
     def confidence(self, settings: LoopSettings, draws: int) -> float | None:
         """How often the first effect's class is found again; none without effect or draws."""
         if draws == 0 or self.objection or self.told or not self.selection.classes:
             return None
-        return confidence(
-            self.problem, self.selection, self.selection.library, settings.selection, draws
-        )
+        return confidence(self.posed.problem, self.selection, settings.selection, draws)
 
 
 def diagnose(
@@ -225,88 +200,57 @@ def diagnose(
     found = library(tests=specimens).values() if effects is None else effects
     known = [effect for effect in found if effect.name not in settings.absent]
     posed = Posed.of(specimens, settings)
-    problem, noises, first, stiffness = posed.problem, posed.noises, posed.first, posed.stiffness
-    if stiffness:
+    if posed.stiffness:
         known = [effect for effect in known if effect.name != STIFFNESS]
-    selection, told = select(problem, known, settings.selection), None
+    selection, told = select(posed.problem, known, settings.selection), None
     if others:
         own = Group.of(posed, posed, known)
         told = pooled(own, others, selection.asked, settings.selection)
         selection = _told(selection, told) if told else selection
-    judged = _Judge(posed.specimens, noises)
-    plain, chosen = (selection.plain, selection.base), (selection.problem, selection.final)
-    models = [plain, chosen] if selection.classes else [plain]
-    folds = [cross_validated(*model) for model in models]
-    rest, *more = (
-        judged(*model, of, most_likely(*model)) for model, of in zip(models, folds, strict=True)
-    )
-    before = judged(*first, cross_validated(*first), {}) if stiffness else rest
-    selected = more[0] if more else rest
-    refused = selection.steps[-1].refused
-    next_one = None
-    if refused:
-        asked = refused.posed, refused.settled
-        next_one = judged(*asked, cross_validated(*asked), most_likely(*asked))
+    judged, first = partial(_judged, posed), posed.first
+    models = [selection.base, selection.final] if selection.classes else [selection.base]
+    rest, *more = (judged(fit, cross_validated(fit), most_likely(fit)) for fit in models)
+    before = judged(first, cross_validated(first), {}) if posed.stiffness else rest
+    selected, next_one = more[0] if more else rest, None
+    if refused := selection.steps[-1].refused:
+        asked = refused.settled
+        next_one = judged(asked, cross_validated(asked), most_likely(asked))
     objection = ""
     if not told:
         objection = objection_to(selection, rest, selected, settings.selection, settings.noise)
     correction = corrected = None
     if not told and (objection or selection.classes):
-        every = [(*model, of) for model, of in zip(models, folds, strict=True)]
+        tried = models[-1:]
         if objection:  # then folds choose among all models that were tried
-            every += [(*model, cross_validated(*model)) for model in selection.visited]
-            every.sort(key=lambda model: len(model[1].model.effects))
-        correction = confirmed(every if objection else every[-1:], judged.spread)
+            tried = sorted([*models, *selection.visited], key=lambda fit: len(fit.model.effects))
+        correction = confirmed([(fit, cross_validated(fit)) for fit in tried], posed.spread)
     if correction:
-        corrected = judged(
-            correction.problem, correction.whole, correction.folds, correction.scales
-        )
+        corrected = judged(correction.whole, correction.folds, correction.scales)
     return Diagnosis(
-        problem, noises, selection, objection, stiffness, first, before, rest, selected,
-        next_one, correction, corrected, told,
+        posed, selection, objection, before, rest, selected, next_one, correction, corrected, told
     )  # fmt: skip
 
 
 def _told(selection: Selection, told: Pooled) -> Selection:
     """A selection with the effects that other groups have chosen in place of its own."""
-    problem, fit, threshold = told.problem, told.fit, selection.steps[0].threshold
+    fit, threshold = told.fit, selection.steps[0].threshold
     chosen = [
-        Candidate(name, fit, problem, fit, evidence, evidence, False)
+        Candidate(name, fit, fit, evidence, evidence, False)
         for name, evidence in told.evidence.items()
     ]
     steps = [Step(threshold, [one], one, told.classes[one.name]) for one in chosen]
-    return replace(
-        selection,
-        problem=problem,
-        final=fit,
-        classes=told.classes,
-        steps=[*selection.steps, *steps],
+    every = [*selection.steps, *steps]
+    return replace(selection, final=fit, classes=told.classes, steps=every)
+
+
+def _judged(posed: Posed, fit: Fit, found: Mapping[str, Fold], scales: Scales) -> Judged:
+    """Errors of a fit to a group's records, with those of the folds of its problem."""
+    stiffness = {s.piece: s.stiffness for s in fit.problem.specimens}
+    tests = [specimen.of_stiffness(stiffness) for specimen in posed.specimens]
+    return Judged(
+        errors(fit, posed.spread),
+        fold_errors(fit.problem, found, posed.spread),
+        held_out_errors(fit, tests, white_of(fit.problem, posed.noises), scales),
+        form_error(fit, posed.spread),
+        repeat_error(fit),
     )
-
-
-@dataclass(frozen=True)
-class _Judge:
-    """Errors of models of a group's tests (all of them), with the noise of the fitted ones."""
-
-    specimens: Sequence[Specimen]
-    noises: Sequence[Noise]
-
-    @property
-    def spread(self) -> list[float]:
-        """Standard deviation of a block of each test [N]."""
-        return [noise.block for noise in self.noises]
-
-    def __call__(
-        self, posed: Problem, fit: Fit, found: Mapping[str, Fold], scales: Scales
-    ) -> Judged:
-        """Errors of a fit, with those of the folds of its problem."""
-        stiffness = {s.piece: s.stiffness for s in posed.specimens}
-        tests = [specimen.of_stiffness(stiffness) for specimen in self.specimens]
-        return Judged(
-            errors(posed, fit, self.spread),
-            fold_errors(posed, found, self.spread),
-            held_out_errors(fit, tests, white_of(posed, self.noises), scales),
-            log_density(posed, fit, found),
-            form_error(posed, fit, self.spread),
-            repeat_error(posed, fit),
-        )

@@ -10,10 +10,9 @@ H. D. Patterson, R. Thompson, Biometrika 58 (1971) 545, doi:10.1093/biomet/58.3.
 """
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.linalg import cholesky, solve_triangular
 from scipy.optimize import minimize
 from scipy.sparse import csr_array
@@ -21,9 +20,7 @@ from scipy.sparse import csr_array
 from softsample.loop.fit import Fit, Problem
 from softsample.loop.model import Packing
 from softsample.loop.noise import AT_MOST_STATED, FURTHEST, Whitener
-from softsample.loop.specimen import Specimen, blocks
-
-Array = NDArray[np.float64]
+from softsample.loop.specimen import Array, Specimen, blocks
 
 ROUNDS = 2
 """Of estimating sizes about a fit, and fitting with these."""
@@ -96,18 +93,19 @@ def estimated(problem: Problem, fit: Fit) -> Problem:
 def scaled(problem: Problem, fit: Fit) -> Problem:
     """The same with an error of scale that goes with the force of a fit."""
     forces = problem.predicted(fit.model, fit.state)
-    return problem.with_whiteners([
+    whiteners = [
         w.with_scale(0.01 * problem.settings.scale_percent * blocks(force, w.size))
         for w, force in zip(problem.whiteners, forces, strict=True)
-    ])  # fmt: skip
+    ]
+    return replace(problem, whiteners=whiteners)
 
 
-def settled(problem: Problem, fit: Fit, rounds: int = ROUNDS) -> tuple[Problem, Fit]:
-    """Sizes of the discrepancy about a fit, and the fit with these."""
+def settled(problem: Problem, fit: Fit, rounds: int = ROUNDS) -> Fit:
+    """A fit with the most likely sizes of the discrepancy about it."""
     for _ in range(rounds):
         problem = estimated(problem, fit)
         fit = problem.fit(fit.model, fit.state)
-    return problem, fit
+    return fit
 
 
 def _tests(problem: Problem, fit: Fit, names: Sequence[str]) -> list[_Test]:

@@ -12,11 +12,7 @@ from softsample.loop.noise import Noise
 from softsample.loop.same_piece import same_piece
 from softsample.loop.scale import Scales, scale_of
 from softsample.loop.screen import LEAST_SIGNATURE
-from softsample.loop.specimen import Specimen, blocks
-
-Array = NDArray[np.float64]
-Mask = NDArray[np.bool_]
-
+from softsample.loop.specimen import Array, Mask, Specimen, blocks
 
 TOUCHED = 0.1
 """Change by an effect of what a fold leaves out, over that of all, from which on it is touched."""
@@ -68,8 +64,9 @@ def phase_of_blocks(problem: Problem, k: int) -> NDArray[np.str_]:
     return phase[starts]
 
 
-def errors(problem: Problem, fit: Fit, noises: Sequence[float]) -> dict[str, dict[str, Error]]:
+def errors(fit: Fit, noises: Sequence[float]) -> dict[str, dict[str, Error]]:
     """Error of a fit by test and phase; `all` stands for the whole record."""
+    problem = fit.problem
     parts = residuals(fit.model, problem.specimens, fit.state)
     report: dict[str, dict[str, Error]] = {}
     for k, (specimen, part) in enumerate(zip(problem.specimens, parts, strict=True)):
@@ -84,9 +81,9 @@ def errors(problem: Problem, fit: Fit, noises: Sequence[float]) -> dict[str, dic
     return report
 
 
-def form_error(problem: Problem, fit: Fit, noises: Sequence[float]) -> float:
+def form_error(fit: Fit, noises: Sequence[float]) -> float:
     """Error of the form of the records [% of peak]: without noise, and whatever their scale."""
-    squares = []
+    problem, squares = fit.problem, []
     forces = problem.predicted(fit.model, fit.state)
     for specimen, w, force, noise in zip(
         problem.specimens, problem.whiteners, forces, noises, strict=True
@@ -97,8 +94,9 @@ def form_error(problem: Problem, fit: Fit, noises: Sequence[float]) -> float:
     return float(100.0 * np.sqrt(np.mean(squares)))
 
 
-def repeat_error(problem: Problem, fit: Fit) -> float:
+def repeat_error(fit: Fit) -> float:
     """Difference in scale of tests of one piece [%]: RMS about their means, 0 without repeats."""
+    problem = fit.problem
     pieces = same_piece(problem.specimens)
     factors: dict[int | None, list[float]] = {}
     forces = problem.predicted(fit.model, fit.state)
@@ -150,20 +148,17 @@ class Fold:
     ----------
     masks : list of (n_blocks,) bool
         What it leaves out of each test.
-    problem : Problem
-        The records without that.
     fit : Fit
-        To these.
+        To the records without that.
     """
 
     masks: list[Mask]
-    problem: Problem
     fit: Fit
 
 
-def touched(problem: Problem, fit: Fit, name: str) -> list[str]:
+def touched(fit: Fit, name: str) -> list[str]:
     """Folds that leave out what an effect of a fit changes, on the whole or more."""
-    without, parts = fit.model.without(name), []
+    problem, without, parts = fit.problem, fit.model.without(name), []
     for specimen, w in zip(problem.specimens, problem.whiteners, strict=True):
         change = fit.model.predict(specimen, fit.state) - without.predict(specimen, fit.state)
         parts.append(blocks(change, w.size) / specimen.peak)
@@ -177,22 +172,19 @@ def touched(problem: Problem, fit: Fit, name: str) -> list[str]:
     ]
 
 
-def cross_validated(
-    problem: Problem, fit: Fit, names: Collection[str] | None = None
-) -> dict[str, Fold]:
+def cross_validated(fit: Fit, names: Collection[str] | None = None) -> dict[str, Fold]:
     """The model of a fit, fitted to what each fold leaves; to those of some names, or to all.
 
-    The noise of `problem` has to allow for errors in the form of the fit's effects.
+    The noise of its problem has to allow for errors in the form of its effects.
     """
-    found = {}
+    problem, found = fit.problem, {}
     for name, masks in folds(problem).items():
         if names is not None and name not in names:
             continue
-        known = fit.folds if fit.problem is problem else {}
-        if name not in known:
+        if name not in fit.folds:
             kept = [w.on(w.keep & ~mask) for w, mask in zip(problem.whiteners, masks, strict=True)]
-            known[name] = problem.with_whiteners(kept).fit(fit.model, fit.state)
-        found[name] = Fold(masks, known[name].problem, known[name])
+            fit.folds[name] = replace(problem, whiteners=kept).fit(fit.model, fit.state)
+        found[name] = Fold(masks, fit.folds[name])
     return found
 
 
@@ -222,30 +214,29 @@ def fold_errors(
     return report
 
 
-def log_densities(problem: Problem, fit: Fit, found: Mapping[str, Fold]) -> Array:
+def log_densities(fit: Fit, found: Mapping[str, Fold]) -> Array:
     """Logarithm of the predictive density of what each fold leaves out.
 
     Of what is left out given the rest: the evidence of all over that of the rest, each by
     Laplace's approximation. Parameters of effects have flat priors over their ranges. Where
     compression begins is measured too, by the height of the sample: it is left out last.
     """
-    rests = [(fold.problem, fold.fit) for fold in found.values()]
-    if any(specimen.elastic.contact for specimen in problem.specimens):
-        rest = problem.with_open_contact()
-        rests.append((rest, rest.fit(fit.model, fit.state)))
-    every = _evidence(problem, fit)
-    return np.array([every - _evidence(*rest) for rest in rests])
+    rests = [fold.fit for fold in found.values()]
+    if any(specimen.elastic.contact for specimen in fit.problem.specimens):
+        rests.append(fit.problem.with_open_contact().fit(fit.model, fit.state))
+    every = _evidence(fit)
+    return np.array([every - _evidence(rest) for rest in rests])
 
 
-def log_density(problem: Problem, fit: Fit, found: Mapping[str, Fold]) -> float:
+def log_density(fit: Fit, found: Mapping[str, Fold]) -> float:
     """Sum of `log_densities`."""
-    return float(log_densities(problem, fit, found).sum())
+    return float(log_densities(fit, found).sum())
 
 
-def _evidence(problem: Problem, fit: Fit) -> float:
+def _evidence(fit: Fit) -> float:
     """Logarithm of the evidence of a model, up to a constant of the model."""
     _, determinant = np.linalg.slogdet(fit.information)
-    return -0.5 * (problem.misfit(fit) + float(determinant))
+    return -0.5 * (fit.misfit + float(determinant))
 
 
 def white_of(problem: Problem, noises: Sequence[Noise]) -> dict[str, float]:

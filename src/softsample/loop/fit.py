@@ -5,7 +5,6 @@ from dataclasses import dataclass, field, replace
 from functools import cached_property, lru_cache
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.optimize import OptimizeResult, least_squares
 
 from softsample.loop.model import (
@@ -19,10 +18,7 @@ from softsample.loop.model import (
     State,
 )
 from softsample.loop.noise import SIMILARITY, NoiseSettings, Whitener, memory
-from softsample.loop.specimen import FORCE, Specimen, blocks
-
-Array = NDArray[np.float64]
-
+from softsample.loop.specimen import FORCE, Array, Specimen, blocks
 
 BRIEF = 0.03
 """Part of the time over which what an effect adds is alike, over which its corners are rounded: a
@@ -96,6 +92,11 @@ class Fit:
         prior = np.full(self.jacobian.shape[1], FLAT)
         prior[: len(RANGES)] /= np.square(RANGES)
         return prior
+
+    @property
+    def misfit(self) -> float:
+        """Twice the negative logarithm of its likelihood, up to a constant."""
+        return self.problem.misfit(self.white)
 
     @property
     def information(self) -> Array:
@@ -217,17 +218,13 @@ class Problem:
         specimens = [s.of_stiffness(known) for s in self.specimens]
         return replace(self, specimens=specimens, unseen=unseen)
 
-    def with_whiteners(self, whiteners: Sequence[Whitener]) -> "Problem":
-        """The same tests with other noise of each, or without some of their blocks."""
-        return replace(self, whiteners=whiteners)
-
     def with_open_contact(self) -> "Problem":
         """The same if the height of the samples did not say where compression begins."""
         return replace(self, settings=replace(self.settings, contact_zero_mm=np.inf))
 
     def with_variances(self, variances: Mapping[str, float]) -> "Problem":
         """The same with other sizes of the discrepancy."""
-        return self.with_whiteners([w.with_variances(variances) for w in self.whiteners])
+        return replace(self, whiteners=[replace(w, variances=variances) for w in self.whiteners])
 
     def with_least(self, least: Mapping[str, float]) -> "Problem":
         """The same with sizes of the discrepancy of at least these."""
@@ -294,12 +291,11 @@ class Problem:
         """Sizes squared of the discrepancy over those of the settings, by part."""
         return self.whiteners[0].variances
 
-    def misfit(self, fit: Fit) -> float:
-        """Twice the negative logarithm of the likelihood of a fit, up to a constant.
+    def misfit(self, white: Array) -> float:
+        """Twice the negative logarithm of the likelihood of a white residual, up to a constant.
 
         With the prior of the sizes of the discrepancy.
         """
-        white = fit.white if fit.problem is self else self.residual(fit.model, fit.state)
         own = sum(w.log_determinant for w in self.whiteners)
         shared = np.log(self._joint[1]).sum()
         return float(white @ white + own + shared + self._unlikely_sizes)
@@ -346,7 +342,7 @@ class Problem:
             rounded = brief @ part / brief.sum(axis=1) - part
             form = np.outer(size, size) * long + np.outer(rounded, rounded) * brief
             whiteners.append(whitener.with_form(form))
-        return self.with_whiteners(whiteners)
+        return replace(self, whiteners=whiteners)
 
     def fit(self, model: Model, start: State, starts: Sequence[State] = ()) -> Fit:
         """Best fit of material and effects, from one or several starts."""

@@ -45,11 +45,6 @@ class Tables:
     real: pd.DataFrame | None = None
     bond: Mapping[str, Any] | None = None
 
-    @property
-    def of_other_bond(self) -> float:
-        """Log of the force by the other rule over that of the model; zero if it is not known."""
-        return float(np.nan_to_num(log_force(self.bond))) if self.bond else 0.0
-
 
 @lru_cache(KEPT)
 def _elastic(tables: Tables, mode: str, channel: str, shape: IdealShape) -> Elastic:
@@ -90,14 +85,15 @@ def specimens_of(
             channel,
             np.asarray(held_out(record, row, shape.height, channel, hold_out)),
         )
-        partner = tests[0] if tests else None
-        directed = replace(
+        stated = replace(
             test,
+            partner=tests[0] if tests else None,
+            piece=row["specimen"],
+            bond=float(np.nan_to_num(log_force(tables.bond))) if tables.bond else 0.0,
             material_z=int(row.get("material_z", 0)),
             material_x=int(row.get("material_x", 0)),
         )
-        bond = tables.of_other_bond
-        tests.append(replace(directed, partner=partner, piece=row["specimen"], bond=bond))
+        tests.append(stated)
     return tests
 
 

@@ -2,9 +2,8 @@
 
 import numpy as np
 from numba import njit
-from numpy.typing import NDArray
 
-Array = NDArray[np.float64]
+from softsample.loop.specimen import Array
 
 SAME = 1e-10
 """Relative difference up to which two steps of time are one, but for rounding."""

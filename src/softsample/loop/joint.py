@@ -7,7 +7,7 @@ from itertools import product
 import numpy as np
 
 from softsample.loop.effects.base import Effect
-from softsample.loop.fit import Fit, Problem
+from softsample.loop.fit import Fit
 from softsample.loop.model import Model, State
 from softsample.loop.screen import Signature, nominal_step, orthonormal
 
@@ -22,7 +22,7 @@ PARTS = (0.5, 1.0)
 """Of the nominal sizes of a law, from which it sets out."""
 
 
-def joint_fit(problem: Problem, current: Fit, signature: Signature, tie: float) -> Fit:
+def joint_fit(current: Fit, signature: Signature, tie: float) -> Fit:
     """Joint fit from the linear estimate of the sizes, or from a size that leaves less.
 
     Small sizes and the other points of the grid are tried until one fit earns what the linear
@@ -30,40 +30,38 @@ def joint_fit(problem: Problem, current: Fit, signature: Signature, tie: float) 
 
     Parameters
     ----------
-    problem, current : Problem, Fit
-        Records, and the fit without the effect.
+    current : Fit
+        Without the effect.
     signature : Signature
         Of the effect, there.
     tie : float
         Sum of squares within which fits of a law are as good as each other.
     """
-    effect = signature.effect
+    problem, effect = current.problem, signature.effect
     sizes, *_ = np.linalg.lstsq(signature.columns, current.white, rcond=None)
     estimate = dict(signature.start)
     for x, p in zip(sizes, effect.sizes, strict=True):
         margin = 0.02 * (p.high - p.low)
         size = p.neutral + x * nominal_step(p)
         estimate[p.name] = float(np.clip(size, p.low + margin, p.high - margin))
-    starts = [estimate, {**signature.start, **_small(effect)}]
+    small = {p.name: p.neutral + 0.01 * nominal_step(p) for p in effect.sizes}
+    starts = [estimate, {**signature.start, **small}]
     if len(effect.sizes) < 3:
         starts += [{**estimate, **point} for point in effect.points]
     promised = current.cost - 0.95 * signature.gain(current.white)
     model = current.model.with_effect(effect)
-    states = [
-        replace(current.state, values={**current.state.values, effect.name: values})
-        for values in starts
-    ]
-    own = _own_starts(problem, model, current.state, effect.starts)
+    states = [current.state.with_values(effect.name, values) for values in starts]
+    own = _own_starts(current, model, effect.starts)
     if effect.idealised:  # a change so large that the material found without it says little
         states = [states[0], *problem.of_each_fraction(model, states[0])]
         promised = -np.inf
     elif len(effect.parameters) == 1:
-        best = _least_left(problem, current, model, [states[0], *_ladder(states[0], effect)])
+        best = _least_left(current, model, [states[0], *_ladder(states[0], effect)])
         states = states if best is states[0] else [best, *states]
     elif effect.shifts_travel:
-        own = [*own, _least_left(problem, current, model, _either_way(states[0], signature))]
+        own = [*own, _least_left(current, model, _either_way(states[0], signature))]
     fits = problem.fits(model, states, tie, promised)
-    return _likeliest(problem, current, problem.fits(model, own, tie, found=fits), tie)
+    return _likeliest(current, problem.fits(model, own, tie, found=fits), tie)
 
 
 def _ladder(state: State, effect: Effect) -> list[State]:
@@ -71,7 +69,7 @@ def _ladder(state: State, effect: Effect) -> list[State]:
     (p,) = effect.parameters
     steps = nominal_step(p) * LADDER ** np.arange(*RUNGS)
     sizes = [p.neutral + step for step in steps if p.low < p.neutral + step < p.high]
-    return [replace(state, values={**state.values, effect.name: {p.name: float(x)}}) for x in sizes]
+    return [state.with_values(effect.name, {p.name: float(x)}) for x in sizes]
 
 
 def _either_way(state: State, signature: Signature) -> list[State]:
@@ -91,14 +89,12 @@ def _either_way(state: State, signature: Signature) -> list[State]:
     ]  # fmt: skip
     names = [p.name for p in acting]
     return [
-        replace(
-            state, values={**state.values, effect.name: here | dict(zip(names, way, strict=True))}
-        )
+        state.with_values(effect.name, here | dict(zip(names, way, strict=True)))
         for way in product(*ways)
     ]
 
 
-def _least_left(problem: Problem, current: Fit, model: Model, states: Sequence[State]) -> State:
+def _least_left(current: Fit, model: Model, states: Sequence[State]) -> State:
     """The state of which least is left that the material could not take over linearly.
 
     Where contact sets in late, what a small size does tells little of what a large one does.
@@ -106,20 +102,20 @@ def _least_left(problem: Problem, current: Fit, model: Model, states: Sequence[S
     directions = orthonormal(current.jacobian)
 
     def left(state: State) -> float:
-        white = problem.residual(model, state)[: len(directions)]
+        white = current.problem.residual(model, state)[: len(directions)]
         rest = white - directions @ (directions.T @ white)
         return float(rest @ rest)
 
     return min(states, key=left)
 
 
-def law_fit(problem: Problem, base: Fit, law: Effect, tie: float) -> Fit:
+def law_fit(base: Fit, law: Effect, tie: float) -> Fit:
     """Joint fit of a law from each point of its grid, whatever a linear estimate says.
 
     Parameters
     ----------
-    problem, base, tie
-        As of `joint_fit`.
+    base, tie
+        As `current` and `tie` of `joint_fit`.
     law : Effect
         Another elastic law.
     """
@@ -128,49 +124,40 @@ def law_fit(problem: Problem, base: Fit, law: Effect, tie: float) -> Fit:
         for part, point in product(PARTS, law.points)
     ]
     model = base.model.with_effect(law)
-    states = _own_starts(problem, model, base.state, starts)
-    return _likeliest(problem, base, problem.fits(model, states, tie), tie)
+    states = _own_starts(base, model, starts)
+    return _likeliest(base, base.problem.fits(model, states, tie), tie)
 
 
-def nearest(problem: Problem, current: Fit, alike: Sequence[Fit]) -> Fit:
+def nearest(current: Fit, alike: Sequence[Fit]) -> Fit:
     """The first of several fits, but for those that change far more of what is held out.
 
     Of opposite exponents, which shear hardly tells, one predicts a push and the other a pull.
 
     Parameters
     ----------
-    problem, current : Problem, Fit
-        Records, and the fit without what is compared.
+    current : Fit
+        Without what is compared.
     alike : sequence of Fit
         Fits of laws that the records hardly tell apart, the best first.
     """
-    changes = [problem.departure(fit, current) for fit in alike]
+    changes = [current.problem.departure(fit, current) for fit in alike]
     most = FAR_MORE * min(changes)
     return next(fit for fit, change in zip(alike, changes, strict=True) if change <= most)
 
 
-def _likeliest(problem: Problem, current: Fit, fits: Sequence[Fit], tie: float) -> Fit:
+def _likeliest(current: Fit, fits: Sequence[Fit], tie: float) -> Fit:
     """The best of several fits of one effect; of a law one that changes little, see `nearest`."""
     ranked = sorted(fits, key=lambda fit: fit.cost)
     if not ranked[0].model.effects[-1].is_law:
         return ranked[0]
-    return nearest(problem, current, [fit for fit in ranked if fit.cost < ranked[0].cost + tie])
+    return nearest(current, [fit for fit in ranked if fit.cost < ranked[0].cost + tie])
 
 
-def _own_starts(
-    problem: Problem, model: Model, state: State, starts: Sequence[Mapping[str, float]]
-) -> list[State]:
+def _own_starts(current: Fit, model: Model, starts: Sequence[Mapping[str, float]]) -> list[State]:
     """States with given values of a model's last effect; a law with its own modulus, evenly."""
-    effect, material = model.effects[-1], state.material
-    if effect.is_law:
-        material = replace(material, mu1_fraction=0.5)
-    states = [
-        replace(state, material=material, values={**state.values, effect.name: {**start}})
-        for start in starts
-    ]
-    return [problem.of_own_modulus(model, x) for x in states] if effect.is_law else states
-
-
-def _small(effect: Effect) -> dict[str, float]:
-    """Sizes just off their neutral values."""
-    return {p.name: p.neutral + 0.01 * nominal_step(p) for p in effect.sizes}
+    effect, state = model.effects[-1], current.state
+    if not effect.is_law:
+        return [state.with_values(effect.name, start) for start in starts]
+    even = replace(state, material=replace(state.material, mu1_fraction=0.5))
+    states = [even.with_values(effect.name, start) for start in starts]
+    return [current.problem.of_own_modulus(model, x) for x in states]

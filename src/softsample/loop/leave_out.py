@@ -6,11 +6,9 @@ from dataclasses import replace
 import numpy as np
 
 from softsample.loop.ends import AssumedEnds, diagnose_ends
-from softsample.loop.errors import Error, held_out_errors, white_of
+from softsample.loop.errors import Error, Errors, held_out_errors, white_of
 from softsample.loop.posed import LoopSettings
 from softsample.loop.specimen import Specimen
-
-Errors = dict[str, dict[str, Error]]
 
 
 def left_out_errors(
@@ -36,8 +34,8 @@ def left_out_errors(
     progress : callable, optional
         Told the fold and the finished part.
     """
-    before: Errors = {}
-    after: Errors = {}
+    before: dict[str, dict[str, Error]] = {}
+    after: dict[str, dict[str, Error]] = {}
     for done, (name, samples) in enumerate(folds.items()):
         if progress is not None:
             progress(name, done / len(folds))
@@ -46,9 +44,9 @@ def left_out_errors(
             continue
         found = diagnose_ends(rest, settings, elsewhere)
         plain, judged = (_only(models[ends].every, samples) for ends in (0, found.slides))
-        white, origin = white_of(found.problem, found.noises), found.origin
-        alike = [specimen.of_stiffness(found.stiffness) for specimen in judged]
-        before[name] = held_out_errors(origin.first[1], plain, white, origin.scales_before)
+        white, origin = white_of(found.posed.problem, found.posed.noises), found.origin
+        alike = [specimen.of_stiffness(found.posed.stiffness) for specimen in judged]
+        before[name] = held_out_errors(origin.posed.first, plain, white, origin.scales_before)
         after[name] = held_out_errors(found.predicting, alike, white, found.scales)
     return before, after
 

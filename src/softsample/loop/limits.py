@@ -61,7 +61,7 @@ def detection_limits(selection: Selection, final: Fit) -> dict[str, Limit]:
     law, found = final.model.law, final.state
     plain = State(found.material, {name: found.values[name] for name in law.names})
     threshold, n = selection.steps[0].threshold, len(selection.base.white)
-    problem = selection.problem
+    problem = selection.final.problem
     doubting = {
         floor: problem.with_least(problem.settings.doubt(problem.variances, floor))
         for floor in (False, True)
@@ -123,8 +123,7 @@ def _highest(signature: Signature) -> float:
 def _plain_fit(problem: Problem, law: Model, plain: State, effect: Effect, values: Values) -> Fit:
     """Fit of the material to a record with the effect."""
     model = law.with_effect(effect)
-    state = replace(plain, values={**plain.values, effect.name: values})
-    made = problem.with_forces(problem.predicted(model, state))
+    made = problem.with_forces(problem.predicted(model, plain.with_values(effect.name, values)))
     zeros = ZEROS if effect.shifts_travel else ()
     starts = [replace(plain, contact_zero=z * problem.settings.contact_zero_mm) for z in zeros]
     return made.fit(law, plain, starts)

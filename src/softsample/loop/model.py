@@ -2,15 +2,12 @@
 
 import math
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 
 import numpy as np
-from numpy.typing import NDArray
 
 from softsample.loop.effects.base import Effect, Parameter, Values
-from softsample.loop.specimen import FORCE, Specimen
-
-Array = NDArray[np.float64]
+from softsample.loop.specimen import FORCE, Array, Mask, Specimen
 
 ITERATIONS, CLOSE = 20, 1e-9
 """Of the travel under a machine that yields: how many, and the part of the reach that is exact."""
@@ -74,6 +71,10 @@ class Model:
         """Whether an effect may be added."""
         return not any(one.excludes(effect) for one in self.effects)
 
+    def _acting(self, specimen: Specimen) -> list[Effect]:
+        """Effects that change tests of this kind."""
+        return [effect for effect in self.effects if specimen.kind in effect.modes]
+
     def travel(self, specimen: Specimen, state: "State") -> Array:
         """Travel that reaches the sample (n,) [m]."""
         return self._loading(specimen, state)[0]
@@ -90,11 +91,14 @@ class Model:
 
     def _crosstalk(self, specimen: Specimen, state: "State") -> Array | float:
         """What a normal force reads of the predicted force along the displacement (n,) [N]."""
-        crossing = [effect for effect in self.effects if effect.crosses]
-        if specimen.partner is None or not crossing:
+        acting = self._acting(specimen)
+        if specimen.partner is None or not any(effect.crosstalk for effect in acting):
             return 0.0
         _, along = self._loading(specimen.partner, state)
-        return np.asarray(sum(e.crosstalk(specimen, along, state.values[e.name]) for e in crossing))
+        values = state.values
+        return np.asarray(
+            sum(e.crosstalk(specimen, along, values[e.name]) for e in acting if e.crosstalk)
+        )
 
     def _loading(self, specimen: Specimen, state: "State") -> tuple[Array, Array]:
         """Travel that reaches the sample (n,) [m], and the force on it (n,) [N].
@@ -105,7 +109,8 @@ class Model:
         """
         reported = self._reported(specimen, state)
         travel, force = reported, self._force(specimen, state, reported)
-        compliance = sum(e.compliance(specimen, state.values[e.name]) for e in self.effects)
+        values, acting = state.values, self._acting(specimen)
+        compliance = sum(e.compliance(specimen, values[e.name]) for e in acting if e.compliance)
         if not compliance:
             return travel, force
         slope, close = self._slope(specimen, state, travel), CLOSE * specimen.reach
@@ -126,8 +131,9 @@ class Model:
         travel = specimen.travel
         if specimen.elastic.contact:
             travel = travel - 1e-3 * state.contact_zero
-        for effect in self.effects:
-            travel = effect.travel(specimen, travel, state.values[effect.name])
+        for effect in self._acting(specimen):
+            if effect.travel:
+                travel = effect.travel(specimen, travel, state.values[effect.name])
         return travel
 
     def _elastic(self, specimen: Specimen, state: "State", travel: Array) -> Array:
@@ -141,8 +147,8 @@ class Model:
         force = self._of_law(specimen, state, travel, model)
         changes = [
             effect.elastic(specimen, fraction, travel, state.values[effect.name])
-            for effect in self.effects
-            if effect.acts_on_law and not effect.is_law
+            for effect in self._acting(specimen)
+            if effect.elastic and not effect.is_law
         ]
         if changes:
             change = sum(changes[1:], start=changes[0])
@@ -158,20 +164,21 @@ class Model:
 
         Of columns side by side if the face is uneven.
         """
-        uneven = [effect for effect in self.effects if effect.is_uneven]
+        acting, values = self._acting(specimen), state.values
         columns, parts = travel[:, None], np.ones(1)
-        for effect in uneven:
-            depths, weights = effect.heights(specimen, state.values[effect.name])
-            if depths.any():
-                columns = (columns[:, :, None] - depths).reshape(len(travel), -1)
-                parts = np.outer(parts, weights).ravel()
+        for effect in acting:
+            if effect.heights:
+                depths, weights = effect.heights(specimen, values[effect.name])
+                if depths.any():
+                    columns = (columns[:, :, None] - depths).reshape(len(travel), -1)
+                    parts = np.outer(parts, weights).ravel()
+        uneven = len(parts) > 1
         every = columns.ravel() if uneven else travel
         fraction = state.material.mu1_fraction
         force = specimen.elastic.force_per_mu(fraction, every) if uneven else model
-        for effect in self.effects:
-            if effect.is_law:
-                values = state.values[effect.name]
-                force = force + effect.elastic(specimen, fraction, every, values)
+        for effect in acting:
+            if effect.is_law and effect.elastic:
+                force = force + effect.elastic(specimen, fraction, every, values[effect.name])
         return np.asarray(force.reshape(columns.shape) @ parts) if uneven else force
 
     def _slope(self, specimen: Specimen, state: "State", travel: Array) -> Array:
@@ -183,10 +190,13 @@ class Model:
     def _force(self, specimen: Specimen, state: "State", travel: Array) -> Array:
         """Force on the sample (n,) [N] for a travel that reaches it."""
         force, values = self._elastic(specimen, state, travel), state.values
-        for effect in self.effects:
-            force = effect.tissue(specimen, force, travel, values[effect.name])
-        for effect in self.effects:
-            force = effect.contact(specimen, force, travel, values[effect.name])
+        acting = self._acting(specimen)
+        for effect in acting:
+            if effect.tissue:
+                force = effect.tissue(specimen, force, travel, values[effect.name])
+        for effect in acting:
+            if effect.contact:
+                force = effect.contact(specimen, force, travel, values[effect.name])
         if specimen.elastic.contact:  # the platen leaves a sample that would have to pull on it
             force = np.maximum(force, 0.0)
         elif np.isfinite(specimen.elastic.most_push):  # one that is slender buckles
@@ -198,8 +208,9 @@ class Model:
         self, specimen: Specimen, force: Array, travel: Array, values: Mapping[str, Values]
     ) -> Array:
         """What the instrument makes of a force (n,) [N]; only of that along the displacement."""
-        for effect in self.effects if specimen.channel == FORCE else ():
-            force = effect.instrument(specimen, force, travel, values[effect.name])
+        for effect in self._acting(specimen) if specimen.channel == FORCE else ():
+            if effect.instrument:
+                force = effect.instrument(specimen, force, travel, values[effect.name])
         return force
 
     def with_effect(self, effect: Effect) -> "Model":
@@ -228,6 +239,10 @@ class State:
     material: Material
     values: Mapping[str, Values] = field(default_factory=dict)
     contact_zero: float = 0.0
+
+    def with_values(self, name: str, values: Mapping[str, float]) -> "State":
+        """The same with values of one effect."""
+        return replace(self, values={**self.values, name: {**values}})
 
 
 FIXED, CONTACT_ZERO = 3, 2
@@ -262,7 +277,7 @@ class Packing:
         head = np.log(state.material.mu), state.material.mu1_fraction, state.contact_zero
         return np.array([*head, *parts])
 
-    def at_end(self, state: State) -> NDArray[np.bool_]:
+    def at_end(self, state: State) -> Mask:
         """Which entries of the vector of a state lie at an end of their range."""
         vector, near = self.pack(state), 1e-3 * (self.high - self.low)
         return np.asarray((vector < self.low + near) | (vector > self.high - near))

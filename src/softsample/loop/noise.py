@@ -5,12 +5,9 @@ from dataclasses import dataclass, field, replace
 from functools import cached_property
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.linalg import cholesky, solve_triangular
 
-from softsample.loop.specimen import Specimen, blocks
-
-Array = NDArray[np.float64]
+from softsample.loop.specimen import Array, Mask, Specimen, blocks
 
 KINDS = ("baseline", "ramp", "hold", "unloading")
 """Phases of a record."""
@@ -266,7 +263,7 @@ def moved(specimen: Specimen, size: int) -> Array:
 
 def memory(specimen: Specimen, size: int) -> float:
     """Correlation time [s] of errors that change in the course of a test: a quarter of it."""
-    fitted = blocks(specimen.held_out.astype(float), size) == 0.0
+    fitted = ~specimen.out(size)
     time = blocks(specimen.time, size)[fitted]
     return 0.25 * max(float(np.ptp(time)), 1e-9) if fitted.any() else 0.25
 
@@ -345,7 +342,7 @@ class Whitener:
 
     known: Array
     size: int
-    keep: NDArray[np.bool_] = field(default_factory=lambda: np.ones(0, bool))
+    keep: Mask = field(default_factory=lambda: np.ones(0, bool))
     discrepancy: Mapping[str, Array] = field(default_factory=dict)
     variances: Mapping[str, float] = field(default_factory=dict)
     shared: Mapping[str, Array] = field(default_factory=dict)
@@ -411,7 +408,7 @@ class Whitener:
             return self
         whole = {n: m + (p @ p.T if (p := self.shared.get(n)) is not None else 0.0)
                  for n, m in self.discrepancy.items()}  # fmt: skip
-        return Whitener(self.known, self.size, self.keep, whole, self.variances)
+        return replace(self, discrepancy=whole, shared={}, slot=None)
 
     def coloured(self, white: Array) -> Array:
         """Block means with this covariance from independent unit noise (n_blocks, ...) [N]."""
@@ -431,10 +428,6 @@ class Whitener:
         columns[:, self.slot] = error
         return replace(self, shared={**self.shared, "scale": columns})
 
-    def with_variances(self, variances: Mapping[str, float]) -> "Whitener":
-        """The same with other sizes of the discrepancy."""
-        return replace(self, variances=variances)
-
-    def on(self, keep: NDArray[np.bool_]) -> "Whitener":
+    def on(self, keep: Mask) -> "Whitener":
         """The same with other blocks."""
         return self if np.array_equal(keep, self.keep) else replace(self, keep=keep)

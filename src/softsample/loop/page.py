@@ -69,10 +69,8 @@ def _shown(value: float) -> str:
 def _recommended(found: Mapping[str, Any]) -> str:
     """One sentence on the modulus to quote."""
     mu = found["mu"]
-    value, ends = (
-        f"{_shown(mu['value'])} {mu['unit']}",
-        f"{_shown(mu['low'])} to {_shown(mu['high'])}, 90 %",
-    )
+    value = f"{_shown(mu['value'])} {mu['unit']}"
+    ends = f"{_shown(mu['low'])} to {_shown(mu['high'])}, 90 %"
     models = [_model(one) for one in found["models"] if one["weight"] >= WORTH_A_NAME]
     whose = "of" if len(models) == 1 else "averaged over"
     text = f"Modulus to quote: **{value}** ({ends}), {whose} {', '.join(models) or 'many models'}."

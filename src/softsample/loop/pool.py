@@ -12,7 +12,6 @@ from functools import cached_property
 from typing import Any, Self
 
 import numpy as np
-from numpy.typing import NDArray
 
 from softsample.constitutive.material import Material
 from softsample.holdout import FEWEST_OTHERS
@@ -20,16 +19,14 @@ from softsample.loop.candidates import candidates
 from softsample.loop.discrepancy import settled
 from softsample.loop.effects.base import Effect, Parameter, Values
 from softsample.loop.errors import held_out_errors
-from softsample.loop.fit import Fit, Problem
+from softsample.loop.fit import Fit
 from softsample.loop.joint import joint_fit, law_fit
 from softsample.loop.model import FIXED, Model, State
 from softsample.loop.posed import LoopSettings, Posed
 from softsample.loop.scale import most_likely
 from softsample.loop.screen import best_of_each, signatures
 from softsample.loop.select import SelectionSettings, misfit_with_penalties, unusable
-from softsample.loop.specimen import Specimen
-
-Array = NDArray[np.float64]
+from softsample.loop.specimen import Array, Specimen
 
 MOST_UNUSABLE = 0.5
 """Part of the groups in which effects may explain nothing; in more of them they are none."""
@@ -50,9 +47,9 @@ class Group:
 
     Parameters
     ----------
-    whole : tuple of Problem, Fit
-        All records, and the plain model.
-    part : tuple of Problem, Fit
+    whole : Fit
+        Plain model of all records.
+    part : Fit
         The same without what is held out.
     tests : sequence of Specimen
         All tests, with what is held out of them marked.
@@ -62,8 +59,8 @@ class Group:
         Logarithm of the error on what is held out, by its own diagnosis; NaN if nothing is.
     """
 
-    whole: tuple[Problem, Fit]
-    part: tuple[Problem, Fit]
+    whole: Fit
+    part: Fit
     tests: Sequence[Specimen]
     library: Mapping[str, Effect]
     alone: float = np.nan
@@ -89,21 +86,21 @@ class Group:
 
     def with_effect(self, name: str, tie: float) -> Self:
         """The same with one effect more in the model of all records."""
-        (problem, fit), effect = self.whole, self.library[name]
+        fit, effect = self.whole, self.library[name]
         if effect.is_law:
-            found = law_fit(problem, fit, effect, tie)
+            found = law_fit(fit, effect, tie)
         else:
-            signature = best_of_each(signatures(problem, fit, [effect]), fit.white)[name][1]
-            found = joint_fit(problem, fit, signature, tie)
-        return replace(self, whole=settled(problem, found))
+            signature = best_of_each(signatures(fit, [effect]), fit.white)[name][1]
+            found = joint_fit(fit, signature, tie)
+        return replace(self, whole=settled(fit.problem, found))
 
     def refitted(self, others: Sequence[Self]) -> Self:
         """The same, its model of all records fitted from the likeliest values of others too.
 
         What the first fit finds depends on the order in which effects were added.
         """
-        (problem, fit), model = self.whole, self.whole[1].model
-        there = [replace(fit.state, values=other.whole[1].state.values) for other in others]
+        fit, model, problem = self.whole, self.whole.model, self.whole.problem
+        there = [replace(fit.state, values=other.whole.state.values) for other in others]
         starts = [problem.of_own_modulus(model, state) for state in there]
         starts.sort(key=lambda state: float(np.sum(problem.residual(model, state) ** 2)))
         best = min(problem.fits(model, starts[:GUESSES], found=[fit]), key=lambda one: one.cost)
@@ -111,7 +108,7 @@ class Group:
 
     def told(self) -> dict[str, dict[str, tuple[float, float]]]:
         """Parameters of the effects in the model of all records, with standard deviations."""
-        _, fit = self.whole
+        fit = self.whole
         deviations = iter(np.sqrt(np.diag(fit.covariance))[FIXED:])
         return {
             effect.name: {
@@ -121,26 +118,23 @@ class Group:
             for effect in fit.model.effects
         }
 
-    def predicted(
-        self, names: Sequence[str], told: Told, guesses: Sequence[Self] = ()
-    ) -> tuple[Problem, Fit]:
+    def predicted(self, names: Sequence[str], told: Told, guesses: Sequence[Self] = ()) -> Fit:
         """What is not held out, fitted with effects of which others tell the parameters.
 
         From the means of these, and from the values of each group that is a guess.
         """
-        problem, plain = self.part
         effects = [_known(self.library[name], told[name]) for name in names]
         values: dict[str, Values] = {
             e.name: {p.name: p.known[0] for p in e.parameters if p.known} for e in effects
         }
         model = Model(tuple(effects))
-        start = State(plain.state.material, values)
-        others = [replace(start, values=group.whole[1].state.values) for group in guesses]
-        return settled(problem, problem.fit(model, start, others))
+        start = State(self.part.state.material, values)
+        others = [replace(start, values=group.whole.state.values) for group in guesses]
+        return settled(self.part.problem, self.part.problem.fit(model, start, others))
 
-    def error(self, posed: Problem, fit: Fit) -> float:
+    def error(self, fit: Fit) -> float:
         """Logarithm of the error of a fit on what is held out [parts of peaks, RMS over tests]."""
-        found = held_out_errors(fit, self.tests, {}, most_likely(posed, fit))
+        found = held_out_errors(fit, self.tests, {}, most_likely(fit))
         return _log_rms([e.rms / e.peak for e in found.values()])
 
 
@@ -218,7 +212,7 @@ class Pooled:
 
     Parameters
     ----------
-    problem, fit : Problem, Fit
+    fit : Fit
         Of what is not held out of the group, with what the others tell.
     classes : dict of list of str
         Names that are as good as each effect, itself first.
@@ -231,7 +225,6 @@ class Pooled:
         Logarithm of that with these effects, of each.
     """
 
-    problem: Problem
     fit: Fit
     classes: dict[str, list[str]]
     evidence: dict[str, float]
@@ -239,18 +232,13 @@ class Pooled:
     alone: float
     left: Array
 
-    @property
-    def after(self) -> float:
-        """Error with these effects [% of peak, geometric mean]."""
-        return _percent(self.left)
-
     def report(self) -> dict[str, float]:
         """What `verdict.json` holds."""
         return {
             "groups": len(self.left),
             "others_before_percent": self.before,
             "others_alone_percent": self.alone,
-            "others_after_percent": self.after,
+            "others_after_percent": _percent(self.left),
         }
 
 
@@ -279,9 +267,9 @@ def pooled(
     left = found.tried.left
     if not found.classes or np.nanmean(left) >= np.nanmean(alone):
         return None
-    problem, fit = found.tried.predicting(own, list(found.classes))
+    fit = found.tried.predicting(own, list(found.classes))
     errors = _percent(plain.left), _percent(alone), left
-    return Pooled(problem, fit, found.classes, found.evidence, *errors)
+    return Pooled(fit, found.classes, found.evidence, *errors)
 
 
 def _percent(errors: Array) -> float:
@@ -298,7 +286,7 @@ class _Tried:
     @property
     def names(self) -> tuple[str, ...]:
         """Of the effects."""
-        return self.groups[0].whole[1].model.names
+        return self.groups[0].whole.model.names
 
     @cached_property
     def told(self) -> list[Told]:
@@ -309,10 +297,10 @@ class _Tried:
     def left(self) -> Array:
         """Logarithm of the error on what is held out of each, effects predicted from the others."""
         if not self.names:
-            return np.array([group.error(*group.part) for group in self.groups])
+            return np.array([group.error(group.part) for group in self.groups])
         told = self.told
         return np.array([
-            group.error(*group.predicted(self.names, _common([*told[:k], *told[k + 1 :]])))
+            group.error(group.predicted(self.names, _common([*told[:k], *told[k + 1 :]])))
             for k, group in enumerate(self.groups)
         ])  # fmt: skip
 
@@ -324,30 +312,28 @@ class _Tried:
     @property
     def usable(self) -> bool:
         """Whether the effects may explain something in most of them."""
-        fits = [fit for _, fit in (group.whole for group in self.groups)]
-        return sum(bool(unusable(fit)) for fit in fits) <= MOST_UNUSABLE * len(fits)
+        none = sum(bool(unusable(group.whole)) for group in self.groups)
+        return none <= MOST_UNUSABLE * len(self.groups)
 
-    def predicting(self, own: Group, names: Sequence[str]) -> tuple[Problem, Fit]:
+    def predicting(self, own: Group, names: Sequence[str]) -> Fit:
         """What is not held out of another group, fitted with what these tell."""
         return own.predicted(names, _common(self.told), self.groups)
 
     def holds_in(self, own: Group) -> bool:
         """Whether the effects may explain something in another group, too."""
-        return not unusable(self.predicting(own, self.names)[1])
+        return not unusable(self.predicting(own, self.names))
 
     def with_effect(self, name: str, tie: float) -> Self:
         """The same with one effect more."""
         alone = [group.with_effect(name, tie) for group in self.groups]
-        return replace(
-            self,
-            groups=[g.refitted([*alone[:k], *alone[k + 1 :]]) for k, g in enumerate(alone)],
-        )
+        groups = [g.refitted([*alone[:k], *alone[k + 1 :]]) for k, g in enumerate(alone)]
+        return replace(self, groups=groups)
 
     def more_likely(self, before: Self) -> float:
         """Fall of twice the negative log likelihood of all records, less the penalties."""
         pairs = zip(before.groups, self.groups, strict=True)
         return sum(
-            misfit_with_penalties(*one.whole) - misfit_with_penalties(*more.whole)
+            misfit_with_penalties(one.whole) - misfit_with_penalties(more.whole)
             for one, more in pairs
         )
 

@@ -5,7 +5,6 @@ from dataclasses import dataclass, field
 from typing import Any, Self
 
 import numpy as np
-from numpy.typing import NDArray
 
 from softsample.loop.fit import Fit, Problem
 from softsample.loop.noise import (
@@ -21,9 +20,7 @@ from softsample.loop.noise import (
 from softsample.loop.same_piece import in_common
 from softsample.loop.scale import relative_stiffness, scatter
 from softsample.loop.select import SelectionSettings, plain_model
-from softsample.loop.specimen import Specimen, blocks
-
-Array = NDArray[np.float64]
+from softsample.loop.specimen import Array, Specimen, blocks
 
 PER_BLOCK = 4
 """Points of a block at which predictions are computed."""
@@ -67,8 +64,8 @@ class Posed:
         What is not held out of them.
     noises : list of Noise
         One for each test of the problem.
-    first : tuple of Problem, Fit
-        Records and plain model of one stiffness.
+    first : Fit
+        Plain model of one stiffness.
     stiffness : mapping of float
         Modulus of specimens over that of the group where they scatter; empty if not.
     """
@@ -76,7 +73,7 @@ class Posed:
     specimens: list[Specimen]
     problem: Problem
     noises: list[Noise]
-    first: tuple[Problem, Fit]
+    first: Fit
     stiffness: Mapping[str, float]
 
     @classmethod
@@ -84,15 +81,22 @@ class Posed:
         """Of tests that share their material and machine."""
         problem, noises = pose(specimens, settings.noise)
         first = plain_model(problem)
-        stiffness = _scattered(*first, settings)
+        found = relative_stiffness(first)
+        usual = 0.01 * settings.noise.scale_percent * settings.selection.unknown_ratio
+        stiffness = found if scatter(found) > usual else {}  # no more than scales may be
         alike = [specimen.of_stiffness(stiffness) for specimen in specimens]
         if stiffness:
             problem, noises = pose(alike, settings.noise)
         return cls(alike, problem, noises, first, stiffness)
 
     @property
-    def plain(self) -> tuple[Problem, Fit]:
-        """Records and plain model with the stiffness of each specimen."""
+    def spread(self) -> list[float]:
+        """Standard deviation of a block of each test of the problem [N]."""
+        return [noise.block for noise in self.noises]
+
+    @property
+    def plain(self) -> Fit:
+        """Plain model with the stiffness of each specimen."""
         return plain_model(self.problem) if self.stiffness else self.first
 
 
@@ -130,12 +134,6 @@ def pose(every: Sequence[Specimen], settings: NoiseSettings) -> tuple[Problem, l
     return posed, noises
 
 
-def _is_fitted(specimen: Specimen, settings: NoiseSettings, most: int) -> bool:
-    """Whether a block of the test, of which there are `most`, is left that is not held out."""
-    size = block_size(specimen, settings, most)
-    return bool(np.any(blocks(specimen.held_out.astype(float), size) == 0.0))
-
-
 def _whiteners(
     specimens: Sequence[Specimen],
     noises: Sequence[Noise],
@@ -148,19 +146,11 @@ def _whiteners(
     found = []
     for s, noise, model, size in zip(specimens, noises, models, sizes, strict=True):
         known, discrepancy = covariances(s, noise, blocks(model, size), settings, size)
-        kept = blocks(s.held_out.astype(float), size) == 0.0
-        found.append(Whitener(known, size, kept, discrepancy))
+        found.append(Whitener(known, size, ~s.out(size), discrepancy))
     return in_common(specimens, found, settings)
 
 
 def _fitted(specimens: Sequence[Specimen], settings: NoiseSettings) -> list[Specimen]:
-    """Tests of which not all is held out."""
+    """Tests of which a block is left that is not held out."""
     most = most_blocks(len(specimens))
-    return [s for s in specimens if _is_fitted(s, settings, most)]
-
-
-def _scattered(problem: Problem, fit: Fit, settings: LoopSettings) -> dict[str, float]:
-    """Stiffness of specimens over that of the group; none if it is no more than scales may be."""
-    found = relative_stiffness(problem, fit)
-    usual = 0.01 * settings.noise.scale_percent * settings.selection.unknown_ratio
-    return found if scatter(found) > usual else {}
+    return [s for s in specimens if not s.out(block_size(s, settings, most)).all()]

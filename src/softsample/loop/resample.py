@@ -1,15 +1,10 @@
 """How often a selection comes out again when the records are made anew from what it left over."""
 
-from collections.abc import Sequence
-
 import numpy as np
 from numpy.typing import NDArray
 
-from softsample.loop.effects.base import Effect
 from softsample.loop.fit import Fit, Problem
 from softsample.loop.select import Selection, SelectionSettings, select
-
-Array = NDArray[np.float64]
 
 BLOCKS = 10.0
 """Mean length of the stretches that are drawn, in blocks of the record."""
@@ -18,7 +13,6 @@ BLOCKS = 10.0
 def confidence(
     problem: Problem,
     selection: Selection,
-    effects: Sequence[Effect],
     settings: SelectionSettings,
     draws: int,
 ) -> float:
@@ -30,7 +24,7 @@ def confidence(
         Records with their noise, without doubt of form.
     selection : Selection
         What was found in them, with one effect at least.
-    effects, settings
+    settings : SelectionSettings
         As of `select`.
     draws : int
         Resampled groups; each is a selection of its own.
@@ -43,7 +37,8 @@ def confidence(
     random = np.random.default_rng([settings.seed, draws])
     first = selection.final.model.names[0]
     again = [
-        select(resampled(problem, selection.final, random), effects, settings) for _ in range(draws)
+        select(resampled(problem, selection.final, random), selection.library, settings)
+        for _ in range(draws)
     ]
     return float(np.mean([first in next(iter(s.classes.values()), []) for s in again]))
 

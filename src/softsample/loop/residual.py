@@ -4,13 +4,10 @@ from dataclasses import dataclass
 
 import numpy as np
 import pandas as pd
-from numpy.typing import NDArray
 
 from softsample.loop.diagnose import Diagnosis
 from softsample.loop.noise import block_size, most_blocks
-from softsample.loop.specimen import FORCE, Specimen, blocks
-
-Array = NDArray[np.float64]
+from softsample.loop.specimen import FORCE, Array, Specimen, blocks
 
 
 @dataclass(frozen=True)
@@ -37,18 +34,19 @@ class Predicted:
 
 
 def predicted(found: Diagnosis) -> list[Predicted]:
-    """Tests of a group that are fitted, then those that are held out as a whole."""
-    (first, plain), problem, last = found.origin.first, found.problem, found.predicting
-    most, noises = most_blocks(len(problem.specimens)), [noise.block for noise in found.noises]
+    """Tests of a group that are fitted, then the others."""
+    first, problem, last = found.origin.posed.first, found.posed.problem, found.predicting
+    most, noises = most_blocks(len(problem.specimens)), found.posed.spread
+    fitted = {(test.name, test.channel) for test in problem.specimens}
     pairs = [
-        [*of.specimens, *(test for test in of.unseen if test.held_out.all())]
-        for of in (first, problem)
+        [*of.specimens, *(s for s in of.unseen if (s.name, s.channel) not in fitted)]
+        for of in (first.problem, problem)
     ]
     noises += [np.nan] * (len(pairs[0]) - len(noises))
     return [
         Predicted(
             test,
-            plain.model.predict(before, plain.state),
+            first.model.predict(before, first.state),
             last.model.predict(test, last.state),
             block_size(test, problem.settings, most),
             noise,
@@ -88,6 +86,6 @@ def _rows(one: Predicted) -> pd.DataFrame:
             "force_N": of_force * blocks(test.force, size),
             "before_N": of_force * blocks(one.before, size),
             "after_N": of_force * blocks(one.after, size),
-            "held_out": blocks(test.held_out.astype(float), size) > 0.0,
+            "held_out": test.out(size),
         }
     )

@@ -6,16 +6,14 @@ whether they were made in one direction.
 """
 
 from collections.abc import Callable, Sequence
+from dataclasses import replace
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.linalg import cholesky, solve_triangular
 
 from softsample.loop.noise import SIMILARITY, NoiseSettings, Similarity, Whitener, moved
-from softsample.loop.specimen import Specimen, blocks
+from softsample.loop.specimen import Array, Specimen, blocks
 from softsample.protocol import ALIKE
-
-Array = NDArray[np.float64]
 
 KNOTS = 33
 """Travels at which the error that goes with the travel is a variate: between them it is smooth."""
@@ -89,7 +87,7 @@ def in_common(
             own |= {name: np.zeros(shape) for name in (*smooth, "scale")}
         shared = {name: columns.reshape(len(columns), -1) for name, columns in smooth.items()}
         shared["scale"] = scale
-        found.append(Whitener(w.known, w.size, w.keep, own, w.variances, shared, slot))
+        found.append(replace(w, discrepancy=own, shared=shared, slot=slot))
     return found
 
 

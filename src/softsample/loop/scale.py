@@ -1,17 +1,15 @@
 """Stiffness of specimens: scales of their tests, which are there in other records of them too."""
 
 from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import replace
 
 import numpy as np
-from numpy.typing import NDArray
 
 from softsample.loop.discrepancy import scaled
-from softsample.loop.fit import Fit, Problem
+from softsample.loop.fit import Fit
 from softsample.loop.same_piece import numbered, same_piece
-from softsample.loop.specimen import Specimen
+from softsample.loop.specimen import Array, Specimen
 from softsample.protocol import ALIKE
-
-Array = NDArray[np.float64]
 
 ROUNDS = 3
 """Of fitting the group's material and the stiffness of each specimen in turn."""
@@ -41,7 +39,7 @@ def scale_of(specimen: Specimen, known: Scales) -> float:
     return float(np.mean(others)) if others else 0.0
 
 
-def relative_stiffness(problem: Problem, fit: Fit) -> dict[str, float]:
+def relative_stiffness(fit: Fit) -> dict[str, float]:
     """Modulus of each specimen over the geometric mean of those that had the same test.
 
     That is one of the same mode to about the same displacement at about the same speed. What had
@@ -49,28 +47,26 @@ def relative_stiffness(problem: Problem, fit: Fit) -> dict[str, float]:
 
     Parameters
     ----------
-    problem : Problem
-        Records of a group.
     fit : Fit
         Of a model of one stiffness; its discrepancy counts, but for that of scale.
     """
     found: dict[str, float] = {}
     for _ in range(ROUNDS):
-        known = problem.of_stiffness(found)
-        found = _relative(known, known.fit(fit.model, fit.state))
+        found = _relative(fit.problem.of_stiffness(found).fit(fit.model, fit.state))
         if not found:
             break
     return found
 
 
-def _relative(problem: Problem, fit: Fit) -> dict[str, float]:
+def _relative(fit: Fit) -> dict[str, float]:
     """Stiffness that each specimen's records ask for, all else as it is, over the mean."""
+    problem = fit.problem
     asked: dict[int, dict[str, Array]] = {}
     forces = problem.predicted(fit.model, fit.state)
     for specimen, w, force, test in zip(
         problem.specimens, problem.whiteners, forces, same_tests(problem.specimens), strict=True
     ):
-        apart = w.alone.with_variances({**w.variances, "scale": 0.0})
+        apart = replace(w.alone, variances={**w.variances, "scale": 0.0})
         one, measured = apart(force), apart(specimen.force)
         more = np.array([one @ measured, one @ one / specimen.stiffness])
         sums = asked.setdefault(test, {})
@@ -106,13 +102,13 @@ def scatter(stiffness: Mapping[str, float]) -> float:
     return float(np.std(logs, ddof=1)) if len(logs) > 1 else 0.0
 
 
-def most_likely(problem: Problem, fit: Fit) -> dict[Key, float]:
+def most_likely(fit: Fit) -> dict[Key, float]:
     """Posterior means of the errors of scale of fitted tests.
 
-    The residual of the fit has to be one that the discrepancy of the problem is made for: of a
-    model without a correction.
+    Its residual has to be one that the discrepancy of its problem is made for: of a model without
+    a correction.
     """
-    problem = scaled(problem, fit)
+    problem = scaled(fit.problem, fit)
     forces = problem.predicted(fit.model, fit.state)
     variance = (0.01 * problem.settings.sizes(problem.variances).get("scale", 0.0)) ** 2
     left = problem.white([s.force - f for s, f in zip(problem.specimens, forces, strict=True)])

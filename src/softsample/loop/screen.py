@@ -1,17 +1,15 @@
 """Which effects could explain a residual: signatures that no change of the material imitates."""
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.stats import chi2
 
 from softsample.loop.effects.base import Effect, Parameter, Values
-from softsample.loop.fit import Fit, Problem
+from softsample.loop.fit import Fit
 from softsample.loop.model import Model
-
-Array = NDArray[np.float64]
+from softsample.loop.specimen import Array
 
 LEVEL = 0.95
 """Part of records of noise alone in which no effect passes the threshold."""
@@ -68,8 +66,9 @@ STEPS = (0.1, 1.0)
 begins with a toe changes by a small shift in another way than by a large one."""
 
 
-def signatures(problem: Problem, base: Fit, effects: Sequence[Effect]) -> list[Signature]:
-    """Signatures of all effects, one for every point of the grid of how each acts."""
+def signatures(base: Fit, effects: Sequence[Effect]) -> list[Signature]:
+    """Signatures of all effects beside a fit, one for every point of the grid of how each acts."""
+    problem = base.problem
     explained = orthonormal(base.jacobian)
     here = problem.predicted(base.model, base.state)
     travels = [base.model.travel(specimen, base.state) for specimen in problem.specimens]
@@ -83,7 +82,7 @@ def signatures(problem: Problem, base: Fit, effects: Sequence[Effect]) -> list[S
                 alone.reading(*of_test, {effect.name: values})
                 for of_test in zip(problem.specimens, here, travels, strict=True)
             ]
-        state = replace(base.state, values={**base.state.values, effect.name: values})
+        state = base.state.with_values(effect.name, values)
         return problem.predicted(base.model.with_effect(effect), state)
 
     for effect in effects:

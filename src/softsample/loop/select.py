@@ -6,7 +6,6 @@ from functools import cached_property, lru_cache
 from typing import Self
 
 import numpy as np
-from numpy.typing import NDArray
 
 from softsample.loop.discrepancy import ROUNDS, settled
 from softsample.loop.effects.base import Effect
@@ -22,9 +21,7 @@ from softsample.loop.screen import (
     penalty,
     signatures,
 )
-
-Array = NDArray[np.float64]
-
+from softsample.loop.specimen import Array
 
 NEIGHBOURS = 10
 """Blocks over which what another law changes is alike."""
@@ -96,7 +93,7 @@ class Candidate:
         The effect.
     fit : Fit
         Joint fit with the sizes of the discrepancy of the round.
-    posed, settled : Problem, Fit
+    settled : Fit
         The same with the most likely sizes.
     gain : float
         Fall of the sum of squares, with the sizes of the round.
@@ -111,7 +108,6 @@ class Candidate:
 
     name: str
     fit: Fit
-    posed: Problem
     settled: Fit
     gain: float
     evidence: float
@@ -156,15 +152,11 @@ class Selection:
 
     Parameters
     ----------
-    problem : Problem
-        The records, with room for error in the form of what was chosen and sizes of the
-        discrepancy about it.
-    plain : Problem
-        The records with sizes of the discrepancy about the plain model.
     library : list of Effect
         What was chosen from.
     base, final : Fit
-        Plain model and model with all chosen effects.
+        Plain model and model with all chosen effects, each with the sizes of the discrepancy about
+        it; the latter with room for error in the form of what was chosen.
     steps : list of Step
         Every round, the last one without a choice.
     classes : dict of list of str
@@ -173,13 +165,11 @@ class Selection:
         Effects that were not chosen and whose nominal size these records would not show.
     strongest : dict of Signature
         Of each effect in the plain model.
-    visited : list of (Problem, Fit)
+    visited : list of Fit
         Every other model with effects that a search came to and that may explain something, the
         one of fewest effects first.
     """
 
-    problem: Problem
-    plain: Problem
     library: list[Effect]
     base: Fit
     final: Fit
@@ -187,7 +177,7 @@ class Selection:
     classes: dict[str, list[str]]
     weak: list[str]
     strongest: dict[str, Signature]
-    visited: list[tuple[Problem, Fit]] = field(default_factory=list)
+    visited: list[Fit] = field(default_factory=list)
 
     @property
     def asked(self) -> set[str]:
@@ -199,7 +189,7 @@ def select(problem: Problem, effects: Sequence[Effect], settings: SelectionSetti
     """Find the effects that the records ask for."""
     first = _plain_round(problem)
     library = [e for e in effects if e.identifiable]
-    found = signatures(first.problem, first.current, library)
+    found = signatures(first.current, library)
     strongest = {
         e.name: max((s for s in found if s.effect is e), key=lambda s: s.strength) for e in library
     }
@@ -224,8 +214,6 @@ def select(problem: Problem, effects: Sequence[Effect], settings: SelectionSetti
         if signature.strength < LEAST_SIGNATURE and name not in best.fit.model.names
     ]  # fmt: skip
     return Selection(
-        best.problem,
-        first.settled,
         library,
         first.base,
         best.fit,
@@ -237,10 +225,9 @@ def select(problem: Problem, effects: Sequence[Effect], settings: SelectionSetti
     )
 
 
-def plain_model(problem: Problem) -> tuple[Problem, Fit]:
-    """Records with the most likely sizes of the discrepancy about the model without effects."""
-    first = _plain_round(problem)
-    return first.settled, first.base
+def plain_model(problem: Problem) -> Fit:
+    """The model without effects, with the most likely sizes of the discrepancy about it."""
+    return _plain_round(problem).base
 
 
 @dataclass(frozen=True)
@@ -249,27 +236,24 @@ class _Round:
 
     Parameters
     ----------
-    settled, base : Problem, Fit
-        The records with the most likely sizes of the discrepancy about what was chosen before,
-        and its fit.
-    problem, current : Problem, Fit
+    base : Fit
+        What was chosen before, with the most likely sizes of the discrepancy about it.
+    current : Fit
         The same with sizes no larger than those of the settings, and forms that are right: a
         discrepancy that is large for want of an effect would hide it.
     """
 
-    settled: Problem
     base: Fit
-    problem: Problem
     current: Fit
 
     @classmethod
     def of(cls, problem: Problem, current: Fit) -> Self:
         """About a fit."""
-        posed, base = settled(problem, current, 1)
+        base = settled(problem, current, 1)
         if not current.model.effects:  # what a larger discrepancy makes of other materials
-            posed, base = settled(posed, posed.fit_material(), 1)
-        sharp = posed.with_variances(posed.settings.sharp(posed.variances))
-        return cls(posed, base, sharp, sharp.fit(base.model, base.state))
+            base = settled(base.problem, base.problem.fit_material(), 1)
+        sharp = base.problem.with_variances(problem.settings.sharp(base.problem.variances))
+        return cls(base, sharp.fit(base.model, base.state))
 
 
 @lru_cache(maxsize=2)  # of records as they are, and with the stiffness of specimens
@@ -280,9 +264,8 @@ def _plain_round(problem: Problem) -> _Round:
 
 @dataclass(frozen=True)
 class _Visited:
-    """A model that a search came to: records with the most likely sizes, its fit and classes."""
+    """A model that a search came to: its fit with the most likely sizes, and classes."""
 
-    problem: Problem
     fit: Fit
     classes: dict[str, list[str]]
 
@@ -292,22 +275,22 @@ class _Visited:
         effects = self.fit.model.effects
         if effects and unusable(self.fit):
             return np.inf
-        return misfit_with_penalties(self.problem, self.fit)
+        return misfit_with_penalties(self.fit)
 
     @property
     def doubted(self) -> float:
         """The same with errors of geometry and mesh that no record may show."""
-        return misfit_with_penalties(*doubted(self.problem, self.fit))
+        return misfit_with_penalties(doubted(self.fit))
 
 
-def _others(visited: Sequence[_Visited], best: _Visited) -> list[tuple[Problem, Fit]]:
+def _others(visited: Sequence[_Visited], best: _Visited) -> list[Fit]:
     """Models with other effects than the best has, the likeliest of each, that may explain it."""
     of: dict[frozenset[str], _Visited] = {}
     for model in sorted(visited, key=lambda model: model.left):
         if model.classes and np.isfinite(model.left):
             of.setdefault(frozenset(model.classes), model)
     of.pop(frozenset(best.classes), None)
-    return [(of[names].problem, of[names].fit) for names in sorted(of, key=len)]
+    return [of[names].fit for names in sorted(of, key=len)]
 
 
 def _alone(
@@ -326,7 +309,10 @@ def _alone(
 
 @dataclass
 class _Search:
-    """State of a selection: what has been chosen, and the noise with the doubt of its form."""
+    """State of a selection: what has been chosen, and the noise with the doubt of its form.
+
+    It sets out from `opening`, the round of the plain model.
+    """
 
     problem: Problem
     plain: Fit
@@ -335,7 +321,7 @@ class _Search:
     threshold: float
     doubting: Problem
     current: Fit
-    opening: _Round | None = None
+    opening: _Round
     steps: list[Step] = field(default_factory=list)
     classes: dict[str, list[str]] = field(default_factory=dict)
     doubted: dict[str, bool] = field(default_factory=dict)
@@ -367,10 +353,9 @@ class _Search:
         name, effects = first.chosen.name, {e.name: e for e in best.fit.model.effects}
         if name not in effects or first.chosen.evidence >= self.threshold:
             return
-        less = best.problem.fit(best.fit.model.without(name), best.fit.state)
-        posed, less = settled(best.problem, less)
-        gain = posed.misfit(less) - best.problem.misfit(best.fit)
-        gain -= penalty(effects[name], len(best.fit.white))
+        problem = best.fit.problem
+        less = settled(problem, problem.fit(best.fit.model.without(name), best.fit.state))
+        gain = less.misfit - best.fit.misfit - penalty(effects[name], len(best.fit.white))
         told = replace(first.chosen, evidence=gain)
         self.steps[0] = replace(first, chosen=told)
 
@@ -383,7 +368,7 @@ class _Search:
         asked = any(c.evidence >= self.threshold for c in opening.candidates if c.name in laws)
         if opening.chosen is None or opening.chosen.name in laws or not asked:
             return None
-        step = _round(self._here, list(laws.values()), self.threshold, self.settings)
+        step = _round(self.opening, list(laws.values()), self.threshold, self.settings)
         return step if step.chosen else None
 
     def left_out_first(self, opening: Step) -> Step | None:
@@ -394,7 +379,7 @@ class _Search:
         known = [effect for effect in self.library if effect.idealised]
         if opening.chosen and opening.chosen.name in [effect.name for effect in known]:
             return None
-        found = _fitted(self._here, known, self.threshold, self.settings)
+        found = _fitted(self.opening, known, self.threshold, self.settings)
         usable = [c for c in found if not unusable(c.settled)]
         return Step(self.threshold, usable, usable[0], [usable[0].name]) if usable else None
 
@@ -445,13 +430,8 @@ class _Search:
     def _round(self, problem: Problem, current: Fit) -> Step:
         """One effect more; another law in place of one that is there is left to an exchange."""
         left = [effect for effect in self.library if current.model.admits(effect)]
-        here = self._here if current is self.plain else _Round.of(problem, current)
+        here = self.opening if current is self.plain else _Round.of(problem, current)
         return _round(here, left, self.threshold, self.settings)
-
-    @property
-    def _here(self) -> _Round:
-        """The round of the plain model, from which every search sets out."""
-        return self.opening or _Round.of(self.problem, self.plain)
 
     def _take(self, problem: Problem, chosen: Candidate, members: list[str]) -> None:
         """Add what was chosen, doubt its form if need be, and drop what it has made superfluous."""
@@ -461,7 +441,7 @@ class _Search:
         self.current = _pruned(self.doubting, chosen.settled, self.settings)
         self.classes = {name: self.classes[name] for name in self.current.model.names}
         if len(self.classes) == len(chosen.settled.model.effects):  # as it was when it was taken
-            self.visited.append(_Visited(chosen.posed, chosen.settled, dict(self.classes)))
+            self.visited.append(_Visited(chosen.settled, dict(self.classes)))
         self._visit()
 
     def _visit(self) -> None:
@@ -472,11 +452,10 @@ class _Search:
         here = [(self.doubting, self.current)]
         if self.doubting is not self.problem and len(self.current.model.effects) > 1:
             exact = _Round.of(self.problem, self.current)
-            again = _restarted(exact.problem, exact.current, self.settings)
-            here.append((self.problem, again))
+            here.append((self.problem, _restarted(exact.current, self.settings)))
         for problem, fit in here:
             model = _settled(problem, self.plain, fit, self.settings.class_gain)
-            self.visited.append(_Visited(*model, dict(self.classes)))
+            self.visited.append(_Visited(model, dict(self.classes)))
 
     def _doubting(self, problem: Problem, fit: Fit) -> Problem:
         """With room for error in the form of the last effect, if the records show one."""
@@ -493,15 +472,19 @@ class _Search:
         return problem, problem.fit(model, fit.state)
 
 
-def misfit_with_penalties(problem: Problem, fit: Fit) -> float:
+def misfit_with_penalties(fit: Fit) -> float:
     """Twice the negative logarithm of the likelihood, with the penalties for all effects."""
-    return problem.misfit(fit) + sum(penalty(e, len(fit.white)) for e in fit.model.effects)
+    return fit.misfit + sum(penalty(e, len(fit.white)) for e in fit.model.effects)
 
 
-def doubted(problem: Problem, fit: Fit) -> tuple[Problem, Fit]:
-    """A model fitted with errors of geometry and mesh that no record may show."""
-    posed = problem.with_least(problem.settings.doubt({}, floor=True))
-    return posed, posed.fit(fit.model, fit.state)
+def doubted(fit: Fit, doubt: Mapping[str, float] | None = None) -> Fit:
+    """A model fitted with errors of at least the sizes that are doubted.
+
+    By default those of geometry and mesh that no record may show.
+    """
+    if doubt is None:
+        doubt = fit.problem.settings.doubt({}, floor=True)
+    return fit.problem.with_least(doubt).fit(fit.model, fit.state)
 
 
 def driven_to_an_end(fit: Fit) -> str:
@@ -546,9 +529,9 @@ def _round(
     if not candidates:
         return Step(threshold, [], None)
     alone = _without(here, candidates[0])
-    over = here.settled.misfit(here.base) - alone[0].misfit(alone[1])
+    over = here.base.misfit - alone.misfit
     if over > settings.least_gain and again:
-        return _round(_Round.of(*alone), effects, threshold, settings, again=False)
+        return _round(_Round.of(alone.problem, alone), effects, threshold, settings, again=False)
     candidates = [replace(c, evidence=c.evidence - max(over, 0.0)) for c in candidates]
     step = _chosen(here, candidates, alone, threshold, settings)
     return replace(step, current=here.current)
@@ -557,30 +540,31 @@ def _round(
 def _chosen(
     here: _Round,
     candidates: Sequence[Candidate],
-    alone: tuple[Problem, Fit],
+    alone: Fit,
     threshold: float,
     settings: SelectionSettings,
 ) -> Step:
     """The choice among candidates, of which the first would leave `alone` without itself."""
     first = candidates[0].settled
     acceptable = [c for c in candidates if c.evidence >= threshold]
+    nothing = Step(threshold, _one_of_each(candidates), None)
     if not acceptable:
-        return Step(threshold, _one_of_each(candidates), None)
+        return nothing
     inside = [c for c in acceptable if not unusable(c.settled)]
     refused = None if acceptable[0] in inside else acceptable[0]
     why = unusable(refused.settled) if refused else ""
     if not inside:
-        return Step(threshold, _one_of_each(candidates), None, refused=refused, why=why)
+        return replace(nothing, refused=refused, why=why)
     best = min(inside, key=_comes_later)
     if refused and _comes_later(best) and best.evidence < RIVAL * refused.evidence:
-        return Step(threshold, _one_of_each(candidates), None, refused=refused, why=why)
+        return replace(nothing, refused=refused, why=why)
     if best.fit.model.effects[-1].is_law:
         best = _nearest_law(here, best, inside, settings)
     alone = alone if best.settled is first else _without(here, best)
     if not _beyond_doubt(here, best, alone, threshold):
-        return Step(threshold, _one_of_each(candidates), None, refused=best, why=WITHIN_DOUBT)
+        return replace(nothing, refused=best, why=WITHIN_DOUBT)
     if not _earned(here, best):
-        return Step(threshold, _one_of_each(candidates), None, refused=best, why=NOT_EARNED)
+        return replace(nothing, refused=best, why=NOT_EARNED)
     candidates = _compared(here.current, _one_of_each([best, *candidates]), best)
     members = _members(candidates, best, threshold, settings)
     return Step(threshold, candidates, best, members, refused, why)
@@ -590,14 +574,14 @@ def _fitted(
     here: _Round, effects: Sequence[Effect], threshold: float, settings: SelectionSettings
 ) -> list[Candidate]:
     """Promising effects fitted jointly with the material, the one of most evidence first."""
-    problem, current, n = here.problem, here.current, len(here.current.white)
-    found = best_of_each(signatures(problem, current, effects), current.white)
+    current, n = here.current, len(here.current.white)
+    found = best_of_each(signatures(current, effects), current.white)
     ranked = sorted(
         found.values(), key=lambda pair: pair[0] - penalty(pair[1].effect, n), reverse=True
     )
     candidates: list[Candidate] = []
     least = PROMISING * max([threshold, *(gain for gain, _ in ranked)])
-    smooth = _smooth_excess(problem.by_test(current.white[: problem.count]))
+    smooth = _smooth_excess(current.problem.by_test(current.white[: current.problem.count]))
     promising = [s for gain, s in ranked[: settings.refits] if gain >= least]
     others = [
         s for _, s in ranked if s not in promising
@@ -609,23 +593,19 @@ def _fitted(
         if signature in others and not signature.effect.idealised and smooth < asked:
             continue
         candidates.append(
-            _candidate(here, joint_fit(problem, current, signature, settings.class_gain), settings)
+            _candidate(here, joint_fit(current, signature, settings.class_gain), settings)
         )
-    if _loses_on_return(here.settled):
+    if _loses_on_return(here.base.problem):
         laws = [effect for effect in effects if effect.is_law]
         candidates += [_beside_hysteresis(here, law, settings) for law in laws]
-    candidates.sort(key=_evidence, reverse=True)
+    candidates.sort(key=lambda c: c.evidence, reverse=True)
     if candidates and current.model.effects:
-        again = _restarted(problem, candidates[0].fit, settings)
+        again = _restarted(candidates[0].fit, settings)
         if again is not candidates[0].fit:
             candidates[0] = max(
                 candidates[0], _candidate(here, again, settings), key=lambda c: c.evidence
             )
     return candidates
-
-
-def _evidence(candidate: Candidate) -> float:
-    return candidate.evidence
 
 
 def _loses_on_return(problem: Problem) -> bool:
@@ -640,45 +620,43 @@ def _beside_hysteresis(here: _Round, law: Effect, settings: SelectionSettings) -
     With smaller ones, records that go back ask for a law whose loading and unloading differ least,
     as no law explains that they do.
     """
-    fit = law_fit(here.settled, here.base, law, settings.class_gain)
-    return _candidate(here, here.problem.at(fit.model, fit.state), settings)
+    fit = law_fit(here.base, law, settings.class_gain)
+    return _candidate(here, here.current.problem.at(fit.model, fit.state), settings)
 
 
 def _candidate(here: _Round, fit: Fit, settings: SelectionSettings) -> Candidate:
     """What a joint fit with one effect more is worth."""
     effect, n = fit.model.effects[-1], len(here.current.white)
-    models = [
-        _settled(posed, here.base, fit, settings.class_gain, 1)
-        for posed in (here.problem, here.problem.doubting(fit))
-    ]
-    exact, doubted = (posed.misfit(likely) for posed, likely in models)
-    (posed, likely), left = models[doubted < exact], min(exact, doubted)
-    evidence = here.settled.misfit(here.base) - left - penalty(effect, n)
+    problem, tie = here.current.problem, settings.class_gain
+    exact, doubtful = (
+        _settled(posed, here.base, fit, tie, 1) for posed in (problem, problem.doubting(fit))
+    )
+    is_doubted = doubtful.misfit < exact.misfit
+    likely = doubtful if is_doubted else exact
+    evidence = here.base.misfit - likely.misfit - penalty(effect, n)
     gain = here.current.cost - fit.cost
-    return Candidate(effect.name, fit, posed, likely, gain, evidence, doubted < exact)
+    return Candidate(effect.name, fit, likely, gain, evidence, is_doubted)
 
 
-def _settled(
-    problem: Problem, base: Fit, fit: Fit, tie: float, rounds: int = ROUNDS
-) -> tuple[Problem, Fit]:
+def _settled(problem: Problem, base: Fit, fit: Fit, tie: float, rounds: int = ROUNDS) -> Fit:
     """`settled`; a law stays where it was if it is as good there and nearer to what was before."""
-    posed, moved = settled(problem, fit, rounds)
+    moved = settled(problem, fit, rounds)
     if not problem.unseen or not fit.model.effects or not fit.model.effects[-1].is_law:
-        return posed, moved
-    unmoved = posed.at(fit.model, fit.state)
-    alike = [moved, unmoved] if unmoved.cost < moved.cost + tie else [moved]
-    return posed, nearest(posed, base, alike)
+        return moved
+    unmoved = moved.problem.at(fit.model, fit.state)
+    return nearest(base, [moved, unmoved] if unmoved.cost < moved.cost + tie else [moved])
 
 
-def _restarted(problem: Problem, fit: Fit, settings: SelectionSettings) -> Fit:
+def _restarted(fit: Fit, settings: SelectionSettings) -> Fit:
     """The fit, or a better one from new initial guesses of the earlier effects.
 
     What was found without the last effect may be far off beside it.
     """
+    problem = fit.problem
     for effect in fit.model.effects[:-1]:
         without = problem.fit(fit.model.without(effect.name), fit.state)
-        found = best_of_each(signatures(problem, without, [effect]), without.white)
-        joint = joint_fit(problem, without, found[effect.name][1], settings.class_gain)
+        found = best_of_each(signatures(without, [effect]), without.white)
+        joint = joint_fit(without, found[effect.name][1], settings.class_gain)
         again = problem.fit(fit.model, joint.state)
         fit = min(fit, again, key=lambda one: one.cost)
     return fit
@@ -710,8 +688,7 @@ def _members(
 
 def _densities(candidate: Candidate) -> Array:
     """Logarithm of the predictive density of what each fold leaves out."""
-    model = candidate.posed, candidate.settled
-    return log_densities(*model, cross_validated(*model))
+    return log_densities(candidate.settled, cross_validated(candidate.settled))
 
 
 def _as_likely(one: Array, most: Array) -> bool:
@@ -725,37 +702,27 @@ def _comes_later(candidate: Candidate) -> bool:
     return not candidate.fit.model.effects[-1].idealised
 
 
-def _beyond_doubt(
-    here: _Round, candidate: Candidate, alone: tuple[Problem, Fit], threshold: float
-) -> bool:
+def _beyond_doubt(here: _Round, candidate: Candidate, alone: Fit, threshold: float) -> bool:
     """Whether a candidate is more than errors along it may be that no record shows.
 
     Those of geometry, mesh and element type for some, those in the form of effects that were
     chosen before for all.
     """
-    effect, posed = candidate.fit.model.effects[-1], candidate.posed
+    effect, posed = candidate.fit.model.effects[-1], candidate.settled.problem
     doubt = posed.settings.doubt(posed.variances, effect.like_floor)
-    doubt = {name: least for name, least in doubt.items() if name in here.settled.variances}
-    before = min(_doubted_misfit(*model, doubt) for model in ((here.settled, here.base), alone))
-    after = _doubted_misfit(posed, candidate.settled, doubt)
+    doubt = {name: least for name, least in doubt.items() if name in here.base.problem.variances}
+    before = min(doubted(fit, doubt).misfit for fit in (here.base, alone))
+    after = doubted(candidate.settled, doubt).misfit
     return before - after - penalty(effect, len(here.base.white)) >= threshold
-
-
-def _doubted_misfit(posed: Problem, fit: Fit, doubt: Mapping[str, float]) -> float:
-    """Misfit of a model with errors of at least the sizes that are doubted."""
-    posed = posed.with_least(doubt)
-    return posed.misfit(posed.fit(fit.model, fit.state))
 
 
 def _earned(here: _Round, candidate: Candidate) -> bool:
     """Whether an effect beside others makes likelier what those folds leave out that it changes."""
     if not here.base.model.effects:
         return True
-    posed, fit = candidate.posed, candidate.settled
-    names = touched(posed, fit, candidate.name)
+    names = touched(candidate.settled, candidate.name)
     before, after = (
-        log_density(*model, cross_validated(*model, names))
-        for model in ((here.settled, here.base), (posed, fit))
+        log_density(fit, cross_validated(fit, names)) for fit in (here.base, candidate.settled)
     )
     return bool(names) and after > before + EARNED
 
@@ -769,19 +736,19 @@ def _smooth_excess(white: Sequence[Array]) -> float:
     return excess
 
 
-def _without(here: _Round, candidate: Candidate) -> tuple[Problem, Fit]:
+def _without(here: _Round, candidate: Candidate) -> Fit:
     """The fit without a candidate, from the material that it has found.
 
     What only finds a better material explains nothing.
     """
-    fit = here.problem.fit(here.current.model, candidate.settled.state)
-    return settled(here.problem, fit, 1)
+    problem = here.current.problem
+    return settled(problem, problem.fit(here.current.model, candidate.settled.state), 1)
 
 
 def _one_of_each(candidates: Sequence[Candidate]) -> list[Candidate]:
     """Of several fits of one effect the first, the one of most evidence first of all."""
     first = {c.name: c for c in reversed(candidates)}
-    return sorted(first.values(), key=_evidence, reverse=True)
+    return sorted(first.values(), key=lambda c: c.evidence, reverse=True)
 
 
 def _nearest_law(
@@ -790,7 +757,7 @@ def _nearest_law(
     """A candidate for a law, or another of its class, see `softsample.loop.joint.nearest`."""
     laws = [c for c in _compared(here.current, inside, best) if c.fit.model.effects[-1].is_law]
     alike = [c for c in laws if c.fit is best.fit or _in_class(c, best, settings)]
-    taken = nearest(here.settled, here.base, [c.settled for c in alike])
+    taken = nearest(here.base, [c.settled for c in alike])
     return next(c for c in inside if c.settled is taken)
 
 
@@ -812,16 +779,14 @@ def _pruned(problem: Problem, fit: Fit, settings: SelectionSettings) -> Fit:
     """The fit without effects that later ones have made superfluous, or no more than doubtful."""
     if len(fit.model.effects) < 2:
         return fit
-    posed, best = settled(problem, fit)
-    left = posed.misfit(best)
+    best = settled(problem, fit)
     for effect in fit.model.effects[:-1]:
         less = problem.fit(fit.model.without(effect.name), fit.state)
         alone = settled(problem, less)
-        gain = alone[0].misfit(alone[1]) - left
+        gain = alone.misfit - best.misfit
         if effect.like_floor:
-            doubt = posed.settings.doubt(posed.variances, floor=True)
-            doubted = (_doubted_misfit(*model, doubt) for model in (alone, (posed, best)))
-            gain = min(gain, next(doubted) - next(doubted))
+            doubt = problem.settings.doubt(best.problem.variances, floor=True)
+            gain = min(gain, doubted(alone, doubt).misfit - doubted(best, doubt).misfit)
         if gain - penalty(effect, len(fit.white)) < settings.least_gain:
             return _pruned(problem, less, settings)
     return best

@@ -138,9 +138,13 @@ class Specimen:
             travel=blocks(self.travel, size),
             force=blocks(self.force, size),
             phase=self.phase[first],
-            held_out=blocks(self.held_out.astype(float), size) > 0.0,
+            held_out=self.out(size),
             partner=self.partner and self.partner.reduced(size),
         )
+
+    def out(self, size: int) -> Mask:
+        """Blocks (n // size,) of which any sample is held out."""
+        return np.asarray(blocks(self.held_out.astype(float), size) > 0.0)
 
     @property
     def clock(self) -> Array:

@@ -15,7 +15,7 @@ from softsample.loop.diagnose import STIFFNESS, Diagnosis
 from softsample.loop.effects import ends, library, specimen_stiffness
 from softsample.loop.effects.base import Effect, Values
 from softsample.loop.errors import Errors
-from softsample.loop.fit import Fit, Problem
+from softsample.loop.fit import Fit
 from softsample.loop.limits import detection_limits
 from softsample.loop.model import FIXED
 from softsample.loop.noise import FORM, NoiseSettings
@@ -137,12 +137,7 @@ def recommended(diagnosis: Diagnosis) -> dict[str, Any]:
     models = [model for _, model in tried]
     mu, low, high = averaged(models)
     return {
-        "mu": {
-            "value": mu,
-            "unit": "Pa",
-            "low": low * min([1.0, *rest.values()]),
-            "high": high * max([1.0, *rest.values()]),
-        },
+        "mu": _sized(mu, "Pa", low * min([1.0, *rest.values()]), high * max([1.0, *rest.values()])),
         "estimate": "averaged over the models fitted" if several else "of the model reported",
         "why": f"verdict {diagnosis.verdict}",
         "models": [
@@ -160,9 +155,9 @@ def recommended(diagnosis: Diagnosis) -> dict[str, Any]:
 
 def _weighed(diagnosis: Diagnosis, part: float) -> list[Weighed]:
     """Models of a diagnosis, whose weights add up to a part."""
-    found = [Weighed.of(diagnosis.posed, diagnosis.final, 1.0, diagnosis.stiffness)]
+    found = [Weighed.of(diagnosis.final, 1.0, diagnosis.posed.stiffness)]
     if not (diagnosis.objection or diagnosis.told):
-        found = weighed(diagnosis.selection, diagnosis.stiffness)
+        found = weighed(diagnosis.selection, diagnosis.posed.stiffness)
     return [replace(one, weight=part * one.weight) for one in found]
 
 
@@ -174,13 +169,14 @@ def _first_size(effect: Effect, multiple: float) -> dict[str, float | str]:
 
 def judgement(diagnosis: Diagnosis, settings: LoopSettings) -> dict[str, Any]:
     """What `verdict.json` holds, but for the sizes that would have been seen."""
-    selection, final = diagnosis.selection, diagnosis.final
+    posed, selection, final = diagnosis.posed, diagnosis.selection, diagnosis.final
     named = [] if diagnosis.objection else final.model.effects
     whole = [
         *([_ends_report(diagnosis)] if diagnosis.shows_sliding else []),
-        *([_stiffness_report(diagnosis, settings.noise)] if diagnosis.stiffness else []),
+        *([_stiffness_report(diagnosis, settings.noise)] if posed.stiffness else []),
     ]
     origin = diagnosis.origin
+    reported = ("before", origin.posed.first), ("after", final)
     return {
         "verdict": diagnosis.verdict,
         "objection": diagnosis.objection or None,
@@ -188,9 +184,9 @@ def judgement(diagnosis: Diagnosis, settings: LoopSettings) -> dict[str, Any]:
             *([] if diagnosis.objection else whole),
             *(_effect_report(effect, selection, settings.noise) for effect in named),
         ],
-        "specimen_stiffness": dict(diagnosis.stiffness),
-        "theta_before": _theta(*origin.first),
-        "theta_after": _theta(diagnosis.posed, final, diagnosis.stiffness),
+        "specimen_stiffness": dict(posed.stiffness),
+        "theta_before": _theta(origin.posed.first, {}),
+        "theta_after": _theta(final, posed.stiffness),
         "withheld": _withheld(diagnosis, settings),
         "pooled": diagnosis.told.report() if diagnosis.told else None,
         "other_ends": _other_ends(diagnosis),
@@ -208,23 +204,17 @@ def judgement(diagnosis: Diagnosis, settings: LoopSettings) -> dict[str, Any]:
                 "grain_percent": 100.0 * specimen.elastic.grain,
             }
             for label, n, specimen in zip(
-                diagnosis.problem.labels, diagnosis.noises, diagnosis.problem.specimens, strict=True
+                posed.problem.labels, posed.noises, posed.problem.specimens, strict=True
             )
         },
         "absent": list(settings.absent),
         "floor": asdict(settings.noise),
         "discrepancy_percent": {
-            when: settings.noise.sizes(posed.variances)
-            for when, posed in (("before", origin.first[0]), ("after", selection.problem))
+            when: settings.noise.sizes(fit.problem.variances)
+            for when, fit in (("before", origin.posed.first), ("after", selection.final))
         },
-        "birge_ratio": {
-            "before": birge_ratio(*origin.first),
-            "after": birge_ratio(diagnosis.posed, final),
-        },
-        "reduced_chi_square": {
-            "before": origin.first[1].cost / len(origin.first[1].white),
-            "after": final.cost / len(final.white),
-        },
+        "birge_ratio": {when: birge_ratio(fit) for when, fit in reported},
+        "reduced_chi_square": {when: fit.cost / len(fit.white) for when, fit in reported},
         "path": _path(selection),
         "not_identifiable": sorted(
             {
@@ -299,39 +289,40 @@ def error_report(found: Errors) -> dict[str, Any]:
     }
 
 
-def _theta(
-    problem: Problem, fit: Fit, stiffness: Mapping[str, float] | None = None
-) -> dict[str, dict[str, float | str]]:
-    """Material with 90 % intervals."""
-    of_modulus = log_modulus_deviation(problem, fit, stiffness or {})
-    of_fraction = float(deviations(problem, fit)[1])
-    fractions = problem.fractions
-    mu, r = fit.state.material.mu, fit.state.material.mu1_fraction
+def _sized(value: float, unit: str, low: float, high: float) -> dict[str, float | str]:
+    """A number with its 90 % interval."""
+    return {"value": value, "unit": unit, "low": low, "high": high}
+
+
+def _named(
+    effect: Effect, members: list[str], parameters: Mapping[str, Any], evidence: float
+) -> dict[str, Any]:
+    """An effect that is given, with its class."""
     return {
-        "mu": {
-            "value": mu,
-            "unit": "Pa",
-            "low": mu * float(np.exp(-NINETY * of_modulus)),
-            "high": mu * float(np.exp(NINETY * of_modulus)),
-        },
-        "mu1_fraction": {
-            "value": r,
-            "unit": "1",
-            "low": max(fractions[0], r - NINETY * of_fraction),
-            "high": min(fractions[1], r + NINETY * of_fraction),
-        },
+        "name": effect.name,
+        "class": members,
+        "parameters": parameters,
+        "evidence": evidence,
+        "separating_experiment": effect.experiment,
+    }
+
+
+def _theta(fit: Fit, stiffness: Mapping[str, float]) -> dict[str, dict[str, float | str]]:
+    """Material with 90 % intervals."""
+    of_log, of_fraction = log_modulus_deviation(fit, stiffness), float(deviations(fit)[1])
+    far, near = NINETY * of_log, NINETY * of_fraction
+    mu, r = fit.state.material.mu, fit.state.material.mu1_fraction
+    least, most = fit.problem.fractions
+    return {
+        "mu": _sized(mu, "Pa", mu * float(np.exp(-far)), mu * float(np.exp(far))),
+        "mu1_fraction": _sized(r, "1", max(least, r - near), min(most, r + near)),
     }
 
 
 def _ends_report(diagnosis: Diagnosis) -> dict[str, Any]:
     """Sliding ends, which have no size."""
-    return {
-        "name": ENDS,
-        "class": [ENDS],
-        "parameters": {},
-        "evidence": diagnosis.origin.left - diagnosis.left + diagnosis.elsewhere,
-        "separating_experiment": ends.EFFECT.experiment,
-    }
+    evidence = diagnosis.origin.left - diagnosis.left + diagnosis.elsewhere
+    return _named(ends.EFFECT, [ENDS], {}, evidence)
 
 
 def _other_ends(diagnosis: Diagnosis) -> dict[str, Any] | None:
@@ -353,24 +344,19 @@ def _other_ends(diagnosis: Diagnosis) -> dict[str, Any] | None:
 def _stiffness_report(diagnosis: Diagnosis, noise: NoiseSettings) -> dict[str, Any]:
     """Stiffness of each specimen over that of the group, which the scale of a test leaves open."""
     factor = float(np.exp(NINETY * 0.01 * noise.scale_percent))
-    (problem, fit), selection = diagnosis.first, diagnosis.selection
-    return {
-        "name": STIFFNESS,
-        "class": [STIFFNESS],
-        "parameters": {
-            piece: {"value": x, "unit": "1", "low": x / factor, "high": x * factor}
-            for piece, x in diagnosis.stiffness.items()
-        },
-        "evidence": problem.misfit(fit) - selection.plain.misfit(selection.base),
-        "separating_experiment": specimen_stiffness.EFFECT.experiment,
+    sizes = {
+        piece: _sized(x, "1", x / factor, x * factor)
+        for piece, x in diagnosis.posed.stiffness.items()
     }
+    evidence = diagnosis.posed.first.misfit - diagnosis.selection.base.misfit
+    return _named(specimen_stiffness.EFFECT, [STIFFNESS], sizes, evidence)
 
 
 def _effect_report(effect: Effect, selection: Selection, noise: NoiseSettings) -> dict[str, Any]:
     """Sizes with 90 % intervals: of the fit, and of an error of form that is a part of the size."""
     final = selection.final
-    doubt = 0.01 * noise.sizes(selection.problem.variances).get(FORM, 0.0)
-    deviation = deviations(selection.problem, final)[FIXED:]
+    doubt = 0.01 * noise.sizes(final.problem.variances).get(FORM, 0.0)
+    deviation = deviations(final)[FIXED:]
     deviation[~final.jacobian[:, FIXED:].any(axis=0)] = np.inf  # nothing in the records shows it
     unit = {
         (e.name, p.name): float(d) * (p.high - p.low)
@@ -383,16 +369,6 @@ def _effect_report(effect: Effect, selection: Selection, noise: NoiseSettings) -
     for p in effect.parameters:
         value = final.state.values[effect.name][p.name]
         spread = np.hypot(unit[effect.name, p.name], doubt * abs(value - p.neutral))
-        parameters[p.name] = {
-            "value": value,
-            "unit": p.unit,
-            "low": max(p.low, value - NINETY * spread),
-            "high": min(p.high, value + NINETY * spread),
-        }
-    return {
-        "name": effect.name,
-        "class": selection.classes[effect.name],
-        "parameters": parameters,
-        "evidence": chosen.evidence,
-        "separating_experiment": effect.experiment,
-    }
+        low, high = max(p.low, value - NINETY * spread), min(p.high, value + NINETY * spread)
+        parameters[p.name] = _sized(value, p.unit, low, high)
+    return _named(effect, selection.classes[effect.name], parameters, chosen.evidence)

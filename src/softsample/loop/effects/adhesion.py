@@ -7,8 +7,6 @@ from softsample.loop.specimen import Specimen
 
 
 def _instrument(specimen: Specimen, force: Array, travel: Array, values: Values) -> Array:
-    if specimen.kind != "compression":
-        return force
     reach = 1e-3 * values["range_mm"]
     return force - 1e-3 * values["force_mN"] * np.exp(-np.abs(travel) / reach)
 

@@ -1,13 +1,7 @@
 """Play in the drive: after a reversal the platen follows late."""
 
-from softsample.loop.effects.base import Array, Effect, Parameter, Values
+from softsample.loop.effects.base import Effect, Parameter
 from softsample.loop.history import followed
-from softsample.loop.specimen import Specimen
-
-
-def _travel(specimen: Specimen, travel: Array, values: Values) -> Array:
-    return followed(travel, 1e-3 * values["play_mm"])
-
 
 EFFECT = Effect(
     name="backlash",
@@ -17,5 +11,5 @@ EFFECT = Effect(
     signature="flat step at the start of the unloading, then the whole unloading shifted",
     confused_with=("mullins_softening", "channel_lag"),
     experiment="small loops back and forth; a gauge on the platen",
-    travel=_travel,
+    travel=lambda specimen, travel, values: followed(travel, 1e-3 * values["play_mm"]),
 )

@@ -1,16 +1,12 @@
 """What an effect is: one small file that says what it does to a predicted record."""
 
 from collections.abc import Callable
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from itertools import product
 
-import numpy as np
-from numpy.typing import NDArray
-
 from softsample.constitutive.ogden import unit_modulus
-from softsample.loop.specimen import Specimen
+from softsample.loop.specimen import Array, Specimen
 
-Array = NDArray[np.float64]
 Values = dict[str, float]
 MODES = ("tension", "compression", "shear")
 
@@ -64,30 +60,6 @@ class Parameter:
         return not self.grid
 
 
-def _travel(specimen: Specimen, travel: Array, values: Values) -> Array:
-    return travel
-
-
-def _rigid(specimen: Specimen, values: Values) -> float:
-    return 0.0
-
-
-def _level(specimen: Specimen, values: Values) -> tuple[Array, Array]:
-    return np.zeros(1), np.ones(1)
-
-
-def _none(specimen: Specimen, fraction: float, travel: Array, values: Values) -> Array:
-    return np.zeros_like(travel)
-
-
-def _force(specimen: Specimen, force: Array, travel: Array, values: Values) -> Array:
-    return force
-
-
-def _uncrossed(specimen: Specimen, along: Array, values: Values) -> Array:
-    return np.zeros_like(along)
-
-
 @dataclass(frozen=True)
 class Effect:
     """A physical or instrumental effect.
@@ -113,7 +85,7 @@ class Effect:
     experiment : str
         The discriminating experiment.
     modes : tuple of str
-        Tests that it changes.
+        Kinds of tests that it changes; the functions below are not asked about others.
     identifiable : bool
         Whether any test of this protocol can show it.
     of_time : bool
@@ -134,10 +106,12 @@ class Effect:
         Whether errors of geometry, mesh and element type may lie along it, where no record can
         show them: only what exceeds their stated sizes is evidence for it.
     travel, compliance, heights, elastic, tissue, contact, instrument, crosstalk : callable
-        See the functions above for their arguments; defaults do nothing. `compliance` is that of
-        what holds the sample [m/N]; `heights` are depths [m] at which parts of the face lie and
-        these parts; `crosstalk` is what the reading of a normal force has of the force along the
-        displacement [N].
+        What it does at each stage, if anything, by the values of its parameters. Of a travel (n,)
+        [m] another one; compliance of what holds the sample [m/N]; depths [m] at which parts of
+        the face lie, and these parts; of modulus fraction and travel what is added to the elastic
+        force per modulus (n,) [m2]; of a force and the travel another force (n,) [N], of tissue,
+        contact and instrument; of the force along the displacement what the reading of a normal
+        force has of it (n,) [N].
     """
 
     name: str
@@ -156,14 +130,14 @@ class Effect:
     like_floor: bool = False
     whole: Callable[[Values], float] | None = None
     starts: tuple[Values, ...] = ()
-    travel: Callable[[Specimen, Array, Values], Array] = field(default=_travel)
-    compliance: Callable[[Specimen, Values], float] = field(default=_rigid)
-    heights: Callable[[Specimen, Values], tuple[Array, Array]] = field(default=_level)
-    elastic: Callable[[Specimen, float, Array, Values], Array] = field(default=_none)
-    tissue: Callable[[Specimen, Array, Array, Values], Array] = field(default=_force)
-    contact: Callable[[Specimen, Array, Array, Values], Array] = field(default=_force)
-    instrument: Callable[[Specimen, Array, Array, Values], Array] = field(default=_force)
-    crosstalk: Callable[[Specimen, Array, Values], Array] = field(default=_uncrossed)
+    travel: Callable[[Specimen, Array, Values], Array] | None = None
+    compliance: Callable[[Specimen, Values], float] | None = None
+    heights: Callable[[Specimen, Values], tuple[Array, Array]] | None = None
+    elastic: Callable[[Specimen, float, Array, Values], Array] | None = None
+    tissue: Callable[[Specimen, Array, Array, Values], Array] | None = None
+    contact: Callable[[Specimen, Array, Array, Values], Array] | None = None
+    instrument: Callable[[Specimen, Array, Array, Values], Array] | None = None
+    crosstalk: Callable[[Specimen, Array, Values], Array] | None = None
 
     def excludes(self, other: "Effect") -> bool:
         """Whether no model has both: one effect twice, two laws, or what a law has of its own."""
@@ -180,35 +154,14 @@ class Effect:
 
     @property
     def shifts_travel(self) -> bool:
-        """Whether it acts on the travel."""
-        moved = self.travel is not _travel or self.compliance is not _rigid
-        return moved or self.is_uneven
-
-    @property
-    def is_uneven(self) -> bool:
-        """Whether parts of the face lie at depths of their own."""
-        return self.heights is not _level
+        """Whether it acts on the travel, or on that of parts of the face."""
+        return bool(self.travel or self.compliance or self.heights)
 
     @property
     def only_instrument(self) -> bool:
         """Whether it acts on the instrument alone, not on the sample."""
-        on_sample = self.acts_on_tissue or self.contact is not _force
-        return not (self.shifts_travel or on_sample or self.crosses or self.acts_on_law)
-
-    @property
-    def crosses(self) -> bool:
-        """Whether the force along the displacement acts on the reading of the normal force."""
-        return self.crosstalk is not _uncrossed
-
-    @property
-    def acts_on_tissue(self) -> bool:
-        """Whether it makes another force of the elastic one."""
-        return self.tissue is not _force
-
-    @property
-    def acts_on_law(self) -> bool:
-        """Whether it changes the elastic force."""
-        return self.elastic is not _none
+        on_sample = self.elastic or self.tissue or self.contact or self.crosstalk
+        return not (self.shifts_travel or on_sample)
 
     @property
     def sizes(self) -> tuple[Parameter, ...]:

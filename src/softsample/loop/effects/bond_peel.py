@@ -7,8 +7,6 @@ from softsample.loop.specimen import Specimen
 
 
 def _tissue(specimen: Specimen, force: Array, travel: Array, values: Values) -> Array:
-    if specimen.kind == "compression":
-        return force
     furthest = np.maximum.accumulate(np.clip(travel / specimen.reach, 0.0, None))
     start = values["onset"]
     opened = np.clip((furthest - start) / (1.0 - start), 0.0, None) ** 2

@@ -1,13 +1,6 @@
 """The segmented surface lies too far out or in."""
 
-from softsample.loop.effects.base import Array, Effect, Parameter, Values
-from softsample.loop.specimen import Specimen
-
-
-def _elastic(specimen: Specimen, fraction: float, travel: Array, values: Values) -> Array:
-    change = specimen.elastic.change_per_mu("boundary_shift", fraction, travel)
-    return values["shift_mm"] / 0.1 * change
-
+from softsample.loop.effects.base import Effect, Parameter
 
 EFFECT = Effect(
     name="boundary_shift",
@@ -18,5 +11,9 @@ EFFECT = Effect(
     signature="slight scale of compression and tension, shear nearly untouched",
     confused_with=("poisson_ratio", "machine_compliance"),
     experiment="weigh the sample: volume is mass over density",
-    elastic=_elastic,
+    elastic=lambda specimen, fraction, travel, values: (
+        values["shift_mm"]
+        / 0.1
+        * specimen.elastic.change_per_mu("boundary_shift", fraction, travel)
+    ),
 )

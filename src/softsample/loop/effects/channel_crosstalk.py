@@ -2,12 +2,8 @@
 
 from collections.abc import Sequence
 
-from softsample.loop.effects.base import Array, Effect, Parameter, Values
+from softsample.loop.effects.base import Effect, Parameter
 from softsample.loop.specimen import Specimen
-
-
-def _crosstalk(specimen: Specimen, along: Array, values: Values) -> Array:
-    return values["share"] * along
 
 
 def of_tests(tests: Sequence[Specimen]) -> Effect | None:
@@ -24,5 +20,5 @@ EFFECT = Effect(
     confused_with=("anisotropy", "force_offset"),
     experiment="shear to both sides; a dead weight along each axis",
     modes=("shear",),
-    crosstalk=_crosstalk,
+    crosstalk=lambda specimen, along, values: values["share"] * along,
 )

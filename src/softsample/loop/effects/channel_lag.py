@@ -2,13 +2,7 @@
 
 import numpy as np
 
-from softsample.loop.effects.base import Array, Effect, Parameter, Values
-from softsample.loop.specimen import Specimen
-
-
-def _instrument(specimen: Specimen, force: Array, travel: Array, values: Values) -> Array:
-    return np.interp(specimen.time - 1e-3 * values["lag_ms"], specimen.time, force)
-
+from softsample.loop.effects.base import Effect, Parameter
 
 EFFECT = Effect(
     name="channel_lag",
@@ -19,5 +13,7 @@ EFFECT = Effect(
     signature="shift along the ramp, overshoot at its corners, loop on unloading",
     confused_with=("displacement_zero", "backlash"),
     experiment="the corners of a hold; a second rate",
-    instrument=_instrument,
+    instrument=lambda specimen, force, travel, values: np.interp(
+        specimen.time - 1e-3 * values["lag_ms"], specimen.time, force
+    ),
 )

@@ -1,13 +1,6 @@
 """The tissue is a foam that changes its volume."""
 
-from softsample.loop.effects.base import Array, Effect, Parameter, Values
-from softsample.loop.specimen import Specimen
-
-
-def _elastic(specimen: Specimen, fraction: float, travel: Array, values: Values) -> Array:
-    whole = specimen.elastic.foam_change_per_mu(fraction, travel, values["alpha"], values["nu"])
-    return values["share"] * whole
-
+from softsample.loop.effects.base import Effect, Parameter
 
 EFFECT = Effect(
     name="compressible_foam",
@@ -24,5 +17,8 @@ EFFECT = Effect(
     signature="compression far softer against tension and shear, its sides hardly bulge",
     confused_with=("ogden_exponents", "poisson_ratio"),
     experiment="photograph the side walls in compression",
-    elastic=_elastic,
+    elastic=lambda specimen, fraction, travel, values: (
+        values["share"]
+        * specimen.elastic.foam_change_per_mu(fraction, travel, values["alpha"], values["nu"])
+    ),
 )

@@ -1,12 +1,6 @@
 """The tissue dries: stiffness grows with the clock, not with the stroke."""
 
-from softsample.loop.effects.base import Array, Effect, Parameter, Values
-from softsample.loop.specimen import Specimen
-
-
-def _tissue(specimen: Specimen, force: Array, travel: Array, values: Values) -> Array:
-    return force * (1.0 + values["per_100_s"] * 0.01 * specimen.clock)
-
+from softsample.loop.effects.base import Effect, Parameter
 
 EFFECT = Effect(
     name="dehydration",
@@ -17,5 +11,7 @@ EFFECT = Effect(
     signature="force grows through ramp and hold alike, in proportion to itself",
     confused_with=("force_drift", "viscoelastic_relaxation", "poroelastic_drainage"),
     experiment="order of the tests drawn by lot; humid chamber; weigh before and after",
-    tissue=_tissue,
+    tissue=lambda specimen, force, travel, values: (
+        force * (1.0 + values["per_100_s"] * 0.01 * specimen.clock)
+    ),
 )

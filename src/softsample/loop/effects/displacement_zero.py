@@ -1,12 +1,6 @@
 """The machine's zero of travel is not where the sample starts."""
 
-from softsample.loop.effects.base import MODES, Array, Effect, Parameter, Values
-from softsample.loop.specimen import Specimen
-
-
-def _travel(specimen: Specimen, travel: Array, values: Values) -> Array:
-    return travel + 1e-3 * values[f"{specimen.kind}_mm"]
-
+from softsample.loop.effects.base import MODES, Effect, Parameter
 
 EFFECT = Effect(
     name="displacement_zero",
@@ -16,5 +10,5 @@ EFFECT = Effect(
     signature="force off by stiffness times shift from the start of the ramp, kept in the hold",
     confused_with=("late_contact", "channel_lag", "residual_precompression"),
     experiment="longer rest before the ramp with the platen off the sample; unloading through zero",
-    travel=_travel,
+    travel=lambda specimen, travel, values: travel + 1e-3 * values[f"{specimen.kind}_mm"],
 )

@@ -1,13 +1,6 @@
 """A share of the tissue's modulus follows one Ogden term of another exponent than the model's."""
 
-from softsample.loop.effects.base import Array, Effect, Parameter, Values
-from softsample.loop.specimen import Specimen
-
-
-def _elastic(specimen: Specimen, fraction: float, travel: Array, values: Values) -> Array:
-    one_term = specimen.elastic.one_term_change_per_mu(fraction, travel, values["alpha"])
-    return values["share"] * one_term
-
+from softsample.loop.effects.base import Effect, Parameter
 
 GRID = (-35.0, -20.0, -4.0, 2.0, 8.0, 20.0, 35.0)
 
@@ -25,5 +18,7 @@ EFFECT = Effect(
     "stroke",
     confused_with=("ogden_exponents", "compressible_foam"),
     experiment="another mode, or a longer stroke",
-    elastic=_elastic,
+    elastic=lambda specimen, fraction, travel, values: (
+        values["share"] * specimen.elastic.one_term_change_per_mu(fraction, travel, values["alpha"])
+    ),
 )

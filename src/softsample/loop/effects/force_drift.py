@@ -1,13 +1,6 @@
 """The load cell drifts with the clock."""
 
-from softsample.loop.effects.base import Array, Effect, Parameter, Values
-from softsample.loop.specimen import Specimen
-
-
-def _instrument(specimen: Specimen, force: Array, travel: Array, values: Values) -> Array:
-    drift = 1e-3 * values["mN_per_s"] * specimen.clock
-    return force + specimen.axis_sign * drift
-
+from softsample.loop.effects.base import Effect, Parameter
 
 EFFECT = Effect(
     name="force_drift",
@@ -18,5 +11,7 @@ EFFECT = Effect(
     signature="linear in the clock, alike along the machine's axis in all tests, without load too",
     confused_with=("viscoelastic_relaxation", "dehydration", "poroelastic_drainage"),
     experiment="a run without a sample before and after",
-    instrument=_instrument,
+    instrument=lambda specimen, force, travel, values: (
+        force + specimen.axis_sign * (1e-3 * values["mN_per_s"] * specimen.clock)
+    ),
 )

@@ -1,12 +1,6 @@
 """The load cell's zero is off."""
 
-from softsample.loop.effects.base import MODES, Array, Effect, Parameter, Values
-from softsample.loop.specimen import Specimen
-
-
-def _instrument(specimen: Specimen, force: Array, travel: Array, values: Values) -> Array:
-    return force + specimen.axis_sign * 1e-3 * values[f"{specimen.kind}_mN"]
-
+from softsample.loop.effects.base import MODES, Effect, Parameter
 
 EFFECT = Effect(
     name="force_offset",
@@ -16,5 +10,7 @@ EFFECT = Effect(
     signature="a constant, at rest as well",
     confused_with=("self_weight", "adhesion"),
     experiment="rest with the platen off the sample, in both orientations",
-    instrument=_instrument,
+    instrument=lambda specimen, force, travel, values: (
+        force + specimen.axis_sign * 1e-3 * values[f"{specimen.kind}_mN"]
+    ),
 )

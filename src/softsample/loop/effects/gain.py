@@ -1,12 +1,6 @@
 """The load cell's gain is off: nothing but a scale of the modulus."""
 
-from softsample.loop.effects.base import Array, Effect, Parameter, Values
-from softsample.loop.specimen import Specimen
-
-
-def _instrument(specimen: Specimen, force: Array, travel: Array, values: Values) -> Array:
-    return force * (1.0 + values["gain"])
-
+from softsample.loop.effects.base import Effect, Parameter
 
 EFFECT = Effect(
     name="gain",
@@ -17,5 +11,5 @@ EFFECT = Effect(
     confused_with=("rate_stiffening",),
     experiment="a dead weight",
     identifiable=False,
-    instrument=_instrument,
+    instrument=lambda specimen, force, travel, values: force * (1.0 + values["gain"]),
 )

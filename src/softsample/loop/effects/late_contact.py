@@ -1,12 +1,6 @@
 """The platen meets the sample later than zero travel says: compression only."""
 
-from softsample.loop.effects.base import Array, Effect, Parameter, Values
-from softsample.loop.specimen import Specimen
-
-
-def _travel(specimen: Specimen, travel: Array, values: Values) -> Array:
-    return travel - 1e-3 * values["gap_mm"] if specimen.kind == "compression" else travel
-
+from softsample.loop.effects.base import Effect, Parameter
 
 EFFECT = Effect(
     name="late_contact",
@@ -17,5 +11,5 @@ EFFECT = Effect(
     confused_with=("platen_tilt", "displacement_zero", "real_geometry"),
     experiment="bond the compression sample and pull through zero; scan the top",
     modes=("compression",),
-    travel=_travel,
+    travel=lambda specimen, travel, values: travel - 1e-3 * values["gap_mm"],
 )

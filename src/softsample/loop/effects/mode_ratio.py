@@ -2,12 +2,8 @@
 
 from collections.abc import Sequence
 
-from softsample.loop.effects.base import Array, Effect, Parameter, Values
+from softsample.loop.effects.base import Effect, Parameter
 from softsample.loop.specimen import Specimen
-
-
-def _tissue(specimen: Specimen, force: Array, travel: Array, values: Values) -> Array:
-    return force * values["shear_over_axial"] if specimen.kind == "shear" else force
 
 
 def of_tests(tests: Sequence[Specimen]) -> Effect | None:
@@ -26,5 +22,5 @@ EFFECT = Effect(
     confused_with=("tension_compression_asymmetry", "anisotropy", "poisson_ratio"),
     experiment="shear, pull and press one and the same sample",
     modes=("shear",),
-    tissue=_tissue,
+    tissue=lambda specimen, force, travel, values: force * values["shear_over_axial"],
 )

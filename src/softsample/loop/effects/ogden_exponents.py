@@ -1,8 +1,7 @@
 """Other exponents than the model's."""
 
 from softsample.constitutive.material import Material
-from softsample.loop.effects.base import SOLID, Array, Effect, Parameter, Values
-from softsample.loop.specimen import Specimen
+from softsample.loop.effects.base import SOLID, Effect, Parameter
 
 NAMES = ("alpha1", "alpha2")
 
@@ -18,11 +17,6 @@ STARTS = ((-20.0, 20.0), (-3.0, 2.0), (-20.0, 2.0))
 
 def about(solid: Material) -> Effect:
     """The effect for a model with the exponents of a two-term solid."""
-
-    def elastic(specimen: Specimen, fraction: float, travel: Array, values: Values) -> Array:
-        alpha = [values[name] for name in NAMES]
-        return specimen.elastic.exponents_change_per_mu(fraction, travel, alpha)
-
     parameters = tuple(map(_parameter, NAMES, solid.alpha, NOMINAL))
     return Effect(
         name="ogden_exponents",
@@ -39,7 +33,9 @@ def about(solid: Material) -> Effect:
         signature="S-shaped along the stroke, worst at the end of compression, alike on unloading",
         confused_with=("bond_peel", "compressible_foam", "late_contact", "machine_compliance"),
         experiment="another mode, or a longer stroke",
-        elastic=elastic,
+        elastic=lambda specimen, fraction, travel, values: specimen.elastic.exponents_change_per_mu(
+            fraction, travel, [values[n] for n in NAMES]
+        ),
     )
 
 

@@ -12,8 +12,6 @@ def _elastic(specimen: Specimen, fraction: float, travel: Array, values: Values)
     A top that is not flat lies better against a platen that is tilted one way, and worse against
     one that is tilted the other way.
     """
-    if specimen.kind != "compression":
-        return np.zeros_like(travel)
     axis = np.radians(values["axis_deg"])
     change = np.zeros_like(travel)
     for name, part in (("x", np.cos(axis)), ("y", np.sin(axis))):

@@ -1,17 +1,12 @@
 """The tissue is more, or less, compressible than the model."""
 
 from softsample.constitutive.material import Material
-from softsample.loop.effects.base import SOLID, Array, Effect, Parameter, Values
-from softsample.loop.specimen import Specimen
+from softsample.loop.effects.base import SOLID, Effect, Parameter
 
 
 def about(solid: Material) -> Effect:
     """The effect for a model with the Poisson's ratio of a solid."""
     nu = solid.poisson_ratio
-
-    def elastic(specimen: Specimen, fraction: float, travel: Array, values: Values) -> Array:
-        return specimen.elastic.ratio_change_per_mu(fraction, travel, values["nu"])
-
     return Effect(
         name="poisson_ratio",
         title="Another Poisson's ratio",
@@ -25,7 +20,9 @@ def about(solid: Material) -> Effect:
             "anisotropy", "boundary_shift", "residual_precompression", "machine_compliance",
         ),
         experiment="photograph the bulge of the side walls",
-        elastic=elastic,
+        elastic=lambda specimen, fraction, travel, values: (
+            specimen.elastic.ratio_change_per_mu(fraction, travel, values["nu"])
+        ),
     )  # fmt: skip
 
 

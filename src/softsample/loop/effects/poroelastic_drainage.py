@@ -1,15 +1,7 @@
 """Fluid leaves the compressed or stretched tissue, slowly; shear keeps its volume."""
 
-from softsample.loop.effects.base import Array, Effect, Parameter, Values
+from softsample.loop.effects.base import Effect, Parameter
 from softsample.loop.history import drained
-from softsample.loop.specimen import Specimen
-
-
-def _tissue(specimen: Specimen, force: Array, travel: Array, values: Values) -> Array:
-    if specimen.kind == "shear":
-        return force
-    return drained(specimen.time, force, values["g"], values["tau_s"])
-
 
 EFFECT = Effect(
     name="poroelastic_drainage",
@@ -24,5 +16,7 @@ EFFECT = Effect(
     confused_with=("viscoelastic_relaxation", "force_drift", "dehydration"),
     experiment="hold in shear beside hold in compression; samples of two sizes",
     modes=("tension", "compression"),
-    tissue=_tissue,
+    tissue=lambda specimen, force, travel, values: drained(
+        specimen.time, force, values["g"], values["tau_s"]
+    ),
 )

@@ -1,12 +1,6 @@
 """Stiffness grows with the rate; at one single rate that is a scale of the modulus."""
 
-from softsample.loop.effects.base import Array, Effect, Parameter, Values
-from softsample.loop.specimen import Specimen
-
-
-def _tissue(specimen: Specimen, force: Array, travel: Array, values: Values) -> Array:
-    return force * (1.0 + values["per_decade"])
-
+from softsample.loop.effects.base import Effect, Parameter
 
 EFFECT = Effect(
     name="rate_stiffening",
@@ -18,5 +12,5 @@ EFFECT = Effect(
     confused_with=("gain",),
     experiment="the same sample at ten times the rate, as a group of its own: compare the moduli",
     identifiable=False,
-    tissue=_tissue,
+    tissue=lambda specimen, force, travel, values: force * (1.0 + values["per_decade"]),
 )

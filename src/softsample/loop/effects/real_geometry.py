@@ -1,12 +1,6 @@
 """The shape of the sample, where the model is the idealised cuboid."""
 
-from softsample.loop.effects.base import Array, Effect, Parameter, Values
-from softsample.loop.specimen import Specimen
-
-
-def _elastic(specimen: Specimen, fraction: float, travel: Array, values: Values) -> Array:
-    return values["share"] * specimen.elastic.change_per_mu("real_geometry", fraction, travel)
-
+from softsample.loop.effects.base import Effect, Parameter
 
 EFFECT = Effect(
     name="real_geometry",
@@ -17,5 +11,7 @@ EFFECT = Effect(
     confused_with=("late_contact", "platen_tilt", "partial_bond"),
     experiment="image the sample and mesh its surface",
     idealised=True,
-    elastic=_elastic,
+    elastic=lambda specimen, fraction, travel, values: (
+        values["share"] * specimen.elastic.change_per_mu("real_geometry", fraction, travel)
+    ),
 )

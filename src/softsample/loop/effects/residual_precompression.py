@@ -6,17 +6,13 @@ from softsample.loop.effects.base import Array, Effect, Parameter, Values
 from softsample.loop.specimen import Specimen
 
 
-def _change(specimen: Specimen, fraction: float, travel: Array, values: Values) -> Array:
+def _elastic(specimen: Specimen, fraction: float, travel: Array, values: Values) -> Array:
+    if specimen.kind == "shear":
+        return values["d_mm"] / 0.3 * specimen.elastic.change_per_mu("pressed", fraction, travel)
     start = values["d_mm"] * 1e-3 * -specimen.axis_sign
     force = specimen.elastic.force_per_mu
     shifted = force(fraction, travel + start) - force(fraction, np.full_like(travel, start))
     return shifted - force(fraction, travel)
-
-
-def _elastic(specimen: Specimen, fraction: float, travel: Array, values: Values) -> Array:
-    if specimen.kind == "shear":
-        return values["d_mm"] / 0.3 * specimen.elastic.change_per_mu("pressed", fraction, travel)
-    return _change(specimen, fraction, travel, values)
 
 
 EFFECT = Effect(

@@ -1,14 +1,6 @@
 """The sample's own weight hangs on the load cell: a constant along the axis."""
 
-from softsample.loop.effects.base import Array, Effect, Parameter, Values
-from softsample.loop.specimen import Specimen
-
-
-def _instrument(specimen: Specimen, force: Array, travel: Array, values: Values) -> Array:
-    if specimen.kind == "shear":
-        return force
-    return force + specimen.axis_sign * 1e-3 * values["weight_mN"]
-
+from softsample.loop.effects.base import Effect, Parameter
 
 EFFECT = Effect(
     name="self_weight",
@@ -19,5 +11,7 @@ EFFECT = Effect(
     confused_with=("force_offset", "adhesion"),
     experiment="turn the machine upside down; tare before and after mounting",
     modes=("tension", "compression"),
-    instrument=_instrument,
+    instrument=lambda specimen, force, travel, values: (
+        force + specimen.axis_sign * 1e-3 * values["weight_mN"]
+    ),
 )

@@ -9,13 +9,7 @@ TAUT = 0.01
 """Slack, as a part of the largest displacement, from which on a sample bears no push at all."""
 
 
-def _travel(specimen: Specimen, travel: Array, values: Values) -> Array:
-    return travel - 1e-3 * values["slack_mm"] if specimen.kind == "tension" else travel
-
-
 def _contact(specimen: Specimen, force: Array, travel: Array, values: Values) -> Array:
-    if specimen.kind != "tension":
-        return force
     pushing = max(0.0, 1.0 - 1e-3 * values["slack_mm"] / (TAUT * specimen.reach))
     return np.where(force < 0.0, pushing * force, force)
 
@@ -29,6 +23,6 @@ EFFECT = Effect(
     confused_with=("displacement_zero", "permanent_set"),
     experiment="raise the pre-load; mark the displacement at which the strip is straight",
     modes=("tension",),
-    travel=_travel,
+    travel=lambda specimen, travel, values: travel - 1e-3 * values["slack_mm"],
     contact=_contact,
 )

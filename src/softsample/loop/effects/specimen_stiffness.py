@@ -2,12 +2,8 @@
 
 from collections.abc import Sequence
 
-from softsample.loop.effects.base import Array, Effect, Parameter, Values
+from softsample.loop.effects.base import Effect, Parameter
 from softsample.loop.specimen import Specimen
-
-
-def _tissue(specimen: Specimen, force: Array, travel: Array, values: Values) -> Array:
-    return force * values.get(specimen.piece, 1.0)
 
 
 def of_names(names: Sequence[str]) -> Effect:
@@ -22,7 +18,7 @@ def of_names(names: Sequence[str]) -> Effect:
         signature="all forces of a specimen scaled against those of another one in the same test",
         confused_with=("gain", "rate_stiffening", "dehydration"),
         experiment="test one specimen twice, and two specimens alike",
-        tissue=_tissue,
+        tissue=lambda specimen, force, travel, values: force * values.get(specimen.piece, 1.0),
     )
 
 

@@ -1,12 +1,6 @@
 """The tissue resists compression more, or less, than tension."""
 
-from softsample.loop.effects.base import Array, Effect, Parameter, Values
-from softsample.loop.specimen import Specimen
-
-
-def _tissue(specimen: Specimen, force: Array, travel: Array, values: Values) -> Array:
-    return force * (1.0 + values["more"]) if specimen.kind == "compression" else force
-
+from softsample.loop.effects.base import Effect, Parameter
 
 EFFECT = Effect(
     name="tension_compression_asymmetry",
@@ -18,5 +12,5 @@ EFFECT = Effect(
     confused_with=("platen_slip", "partial_bond", "poisson_ratio"),
     experiment="compress and pull one and the same bonded sample",
     modes=("compression",),
-    tissue=_tissue,
+    tissue=lambda specimen, force, travel, values: force * (1.0 + values["more"]),
 )

@@ -10,8 +10,7 @@ PLACES, WEIGHTS = np.polynomial.legendre.leggauss(8)
 
 def _heights(specimen: Specimen, values: Values) -> tuple[Array, Array]:
     """Columns side by side, their tops spread evenly over the depth below the highest one."""
-    depth = 1e-3 * values["depth_mm"] if specimen.kind == "compression" else 0.0
-    return 0.5 * depth * (1.0 + PLACES), 0.5 * WEIGHTS
+    return 0.5 * (1e-3 * values["depth_mm"]) * (1.0 + PLACES), 0.5 * WEIGHTS
 
 
 EFFECT = Effect(

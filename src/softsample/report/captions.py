@@ -10,9 +10,9 @@ from typing import Any
 import numpy as np
 import pandas as pd
 
+from softsample.report.page import fixed
 from softsample.report.tables import doubt_of
-
-MINUS = "−"
+from softsample.wording import spoken
 
 RECOVERY = (
     "The samples are a virtual cohort whose materials are the paper's moduli for real geometry: "
@@ -108,7 +108,7 @@ def substitutions(numbers: Mapping[str, str]) -> str:
 
 def percent(value: float) -> str:
     """`value` with one decimal and a true minus sign."""
-    return f"{value:.1f} %".replace("-", MINUS)
+    return f"{fixed(value)} %"
 
 
 def _means(summary: pd.DataFrame, quantity: str, missing: str) -> str:
@@ -117,12 +117,8 @@ def _means(summary: pd.DataFrame, quantity: str, missing: str) -> str:
     return "; ".join(_mean(row) for row in rows) or missing
 
 
-def _spoken(mode: str) -> str:
-    return mode.replace("_", " ").replace("+", " with ")
-
-
 def _mean(row: Mapping[Any, Any]) -> str:
-    mode = "all samples" if row["mode"] == "all" else _spoken(row["mode"])
+    mode = "all samples" if row["mode"] == "all" else spoken(row["mode"])
     spread = f", SD {percent(row['sd_percent'])}" if np.isfinite(row["sd_percent"]) else ""
     text = f"{percent(row['mean_percent'])} in {mode} (n = {row['count']}{spread}"
     if np.isfinite(row["paper_mean_percent"]):
@@ -132,7 +128,7 @@ def _mean(row: Mapping[Any, Any]) -> str:
 
 
 def _stress_at_end(stress: pd.DataFrame) -> str:
-    last = stress.groupby("mode", sort=False).last().rename(index=_spoken)
+    last = stress.groupby("mode", sort=False).last().rename(index=spoken)
     return ", ".join(
         f"{1e-3 * row['mean_stress_pa']:.2f} kPa at strain {row['strain']:.2f} in {mode}"
         for mode, row in last.iterrows()

@@ -5,7 +5,8 @@ from typing import Any
 
 import pandas as pd
 
-from softsample.report.page import significant, with_interval
+from softsample.report.page import with_interval
+from softsample.wording import significant
 
 VERSION = 2
 """Of the form of the document; it grows when a reader of the last one could be misled."""

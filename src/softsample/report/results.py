@@ -130,7 +130,7 @@ def _verdict(verdict: Report) -> dict[str, Any]:
 
 
 def _errors(errors: Report) -> dict[str, float]:
-    """Root mean square of the whole record of each mode, noise taken out [% of peak]."""
+    """Root mean square of the whole record of each test, noise taken out [% of peak]."""
     return {mode: phases["all"]["rms_percent_structured"] for mode, phases in errors.items()}
 
 

@@ -401,7 +401,7 @@ def test_after_a_failure_the_report_holds_the_groups_that_came_through(project):
         for name in (
             *(f"fields/{sample}/real.json", f"fields/{sample}/ideal.json"),
             *(f"{part}/{sample}.json" for part in ("band", "bond")),
-            f"sensitivity/{sample}/real.json",
+            *(f"sensitivity/{sample}/real.json", f"bond/moduli/{group}.json"),
             *(f"loop/{group}/verdict.json", f"loop/{group}/ideal/verdict.json"),
         ):
             file = project.results / name

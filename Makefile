@@ -84,7 +84,8 @@ new-study: $(stamp)
 	@$(call given,DIR)
 	$(bin)/python -m softsample new "$(DIR)"
 
-# what the row of the sample may hold besides, as options of the command
+# what the row of the sample may hold besides, as options of the command; of the shell's environment,
+# where GROUP is another thing, none is taken
 cells := IMAGE SURFACE SHAPE LENGTH WIDTH HEIGHT DIAMETER SAMPLE GROUP SPECIMEN ENDS FORMAT CYCLE \
   INDENTER INDENTER_RADIUS MATERIAL_Z MATERIAL_X LOADING_AXIS SHEAR_AXIS SEGMENTATION BOND_MASK LABELS
 option = $(shell echo $(1) | tr A-Z_ a-z-)
@@ -92,7 +93,7 @@ option = $(shell echo $(1) | tr A-Z_ a-z-)
 add-sample: $(stamp)
 	@$(call given,DIR RECORD MODE)
 	$(bin)/python -m softsample add "$(DIR)" --mode "$(MODE)" --record "$(RECORD)" \
-	  $(foreach cell,$(cells),$(if $($(cell)),--$(call option,$(cell))="$($(cell))"))
+	  $(foreach cell,$(cells),$(if $(and $(filter command,$(origin $(cell))),$($(cell))),--$(call option,$(cell))="$($(cell))"))
 
 check-study: $(stamp)
 	@$(call given,DIR)
@@ -100,7 +101,7 @@ check-study: $(stamp)
 
 study: $(stamp)
 	@$(call given,DIR)
-	$(bin)/python -m softsample run "$(DIR)" $(if $(CONFIG),--settings $(CONFIG)) --cores $(CORES)
+	$(bin)/python -m softsample run "$(DIR)" $(if $(CONFIG),--settings "$(CONFIG)") --cores $(CORES)
 
 docs: $(stamp)
 	$(bin)/snakemake --cores $(CORES) reproduction

@@ -171,3 +171,5 @@ def test_parts_are_held_out_of_one_group_at_a_time_if_the_others_are_enough(
 def test_the_rule_says_in_words_that_groups_take_turns():
     text = hold_out_text([{"strain_above": 0.3}, {"phase": "unloading"}], "group", pooled=True)
     assert text == "held out of one group at a time: strain above 0.3; phase unloading"
+    listed = [{"sample": ["C1", "C2"], "cycle": [2, 3]}]
+    assert hold_out_text(listed, None) == "held out: sample C1 or C2 and cycle 2 or 3"

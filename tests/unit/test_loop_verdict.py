@@ -7,6 +7,7 @@ import numpy as np
 import pytest
 
 import laboratory
+from softsample.loop import verdict as of_verdict
 from softsample.loop.accept import objection_to
 from softsample.loop.diagnose import diagnose
 from softsample.loop.effects import library
@@ -55,7 +56,9 @@ def test_an_effect_that_makes_what_folds_leave_out_less_likely_is_withheld():
     assert withheld["held_out_if_given"] == error_report(worse.folds)
     left = [e.rms / e.peak for tests in worse.folds.values() for e in tests.values()]
     percent = f"{100.0 * np.sqrt(np.mean(np.square(left))):.3g}"
-    assert f"With it, {percent} % of the peak would be left of what is held" in page("A7", verdict)
+    assert f"With `force_offset`, {percent} % of the peak would be left of what" in page(
+        "A7", verdict
+    )
 
 
 def test_what_is_left_far_above_the_floor_is_more_than_floor():
@@ -103,8 +106,13 @@ def test_a_size_at_the_end_of_its_range_is_no_explanation():
     reason = found.objection
     assert found.verdict in ("unknown", "explained_class")  # with a correction or without
     assert re.fullmatch(r"force_offset\.\w+_mN lies at the end of its range", reason)
-    (withheld,) = judgement(found, LoopSettings())["withheld"]
+    verdict = report(found, LoopSettings())
+    (withheld,) = verdict["withheld"]
     assert (withheld["name"], withheld["reason"]) == ("force_offset", reason)
+    step = verdict["path"][-1]
+    assert (step["chosen"], step["refused"], step["why"]) == (None, "force_offset", reason)
+    (line,) = (line for line in page("A7", verdict).split("\n") if line.startswith("1. threshold"))
+    assert line.endswith(f" - `force_offset` refused: {reason}")
     refused = found.selection.steps[-1].refused.settled
     limited = tuple(replace(p, limits=(p.low, p.high)) for p in OFFSET.parameters)
     model = Model((replace(OFFSET, parameters=limited),))
@@ -165,3 +173,78 @@ def test_what_a_laboratory_knows_not_to_be_there_is_no_candidate():
     assert "force_offset" not in {*verdict["detection_limits"], *verdict["not_identifiable"]}
     assert "Known not to be there: force_offset." in page("A7", verdict)
     assert "Known not" not in page("A7", report(judged(15.0), LoopSettings()))
+
+
+def test_what_is_named_is_not_called_not_identifiable(monkeypatch):
+    found = judged(15.0)
+    monkeypatch.setattr(of_verdict, "detection_limits", lambda *model: {})
+    verdict = report(found, LoopSettings())
+    assert [effect["name"] for effect in verdict["effects"]] == ["force_offset"]
+    assert "force_drift" in verdict["not_identifiable"]
+    assert "force_offset" not in verdict["not_identifiable"]
+
+
+def test_the_choice_of_a_round_is_shown_with_its_own_evidence():
+    """Beside what came later it may have more than in its round, where others had more."""
+    verdict = report(judged(15.0), LoopSettings())
+    (first, *_) = verdict["path"]
+    assert first["evidence"] == first["candidates"][0]["evidence"]
+    assert (first["refused"], first["why"]) == (None, None)
+    others = [{"name": f"other_{k}", "evidence": 90.0 - k} for k in range(6)]
+    first |= {"candidates": [*others, *first["candidates"]], "evidence": 1234.4}
+    assert "`other_4` 86 - `force_offset` chosen, evidence 1234\n" in page("A7", verdict)
+    first |= {"refused": "other_0", "why": "so"}
+    assert "- `other_0` refused: so; `force_offset` chosen, evidence 1234\n" in page("A7", verdict)
+
+
+def test_none_says_what_is_left_beyond_the_discrepancy():
+    verdict = report(judged(0.0), LoopSettings())
+    assert verdict["verdict"] == "none"
+    for ratio, saying in (
+        (1.0, "Nothing is missing beyond noise and floor."),
+        (1.27, "No effect is named; what is left is 1.27 times what the discrepancy predicts."),
+    ):
+        assert page("A7", {**verdict, "birge_ratio": {"after": ratio}}).split("\n")[2] == saying
+
+
+def test_what_is_withheld_together_is_told_once_and_with_what_its_error_is():
+    size = {"mN": {"value": 2.0, "unit": "mN"}}
+    fold = {"last_quarter": {"shear": {"rms_percent": 3.0}, "tension": {"rms_percent": 4.0}}}
+    asked = [
+        {"name": name, "parameters": size, "reason": reason, "held_out_if_given": would}
+        for name, reason, would in (("a", "R", fold), ("b", "R", fold), ("c", "Q", {}))
+    ]
+
+    def told(correction=None):
+        with_it = {**verdict, "withheld": asked, "correction": correction}
+        return [line for line in page("A7", with_it).split("\n") if line.startswith("Not rep")]
+
+    verdict = report(judged(15.0), LoopSettings())
+    last = "Not reported: `c` (mN 2 mN), since Q."
+    error = "With `a` and `b`, 3.54 % of the peak would be left of what is held out."
+    both = f"Not reported: `a` (mN 2 mN) and `b` (mN 2 mN), since R. {error}"
+    assert told() == [both, last]
+    correction = {
+        "class": "zero", "smooth_part": False, "with": ["a"], "domain_mm": {},
+        "modulus_factors": {}, "left_out_before_percent": 9.0, "left_out_after_percent": 112.0,
+        "separating_experiment": "more",
+    }  # fmt: skip
+    assert told(correction) == [f"Not reported: `b` (mN 2 mN), since R. {error}", last]
+    text = page("A7", {**verdict, "correction": correction})
+    assert "noise taken out, from 9 to 112 % of the peak. " in text
+
+
+def test_a_modulus_is_of_one_model_only_if_that_has_all_the_weight():
+    verdict = report(judged(15.0), LoopSettings())
+    of = {"effects": ["force_offset"], "mu": 805.4}
+    for weights, saying in (
+        ([1.0], "of the model with `force_offset`."),
+        (
+            [0.96],
+            "averaged over the model with `force_offset` (805 Pa, weight 0.96), others of less "
+            "weight.",
+        ),
+        ([0.04], "averaged over many models."),
+    ):
+        verdict["recommended"]["models"] = [{**of, "weight": weight} for weight in weights]
+        assert f"90 %), {saying}" in page("A7", verdict)

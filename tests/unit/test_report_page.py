@@ -4,6 +4,7 @@ import base64
 import json
 from pathlib import Path
 
+import jinja2
 import numpy as np
 import pandas as pd
 import pytest
@@ -140,24 +141,52 @@ def test_every_setting_is_listed_with_its_meaning():
     assert all(meaning for place, (_, meaning) in listed.items()), listed
 
 
-def test_the_methods_cite_every_reference_and_no_other():
+def methods(real):
+    """References, and the methods of a study with or without real geometries."""
     references = yaml.safe_load((ROOT / "workflow/report/references.yaml").read_text("utf-8"))
     config = yaml.safe_load((ROOT / "config/config.yaml").read_text(encoding="utf-8"))
-    template = ROOT / "workflow/report/methods.html.j2"
-    html = render_report(
-        template,
+    constants = ("bias_order", "smoothing_mm", "fluid_ratio", "starts_per_parameter")
+    return references, render_report(
+        ROOT / "workflow/report/methods.html.j2",
         config=config,
         references=references,
-        imaged=True,
+        imaged=real,
+        real=real,
         ideal="cuboid",
-        constants=dict.fromkeys(
-            ("bias_order", "smoothing_mm", "fluid_ratio", "starts_per_parameter"), 1
-        ),
+        constants=dict.fromkeys(constants, 1),
     )
+
+
+def test_the_methods_cite_every_reference_and_no_other():
+    references, html = methods(real=True)
     for number, name in enumerate(references, start=1):
         assert f'<a href="#ref-{name}">[{number}]</a>' in html
         assert f'<li id="ref-{name}">' in html
     assert "hexahedra of 0.5 mm" in html
+    assert "the bonded area" in html
+    assert "evidence is at least 12 and" in html
+
+
+def test_the_methods_tell_of_a_real_geometry_only_where_there_is_one():
+    for words in ("real geometry", "Both geometries", "bonded area", "bond mask"):
+        assert words in " ".join(methods(real=True)[1].split())
+        assert words not in " ".join(methods(real=False)[1].split())
+
+
+def test_the_bias_on_a_card_follows_from_the_moduli_beside_it():
+    """It is against the calibrated modulus of the real shape, not against the one to quote."""
+    loader = jinja2.FileSystemLoader(ROOT / "workflow/report")
+    text = loader.get_source(jinja2.Environment(loader=loader), "report.html.j2")[0]
+    card = text[text.index("{% for card in cards %}") : text.index("<h2>")]
+    modulus = dict.fromkeys(("group", "verdict"), "G") | {"modulus to quote [Pa]": "1300 (1 to 2)"}
+    for found, said in (
+        (("1000 (900 to 1100)", "750", "-25.0 %"),
+         "on the real shape: 1000 Pa; on the ideal one: 750 Pa, bias -25.0 %<"),
+        (("750 (700 to 800)", "750", "not known"), "on the ideal shape: 750 Pa; bias not known<"),
+    ):  # fmt: skip
+        one = dict(zip(("calibrated [Pa]", "ideal shape [Pa]", "bias"), found, strict=True))
+        html = jinja2.Template(card).render(cards=[modulus | one])
+        assert f"Calibrated {said}" in " ".join(html.split())
 
 
 def test_a_verdict_in_one_sentence():

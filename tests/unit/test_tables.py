@@ -31,6 +31,9 @@ TABLE_1 = [
     "mu_real_against_paper_percent", "mu_ideal_against_paper_percent",
     "difference_against_paper_points", "note",
 ]  # fmt: skip
+SEEN = ("modelled", "geometries", "lines", "bars", "strain", "misfit_two_term")
+"""What captions say of the geometries."""
+
 TABLE_2 = [name for name in TABLE_1 if "mu1" not in name and "mu2" not in name]
 
 
@@ -104,7 +107,10 @@ def test_a_group_whose_true_shape_is_not_known_has_no_bias(paper):
     row = table.set_index("group").loc["D"]
     assert row["mu_ideal_pa"] == 4.0
     assert row[["mu1_real_pa", "mu_real_pa", "difference_percent"]].isna().all()
-    assert row["note"] == "no image or surface: moduli of the ideal shape, bias not known"
+    assert (
+        row["note"]
+        == "image or surface not of all samples: moduli of the ideal shape, bias not known"
+    )
     assert notes == []
     summary = summary_table({"ogden2": table}, two_samples()).set_index("quantity")
     assert summary.loc["modulus_two_term", "count"] == 1  # S1 alone
@@ -324,8 +330,8 @@ def test_caption_numbers():
     assert "recovered" not in study_numbers(shipped=False)["materials"]
 
 
-def dimensions_only(**how):
-    fits = [fit("D", "ideal", 3.0, 1.0, ("D1",), ("pure_shear",))]
+def dimensions_only(*more, **how):
+    fits = [fit("D", "ideal", 3.0, 1.0, ("D1",), ("pure_shear",)), *more]
     moduli, _ = moduli_table(fits, "ogden2")
     stress = stress_strain_table([("pure_shear", np.array([0.0, 0.3]), np.array([0.0, 500.0]))])
     summary = summary_table({"ogden2": moduli}, geometry_table({"D1": CYLINDER}, {"D1": "shear"}))
@@ -335,21 +341,35 @@ def dimensions_only(**how):
 def test_captions_say_that_the_bias_is_not_known_without_a_true_shape():
     numbers = dimensions_only(imaged=0, geometries=("ideal",), ideal="cylinder")
     assert numbers.keys() == study_numbers().keys()
-    assert numbers["bias_two_term"] == "not known without an image or a surface of the samples"
+    unknown = "not known without an image or a surface of all samples of a group"
+    assert numbers["bias_two_term"] == unknown
     assert numbers["top_area"] == numbers["bias_two_term"]
     assert numbers["modelled"].startswith("meshed as a cylinder of the stated dimensions")
     assert numbers["elements_ideal"] == "36244"
     assert numbers["stress_at_end"].endswith("in pure shear")
-    assert "real geometry" not in numbers["misfit_two_term"]
+    assert "real" not in " ".join(numbers[name] for name in SEEN)
+    assert numbers["geometries"] == "on the idealised cylinder"
 
 
 def test_captions_of_a_mixed_study_say_what_is_known_of_which():
-    assert study_numbers()["modelled"] == "segmented in its image, meshed as it is and as a cuboid"
-    mixed = dimensions_only(samples=7, imaged=3, surfaces=1)["modelled"]
-    assert "(3 with an image and 1 with a surface)" in mixed
+    whole = study_numbers()
+    assert whole["modelled"] == "segmented in their images, meshed as they are and as a cuboid"
+    assert whole["geometries"] == "on the real geometry and on the idealised cuboid"
+    real = [fit("S1", geometry, 3.0, 1.0) for geometry in ("real", "ideal")]
+    numbers = dimensions_only(*real, samples=7, imaged=3, surfaces=1)
+    mixed, part = numbers["modelled"], "where the shapes of all samples of a group are known,"
+    assert mixed.startswith(f"meshed as they are, {part} (3 with an image and 1 with a surface)")
     assert mixed.endswith("as a cuboid (3 by the stated dimensions alone)")
-    surfaces = dimensions_only(samples=2, imaged=0, surfaces=2)["modelled"]
-    assert surfaces.endswith("where its shape is known (2 with a surface) and as a cuboid")
+    assert all(part in numbers[name] for name in ("geometries", "strain"))
+    surfaces = dimensions_only(*real[:1], samples=2, imaged=0, surfaces=2)["modelled"]
+    assert surfaces.endswith("are known, (2 with a surface) and as a cuboid")
+
+
+def test_a_group_with_one_shape_that_is_not_known_has_no_real_geometry_in_the_captions():
+    numbers = dimensions_only(samples=2, imaged=1, surfaces=0)
+    assert "no group has an image or a surface of all its samples" in numbers["modelled"]
+    assert numbers["bias_two_term"].startswith("not known without")
+    assert not [name for name in SEEN if "real" in numbers[name]]
 
 
 def test_a_doubtful_fit_is_named_in_the_captions():
@@ -396,13 +416,14 @@ def test_the_report_shows_seven_columns_of_the_moduli():
         ("TC1", "real", 1234.0), ("TC1", "ideal", 1.0), ("TC2", "ideal", 500.0)
     )
     groups = {"C1": "TC1", "C2": "TC2"}
-    shown = moduli_shown("table2", saved, intervals, groups)
+    shown = moduli_shown("table2", saved, intervals, groups, 0.9)
     assert list(shown) == [
         "group", "mu_with_90_%_interval_pa", "trusted", "mode", "mu_ideal_pa",
         "difference_percent", "paper_difference_percent",
     ]  # fmt: skip
     assert shown["mu_with_90_%_interval_pa"].tolist() == ["1230 (1110 to 1360)", "500 (450 to 550)"]
     assert shown["trusted"].tolist() == ["yes", "bias not known"]
-    ideal = moduli_shown("table2", saved.assign(mu_real_pa=np.nan), intervals, groups)
+    ideal = moduli_shown("table2", saved.assign(mu_real_pa=np.nan), intervals, groups, 0.9)
     assert list(ideal) == list(shown)[:4]
-    assert moduli_shown("geometry", saved, intervals, groups) is saved
+    assert "mu_with_95_%_interval_pa" in moduli_shown("table2", saved, intervals, groups, 0.95)
+    assert moduli_shown("geometry", saved, intervals, groups, 0.9) is saved

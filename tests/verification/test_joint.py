@@ -1,5 +1,6 @@
 """Whole way from simulation to verdict on a coarse mesh: ends that slide, force across a shear."""
 
+import re
 from dataclasses import replace
 from functools import cache
 
@@ -209,8 +210,13 @@ def test_other_groups_choose_the_ends_by_more_than_a_standard_error():
     stiff = told(bonded, 4.0, 5.0, 6.0)
     assert not likelier(stiff, told(sliding, 8.0, 9.0, 13.0)).slides
     assert likelier(stiff, told(sliding, 3.9, 5.5, 5.9)).slides
-    assert likelier(told(bonded, 8.0, 9.0, 13.0), told(sliding, 4.0, 5.0, 6.0), -1e6).slides
+    found = likelier(told(bonded, 8.0, 9.0, 13.0), told(sliding, 4.0, 5.0, 6.0), -1e6)
+    assert (found.slides, found.ends_are_told) == (True, True)
+    text = page("G", document(found, ({}, {}), SETTINGS, SOLID, [row("shear")], ""))
+    assert "they slide. That is the choice of the other groups, by what is held out" in text
+    assert re.search(r"Evidence -\d+, but the other groups choose it\.", text)
     assert not likelier(stiff, sliding).slides
+    assert not likelier(stiff, told(sliding, 3.9, 5.5, 5.9)).ends_are_told
 
 
 def test_evidence_on_ends_is_doubted_by_errors_of_geometry_that_no_record_shows():

@@ -401,7 +401,7 @@ def test_after_a_failure_the_report_holds_the_groups_that_came_through(project):
         for name in (
             *(f"fields/{sample}/real.json", f"fields/{sample}/ideal.json"),
             *(f"{part}/{sample}.json" for part in ("band", "bond")),
-            f"sensitivity/{sample}/real.json",
+            *(f"sensitivity/{sample}/real.json", f"bond/moduli/{group}.json"),
             *(f"loop/{group}/verdict.json", f"loop/{group}/ideal/verdict.json"),
         ):
             file = project.results / name
@@ -472,3 +472,24 @@ def test_undeclared_records_go_from_image_to_verdict(tmp_path):
     planned = jobs(text)
     assert planned["segment"] == planned["check_inputs"] == 30
     assert planned["diagnose"] == planned["diagnose_ideal"] == 10
+
+
+def test_a_new_sample_takes_its_row_from_the_command_line_alone():
+    """Shells set GROUP to the group of the user."""
+    command = ["make", "-n", "add-sample", "DIR=lab", "RECORD=a.csv", "MODE=tension"]
+
+    def told(*cells):
+        environment = os.environ | {"GROUP": "staff"}
+        run = subprocess.run(
+            [*command, *cells],
+            cwd=ROOT,
+            env=environment,
+            capture_output=True,
+            text=True,
+            check=True,
+        )
+        return run.stdout
+
+    assert "--group" not in told()
+    assert '--group="g1"' in told("GROUP=g1", "HEIGHT=3")
+    assert "--height" not in told("HEIGHT=")

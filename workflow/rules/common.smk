@@ -31,7 +31,6 @@ from softsample.holdout import check_hold_out, folds, in_turn, wholly_held_out
 from softsample.io import read_json, read_samples, read_table, read_yaml
 from softsample.progress import show_jobs_in_lines
 from softsample.report.results import words_of_failure, words_of_success
-from softsample.report.tables import LEVEL
 from softsample.response.unit import is_homogeneous
 from softsample.study.plan import GEOMETRIES, Plan
 from softsample.validation import (

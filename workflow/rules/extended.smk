@@ -17,12 +17,7 @@ rule extended:
 
 use rule calibrate as calibrate_direct with:
     input:
-        curves=calibration_curves("csv"),
-        reports=calibration_curves("json"),
-        meshes=calibration_meshes,
-        records=calibration_records,
-        cuboids=calibration_shapes,
-        code=library("workflow/scripts/calibrate.py"),
+        **{**CALIBRATED, "meshes": calibration_meshes},
     output:
         fit="<results>/extended/direct/{group}/{geometry}/{model}.json",
         curve="<results>/extended/direct/{group}/{geometry}/{model}.csv",
@@ -30,17 +25,8 @@ use rule calibrate as calibrate_direct with:
         "<logs>/calibrate_direct/{group}_{geometry}_{model}.log",
     benchmark:
         "<benchmarks>/calibrate_direct/{group}_{geometry}_{model}.tsv"
-    resources:
-        **OF_MESHES,
     params:
-        rows=lambda wildcards: rows_of(members(wildcards.group, wildcards.model)),
-        hold_out=HOLD_OUT,
-        settings={**config["calibration"], "method": "direct"},
-        uncertainty=config["uncertainty"],
-        contact_zero_mm=config["loop"]["noise"]["contact_zero_mm"],
-        material=config["material"],
-        solver=config["solver"],
-        contact=config["contact"],
+        **{**OF_CALIBRATION, "settings": {**config["calibration"], "method": "direct"}},
     message:
         "Calibrate with a simulation per evaluation: group {wildcards.group}, {wildcards.geometry} geometry, {wildcards.model}"
 

@@ -30,6 +30,19 @@ use rule mesh as mesh_laws with:
         "Mesh for elastic laws: {wildcards.sample}, {wildcards.geometry} geometry"
 
 
+# What the laws of a group are simulated with.
+OF_LAWS = {
+    "rows": lambda wildcards: rows_of(samples_of(wildcards.group)),
+    "pieces": lambda wildcards: [piece_of(name) for name in samples_of(wildcards.group)],
+    "simulated": law_pieces,
+    "ends": lambda wildcards: [modelled_ends(SAMPLES[name]) for name in law_pieces(wildcards)],
+    "material": config["material"],
+    "laws": config["laws"],
+    "solver": config["solver"],
+    "contact": config["contact"],
+}
+
+
 rule laws_of_group:
     input:
         records=of_members("<results>/records/{sample}.csv"),
@@ -55,17 +68,10 @@ rule laws_of_group:
     resources:
         **OF_MESHES,
     params:
-        rows=lambda wildcards: rows_of(samples_of(wildcards.group)),
-        pieces=lambda wildcards: [piece_of(name) for name in samples_of(wildcards.group)],
-        simulated=law_pieces,
-        ends=lambda wildcards: [modelled_ends(SAMPLES[name]) for name in law_pieces(wildcards)],
+        **OF_LAWS,
         folds=lambda wildcards: {} if LEAVE_OUT == "group" else folds_of(wildcards.group),
         hold_out=HOLD_OUT,
-        laws=config["laws"],
         confidence=config["uncertainty"]["confidence"],
-        material=config["material"],
-        solver=config["solver"],
-        contact=config["contact"],
         floor=config["floor"],
     message:
         "Fit every elastic law: group {wildcards.group}"
@@ -116,14 +122,7 @@ rule confirm_law:
     resources:
         **OF_MESHES,
     params:
-        rows=lambda wildcards: rows_of(samples_of(wildcards.group)),
-        pieces=lambda wildcards: [piece_of(name) for name in samples_of(wildcards.group)],
-        simulated=law_pieces,
-        ends=lambda wildcards: [modelled_ends(SAMPLES[name]) for name in law_pieces(wildcards)],
-        material=config["material"],
-        laws=config["laws"],
-        solver=config["solver"],
-        contact=config["contact"],
+        **OF_LAWS,
     message:
         "Run the chosen law on the study's mesh: group {wildcards.group}"
     script:

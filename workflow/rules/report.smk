@@ -1,12 +1,18 @@
 # Tables and figures of the study. Paper values are read here and nowhere else.
 
 
+# What a table of moduli reads beside the calibrations.
+OF_MODULI = {
+    "paper": PAPER[0] if PAPERS else [],
+    "cuboids": [f"<results>/cuboid/{piece_of(name)}.json" for name in SAMPLES],
+    "code": library("workflow/scripts/table_moduli.py"),
+}
+
+
 rule table_moduli:
     input:
         **fits("ogden2", "json"),
-        paper=PAPER[0] if PAPERS else [],
-        cuboids=[f"<results>/cuboid/{piece_of(name)}.json" for name in SAMPLES],
-        code=library("workflow/scripts/table_moduli.py"),
+        **OF_MODULI,
     output:
         table=report(
             "<results>/tables/table1.csv",
@@ -28,9 +34,7 @@ rule table_moduli:
 use rule table_moduli as table_moduli_one_term with:
     input:
         **fits("ogden1", "json"),
-        paper=PAPER[0] if PAPERS else [],
-        cuboids=[f"<results>/cuboid/{piece_of(name)}.json" for name in SAMPLES],
-        code=library("workflow/scripts/table_moduli.py"),
+        **OF_MODULI,
     output:
         table=report(
             "<results>/tables/table2.csv",

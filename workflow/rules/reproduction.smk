@@ -38,7 +38,7 @@ rule reproduction:
             "preload_mm": config["protocol"]["preload_mm"],
             "effects_element_size_mm": EFFECTS["element_size_mm"],
             "prescribed_strain": EFFECTS["prescribed_strain"],
-            "level_percent": 100 * LEVEL,
+            "level_percent": 100 * config["uncertainty"]["confidence"],
         },
     message:
         "Pages of the documentation: {output.pages}"

@@ -19,13 +19,13 @@ from softsample.figures.style import (
     PALETTE,
     label_panel,
     page_figure,
-    spoken,
     styled,
 )
 from softsample.figures.surface import OBLIQUE, mesh_surface
 from softsample.meshing.mesh import HexMesh, face_vectors
 from softsample.protocol import DIRECTIONS, PRESSED_MODES
 from softsample.shapes import MM, Indenter
+from softsample.wording import spoken
 
 Array = NDArray[np.float64]
 

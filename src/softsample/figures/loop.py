@@ -5,10 +5,11 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from numpy.typing import NDArray
 
-from softsample.figures.style import colours, page_figure, spoken, styled
+from softsample.figures.style import colours, page_figure, styled
 from softsample.loop.diagnose import Diagnosis
 from softsample.loop.residual import Predicted, predicted
 from softsample.loop.specimen import FORCE, blocks
+from softsample.wording import spoken
 
 Array = NDArray[np.float64]
 

@@ -20,9 +20,10 @@ from softsample.figures.style import (
     label_panel,
     lightened,
     page_figure,
-    spoken,
     styled,
 )
+from softsample.report.page import MISSING, signed
+from softsample.wording import spoken
 
 EVERY = 50
 """Each how manieth measured point is drawn, at most."""
@@ -183,7 +184,7 @@ def draw_moduli(
             if np.isfinite(paper):
                 ax.plot(x, paper, "D", ms=3.4, mfc="white", mec="black", mew=0.8, zorder=4)
         known = np.isfinite(row["difference_percent"])
-        text = f"{row['difference_percent']:+.1f} %".replace("-", "−") if known else "–"
+        text = f"{signed(row['difference_percent'])} %" if known else MISSING
         text += "" if of_label[row["group"]].trusted else " *"
         ax.annotate(
             text,

@@ -21,12 +21,12 @@ from softsample.figures.style import (
     STRAIN_MAP,
     label_panel,
     page_figure,
-    spoken,
     styled,
 )
 from softsample.figures.surface import FRONT, Surface, mesh_surface, silhouette
 from softsample.meshing.mesh import HexMesh
 from softsample.shapes import MM, Indenter
+from softsample.wording import spoken
 
 Array = NDArray[np.float64]
 

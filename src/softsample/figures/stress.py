@@ -3,7 +3,8 @@
 import pandas as pd
 from matplotlib.figure import Figure
 
-from softsample.figures.style import MODE_COLOURS, page_figure, spoken, styled
+from softsample.figures.style import MODE_COLOURS, page_figure, styled
+from softsample.wording import spoken
 
 
 @styled

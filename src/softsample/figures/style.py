@@ -115,11 +115,6 @@ def map_colours(count: int = 32) -> list[str]:
     return [to_hex(c) for c in mpl.colormaps[STRAIN_MAP](np.linspace(0.0, 1.0, count))]
 
 
-def spoken(loading: str) -> str:
-    """Loading mode, or several joined by `+`, in words."""
-    return loading.replace("_", " ").replace("+", " and ")
-
-
 def axis_labels(loading: str) -> tuple[str, str]:
     """Names of displacement and force of a loading, with units."""
     if loading == "torsion":

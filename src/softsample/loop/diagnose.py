@@ -73,6 +73,8 @@ class Diagnosis:
         That of the other ends, if the study leaves them open.
     elsewhere : float
         Evidence of the other groups for sliding ends.
+    ends_are_told : bool
+        Whether what is held out of the other groups has chosen the ends, whatever the evidence.
     """
 
     posed: Posed
@@ -88,6 +90,7 @@ class Diagnosis:
     slides: bool = False
     other_ends: "Diagnosis | None" = None
     elsewhere: float = 0.0
+    ends_are_told: bool = False
 
     @property
     def origin(self) -> "Diagnosis":

@@ -121,11 +121,11 @@ def likelier(bonded: Diagnosis, sliding: Diagnosis, elsewhere: float = 0.0) -> D
     bonded = replace(bonded, elsewhere=elsewhere)
     sliding = replace(sliding, elsewhere=elsewhere, slides=True)
     slides = _others_choose(bonded.told, sliding.told)
+    told = slides is not None
     if slides is None:
         slides = bonded.left - sliding.left + elsewhere > 0.0
-    if slides:
-        return replace(sliding, other_ends=bonded)
-    return replace(bonded, other_ends=sliding)
+    found, other = (sliding, bonded) if slides else (bonded, sliding)
+    return replace(found, other_ends=other, ends_are_told=told)
 
 
 def _others_choose(bonded: Pooled | None, sliding: Pooled | None) -> bool | None:

@@ -114,10 +114,15 @@ def hold_out_text(
 ) -> str:
     """What a study holds out, in words; empty if nothing. `pooled`: of one group at a time."""
     parts = [
-        " and ".join(f"{name.replace('_', ' ')} {value}" for name, value in selection.items())
-        for selection in hold_out
+        " and ".join(f"{key.replace('_', ' ')} {_told(value)}" for key, value in part.items())
+        for part in hold_out
     ]
     if pooled:
         return f"held out of one group at a time: {'; '.join(parts)}"
     held = [f"held out: {'; '.join(parts)}"] if parts else []
     return "; ".join([*held, *([f"each {leave_out} left out in turn"] if leave_out else [])])
+
+
+def _told(value: Any) -> str:
+    """A value of a selection, or the values of which it takes any."""
+    return " or ".join(map(str, value)) if isinstance(value, list | tuple) else str(value)

@@ -1,11 +1,13 @@
 """The verdict on one page, for people."""
 
 from collections.abc import Mapping
+from itertools import groupby
 from typing import Any
 
 import numpy as np
 
-from softsample.loop.effects import library
+from softsample.loop.effects import ends, library
+from softsample.wording import significant
 
 Limits = list[tuple[str, Mapping[str, Any]]]
 
@@ -27,7 +29,7 @@ def page(group: str, verdict: Mapping[str, Any]) -> str:
     verdict : mapping
         Report of a diagnosis, see `softsample.loop.verdict.report`.
     """
-    parts = [f"# Verdict for {group}: {verdict['verdict']}", "", SAYING[verdict["verdict"]], ""]
+    parts = [f"# Verdict for {group}: {verdict['verdict']}", "", _saying(verdict), ""]
     limits = _worst_first(verdict["detection_limits"])
     named = [effect["name"] for effect in verdict["effects"]]
     unseen = [limit for limit in limits if limit[0] not in named]
@@ -39,11 +41,11 @@ def page(group: str, verdict: Mapping[str, Any]) -> str:
     if verdict["other_ends"]:
         parts += [_other_ends(verdict), ""]
     for effect in verdict["effects"]:
-        parts += _effect(effect)
+        told = effect["name"] == ends.EFFECT.name and verdict["other_ends"]
+        parts += _effect(effect, bool(told and told["chosen_by_other_groups"]))
     if verdict["correction"]:
         parts += [_correction(verdict["correction"]), ""]
-    for effect in verdict["withheld"]:
-        parts += [_withheld(effect), ""]
+    parts += _withheld(verdict)
     parts += ["## Modulus", "", *_moduli(verdict), "", *_wider(verdict["birge_ratio"]["after"])]
     parts += ["## Error", "", *_errors(verdict, "error", "test", "phase"), ""]
     if verdict["held_out_before"]:
@@ -57,23 +59,31 @@ def page(group: str, verdict: Mapping[str, Any]) -> str:
     return "\n".join(parts)
 
 
+def _saying(verdict: Mapping[str, Any]) -> str:
+    """The verdict in one sentence; `none` says how much more than expected is left."""
+    ratio = verdict["birge_ratio"]["after"]
+    if verdict["verdict"] != "none" or round(ratio, 2) == 1.0:
+        return SAYING[verdict["verdict"]]
+    return f"No effect is named; what is left is {ratio:.2f} times what the discrepancy predicts."
+
+
 WORTH_A_NAME = 0.05
 """Weight of a model in the modulus to quote from which on the page names it."""
-
-
-def _shown(value: float) -> str:
-    """Three significant digits, without an exponent up to a million."""
-    return f"{float(f'{value:.3g}'):g}"
 
 
 def _recommended(found: Mapping[str, Any]) -> str:
     """One sentence on the modulus to quote."""
     mu = found["mu"]
-    value = f"{_shown(mu['value'])} {mu['unit']}"
-    ends = f"{_shown(mu['low'])} to {_shown(mu['high'])}, 90 %"
-    models = [_model(one) for one in found["models"] if one["weight"] >= WORTH_A_NAME]
-    whose = "of" if len(models) == 1 else "averaged over"
-    text = f"Modulus to quote: **{value}** ({ends}), {whose} {', '.join(models) or 'many models'}."
+    value, limits = (
+        f"{significant(mu['value'])} {mu['unit']}",
+        f"{significant(mu['low'])} to {significant(mu['high'])}, 90 %",
+    )
+    named = [one for one in found["models"] if one["weight"] >= WORTH_A_NAME]
+    alone = round(sum(one["weight"] for one in named), 2) == 1.0
+    rest = "others of less weight" if named else "many models"
+    models = [*map(_model, named), *([] if alone else [rest])]
+    whose = "of" if len(models) == 1 and alone else "averaged over"
+    text = f"Modulus to quote: **{value}** ({limits}), {whose} {', '.join(models)}."
     if found["widened_by_rest"]:
         text += " It allows for what the error that is left makes of the modulus at small strain."
     return text
@@ -101,13 +111,13 @@ def _model(found: Mapping[str, Any]) -> str:
     text = f"the model with {names}" if names else "the plain model"
     if round(found["weight"], 2) == 1.0:
         return text
-    return f"{text} ({_shown(found['mu'])} Pa, weight {found['weight']:.2f})"
+    return f"{text} ({significant(found['mu'])} Pa, weight {found['weight']:.2f})"
 
 
 def _pooled(found: Mapping[str, Any]) -> str:
     """One sentence on what other groups tell."""
     errors = [found[f"others_{when}_percent"] for when in ("before", "alone", "after")]
-    before, alone, after = (f"{error:.2g}" for error in errors)
+    before, alone, after = map(significant, errors)
     return (
         f"The {found['groups']} other groups choose the effects, and how large they may be: with "
         f"these, what is held out of each of them is predicted to {after} % of the peak ({alone} % "
@@ -116,15 +126,18 @@ def _pooled(found: Mapping[str, Any]) -> str:
 
 
 def _other_ends(verdict: Mapping[str, Any]) -> str:
-    """Two sentences on ends that the study leaves open."""
+    """Two sentences on ends that the study leaves open, and whose choice they are."""
     other, here = verdict["other_ends"], {"bonded": "slide", "sliding": "are bonded"}
     told = other["evidence_of_other_groups"]
     others = f", and {told:.0f} in the other groups" if told else ""
     effects = f" ({', '.join(f'`{name}`' for name in other['effects'])})" * bool(other["effects"])
+    chosen = " That is the choice of the other groups, by what is held out of them, whatever the "
+    chosen += "evidence."
     return (
-        f"The study leaves the ends open; in this model they {here[other['ends']]}. With "
+        f"The study leaves the ends open; in this model they {here[other['ends']]}."
+        f"{chosen * other['chosen_by_other_groups']} With "
         f"{other['ends']} ends the verdict would be {other['verdict']}{effects} and the modulus "
-        f"{_shown(other['mu']['value'])} Pa (evidence {other['evidence']:.0f}"
+        f"{significant(other['mu']['value'])} Pa (evidence {other['evidence']:.0f}"
         f"{others})."
     )
 
@@ -140,7 +153,8 @@ def _table(header: list[str], rows: list[list[str]]) -> list[str]:
     return ["| " + " | ".join(line) + " |" for line in lines]
 
 
-def _effect(effect: Mapping[str, Any]) -> list[str]:
+def _effect(effect: Mapping[str, Any], told: bool) -> list[str]:
+    """An effect, which is `told` if the other groups have chosen it whatever its evidence."""
     known = library()
     others = [name for name in effect["class"] if name != effect["name"]]
     lines = [f"## {known[effect['name']].title} (`{effect['name']}`)", ""]
@@ -149,7 +163,12 @@ def _effect(effect: Mapping[str, Any]) -> list[str]:
         lines += [f"**Undecided:** these records cannot tell it from {named}.", ""]
     lines += [f"Signature: {known[effect['name']].signature}.", ""]
     sizes = [
-        [name, _shown(p["value"]), f"{_shown(p['low'])} to {_shown(p['high'])}", p["unit"]]
+        [
+            name,
+            significant(p["value"]),
+            f"{significant(p['low'])} to {significant(p['high'])}",
+            p["unit"],
+        ]
         for name, p in effect["parameters"].items()
     ]
     if sizes:
@@ -157,7 +176,8 @@ def _effect(effect: Mapping[str, Any]) -> list[str]:
     experiment = effect["separating_experiment"]
     return [
         *lines,
-        f"Evidence {effect['evidence']:.0f}. Discriminating experiment: {experiment}.",
+        f"Evidence {effect['evidence']:.0f}{', but the other groups choose it' * told}. "
+        f"Discriminating experiment: {experiment}.",
         "",
     ]
 
@@ -172,29 +192,43 @@ def _correction(found: Mapping[str, Any]) -> str:
     modulus = f"It multiplies the modulus at small strain ({factors}). " if factors else ""
     return (
         f"Correction, not cause (class: {kind}): {' and '.join(parts)}. "
-        f"It takes the error of parts that were left out from {before:.2g} to {after:.2g} % of the "
-        f"peak. It was learned up to {domain}; beyond, it goes on smoothly. "
+        f"It takes the error of parts that were left out, noise taken out, from "
+        f"{significant(before)} to {significant(after)} % of the peak. "
+        f"It was learned up to {domain}; beyond, it goes on smoothly. "
         f"{modulus}Discriminating experiment: {found['separating_experiment']}."
     )
 
 
-def _withheld(effect: Mapping[str, Any]) -> str:
-    """One sentence on an effect that was selected and is not given."""
+def _withheld(verdict: Mapping[str, Any]) -> list[str]:
+    """What was selected and is not given, what was refused together in one paragraph.
+
+    Errors are with all effects up to there. What corrects the model is told with the correction.
+    """
+    corrects = verdict["correction"]["with"] if verdict["correction"] else []
+    lines: list[str] = []
+    given: list[str] = []
+    for (reason, would), together in groupby(
+        verdict["withheld"], key=lambda effect: (effect["reason"], effect["held_out_if_given"])
+    ):
+        effects = list(together)
+        given += [f"`{effect['name']}`" for effect in effects]
+        shown = [_sizes(effect) for effect in effects if effect["name"] not in corrects]
+        errors = [test["rms_percent"] for tests in would.values() for test in tests.values()]
+        text = f"Not reported: {' and '.join(shown)}, since {reason}."
+        if errors:
+            left, whom = significant(np.sqrt(np.mean(np.square(errors)))), " and ".join(given)
+            text += f" With {whom}, {left} % of the peak would be left of what is held out."
+        lines += [text, ""] if shown else []
+    return lines
+
+
+def _sizes(effect: Mapping[str, Any]) -> str:
+    """Name of an effect with its sizes."""
     sizes = ", ".join(
-        f"{name} {_shown(p['value'])} {p['unit']}".removesuffix(" 1")
+        f"{name} {significant(p['value'])} {p['unit']}".removesuffix(" 1")
         for name, p in effect["parameters"].items()
     )
-    would = _root_mean_square(effect["held_out_if_given"])
-    return (
-        f"Not reported: `{effect['name']}` ({sizes}), since {effect['reason']}. With it, "
-        f"{_shown(would)} % of the peak would be left of what is held out."
-    )
-
-
-def _root_mean_square(errors: Mapping[str, Mapping[str, Mapping[str, float]]]) -> float:
-    """Error over all folds and tests [% of peak]."""
-    squares = [test["rms_percent"] ** 2 for tests in errors.values() for test in tests.values()]
-    return float(np.sqrt(np.mean(squares))) if squares else 0.0
+    return f"`{effect['name']}` ({sizes})"
 
 
 def _moduli(verdict: Mapping[str, Any]) -> list[str]:
@@ -204,9 +238,9 @@ def _moduli(verdict: Mapping[str, Any]) -> list[str]:
         [
             [
                 name,
-                _shown(before[name]["value"]),
-                _shown(after[name]["value"]),
-                f"{_shown(after[name]['low'])} to {_shown(after[name]['high'])}",
+                significant(before[name]["value"]),
+                significant(after[name]["value"]),
+                f"{significant(after[name]['low'])} to {significant(after[name]['high'])}",
                 after[name]["unit"],
             ]
             for name in before
@@ -239,21 +273,27 @@ def _errors(verdict: Mapping[str, Any], key: str, *of: str) -> list[str]:
 
 def _before_after(before: Mapping[str, float], after: Mapping[str, float]) -> list[str]:
     return [
-        _shown(1e3 * before["rms_N"]),
-        _shown(1e3 * after["rms_N"]),
-        _shown(before["rms_percent"]),
-        _shown(after["rms_percent"]),
+        significant(1e3 * before["rms_N"]),
+        significant(1e3 * after["rms_N"]),
+        significant(before["rms_percent"]),
+        significant(after["rms_percent"]),
     ]
 
 
 def _path(verdict: Mapping[str, Any]) -> list[str]:
+    """Every round of the selection: the largest evidence, the choice and what was refused."""
     lines, found = [], [effect["name"] for effect in verdict["effects"]]
     for number, step in enumerate(verdict["path"], start=1):
         ranking = ", ".join(f"`{c['name']}` {c['evidence']:.0f}" for c in step["candidates"][:5])
-        chosen = f"`{step['chosen']}`" if step["chosen"] else "nothing passes"
-        chosen += ", not kept" if step["chosen"] not in (None, *found) else ""
+        outcome = []
+        if step["refused"]:
+            outcome.append(f"`{step['refused']}` refused: {step['why']}")
+        if step["chosen"]:
+            kept = "" if step["chosen"] in found else ", not kept"
+            outcome.append(f"`{step['chosen']}` chosen, evidence {step['evidence']:.0f}{kept}")
         lines.append(
-            f"{number}. threshold {step['threshold']:.0f}: {ranking or 'no candidate'} - {chosen}"
+            f"{number}. threshold {step['threshold']:.0f}: {ranking or 'no candidate'} - "
+            f"{'; '.join(outcome) or 'nothing passes'}"
         )
     return lines
 
@@ -263,7 +303,7 @@ def _limits(verdict: Mapping[str, Any], limits: Limits) -> list[str]:
     if verdict["absent"]:
         lines += ["", "Known not to be there: " + ", ".join(verdict["absent"]) + "."]
     rows = [
-        [f"`{name}`", _shown(x["value"]), x["unit"], f"{x['modulus_percent']:+.1f}"]
+        [f"`{name}`", significant(x["value"]), x["unit"], f"{x['modulus_percent']:+.1f}"]
         for name, x in limits
     ]
     header = ["effect", "smallest size that would have been seen", "unit", "error of mu then [%]"]

@@ -110,6 +110,7 @@ def report(diagnosis: Diagnosis, settings: LoopSettings) -> dict[str, Any]:
     limits = detection_limits(diagnosis.selection, diagnosis.final)
     law = diagnosis.final.model.law
     unseen = {e.name for e in diagnosis.selection.library if law.admits(e)} - set(limits)
+    unseen -= {*diagnosis.final.model.names, *(effect["name"] for effect in found["effects"])}
     return {
         **found,
         "recommended": recommended(diagnosis),
@@ -139,7 +140,6 @@ def recommended(diagnosis: Diagnosis) -> dict[str, Any]:
     return {
         "mu": _sized(mu, "Pa", low * min([1.0, *rest.values()]), high * max([1.0, *rest.values()])),
         "estimate": "averaged over the models fitted" if several else "of the model reported",
-        "why": f"verdict {diagnosis.verdict}",
         "models": [
             {
                 "effects": [*([ENDS] if one.slides else []), *model.fit.model.names],
@@ -175,15 +175,20 @@ def judgement(diagnosis: Diagnosis, settings: LoopSettings) -> dict[str, Any]:
         *([_ends_report(diagnosis)] if diagnosis.shows_sliding else []),
         *([_stiffness_report(diagnosis, settings.noise)] if posed.stiffness else []),
     ]
+    effects = [
+        *([] if diagnosis.objection else whole),
+        *(_effect_report(effect, selection, settings.noise) for effect in named),
+    ]
+    weak = {
+        *selection.weak,
+        *(e.name for e in library().values() if e.sizes and not e.identifiable),
+    }
     origin = diagnosis.origin
     reported = ("before", origin.posed.first), ("after", final)
     return {
         "verdict": diagnosis.verdict,
         "objection": diagnosis.objection or None,
-        "effects": [
-            *([] if diagnosis.objection else whole),
-            *(_effect_report(effect, selection, settings.noise) for effect in named),
-        ],
+        "effects": effects,
         "specimen_stiffness": dict(posed.stiffness),
         "theta_before": _theta(origin.posed.first, {}),
         "theta_after": _theta(final, posed.stiffness),
@@ -216,12 +221,7 @@ def judgement(diagnosis: Diagnosis, settings: LoopSettings) -> dict[str, Any]:
         "birge_ratio": {when: birge_ratio(fit) for when, fit in reported},
         "reduced_chi_square": {when: fit.cost / len(fit.white) for when, fit in reported},
         "path": _path(selection),
-        "not_identifiable": sorted(
-            {
-                *selection.weak,
-                *(e.name for e in library().values() if e.sizes and not e.identifiable),
-            }
-        ),
+        "not_identifiable": sorted(weak - {effect["name"] for effect in effects}),
     }
 
 
@@ -231,6 +231,9 @@ def _path(selection: Selection) -> list[dict[str, Any]]:
         {
             "threshold": step.threshold,
             "chosen": step.chosen.name if step.chosen else None,
+            "evidence": step.chosen.evidence if step.chosen else None,
+            "refused": step.refused.name if step.refused else None,
+            "why": step.why or None,
             "candidates": [
                 {
                     "name": c.name,
@@ -336,6 +339,7 @@ def _other_ends(diagnosis: Diagnosis) -> dict[str, Any] | None:
         "mu": {"value": other.final.state.material.mu, "unit": "Pa"},
         "evidence": diagnosis.left - other.left,
         "evidence_of_other_groups": (1.0 if other.slides else -1.0) * diagnosis.elsewhere,
+        "chosen_by_other_groups": diagnosis.ends_are_told,
         "held_out_if_given": _declared(other.after),
         "path": _path(other.selection),
     }

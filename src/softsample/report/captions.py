@@ -10,16 +10,17 @@ from typing import Any
 import numpy as np
 import pandas as pd
 
+from softsample.report.page import fixed
 from softsample.report.tables import doubt_of
-
-MINUS = "−"
+from softsample.wording import spoken
 
 RECOVERY = (
     "The samples are a virtual cohort whose materials are the paper's moduli for real geometry: "
     "agreement with that column of the paper shows that known values are recovered, it does not "
     "confirm the paper. The idealised column and the bias are results of these synthetic shapes"
 )
-UNKNOWN = "not known without an image or a surface of the samples"
+UNKNOWN = "not known without an image or a surface of all samples of a group"
+WHOLE, PART = "", ", where the shapes of all samples of a group are known,"
 NONE_HERE = "no such sample in this study"
 OWN = "The samples are not those of the paper, whose values are therefore not shown beside them"
 
@@ -63,14 +64,19 @@ def caption_numbers(
     """
     fits = list(fits)
     elements = {name: str(mesh["elements"]) for name, mesh in zip(geometries, meshes, strict=True)}
-    missing = UNKNOWN if imaged + surfaces == 0 else NONE_HERE
+    groups = {fit["group"] for fit in fits}
+    real = {fit["group"] for fit in fits if fit["geometry"] == "real"}
+    where, missing = WHOLE if real == groups else PART, NONE_HERE if real else UNKNOWN
     return {
         "cohort": cohort,
         "materials": RECOVERY if shipped else OWN,
         "samples": str(samples),
         "shown": shown,
         "ideal": ideal,
-        "modelled": _modelled(samples, imaged, surfaces, ideal),
+        "modelled": _modelled(samples, imaged, surfaces, ideal, where)
+        if real
+        else _idealised(imaged + surfaces, ideal),
+        **_seen(ideal, where, bool(real)),
         "elements_real": elements.get("real", "no"),
         "elements_ideal": elements["ideal"],
         "bias_two_term": _means(summary, "modulus_two_term", missing),
@@ -84,20 +90,46 @@ def caption_numbers(
     }
 
 
-def _modelled(samples: int, imaged: int, surfaces: int, ideal: str) -> str:
-    """How the samples' shapes were found and modelled: the middle of a sentence about each."""
-    known, stated = imaged + surfaces, samples - imaged - surfaces
+def _modelled(samples: int, imaged: int, surfaces: int, ideal: str, where: str) -> str:
+    """How shapes were found and modelled, if some are known: the middle of a sentence."""
     if imaged == samples:
-        return f"segmented in its image, meshed as it is and as a {ideal}"
-    if known == 0:
-        return (
-            f"meshed as a {ideal} of the stated dimensions (none has an image or a surface, so "
-            "that the bias by the idealised geometry is not known)"
-        )
+        return f"segmented in their images, meshed as they are{where} and as a {ideal}"
     kinds = (f"{imaged} with an image", f"{surfaces} with a surface")
     there = " and ".join(kind for kind in kinds if kind[0] != "0")
-    where = f"meshed as it is where its shape is known ({there}) and as a {ideal}"
-    return where + (f" ({stated} by the stated dimensions alone)" if stated else "")
+    stated = samples - imaged - surfaces
+    return f"meshed as they are{where} ({there}) and as a {ideal}" + (
+        f" ({stated} by the stated dimensions alone)" if stated else ""
+    )
+
+
+def _idealised(known: int, ideal: str) -> str:
+    """The same where no group has a real geometry."""
+    size, of_all = ("", " of all its samples") if known else (" of the stated dimensions", "")
+    return (
+        f"meshed as a {ideal}{size} (no group has an image or a surface{of_all}, so that the bias "
+        "by the idealised geometry is not known)"
+    )
+
+
+def _seen(ideal: str, where: str, real: bool) -> dict[str, str]:
+    """What figures and tables show of the geometries that there are."""
+    strain = "argest principal Hencky strain at the end of the loading ramp on the"
+    if not real:
+        return {
+            "geometries": f"on the idealised {ideal}",
+            "lines": f"dashed: model on the idealised {ideal}",
+            "bars": f"on the idealised {ideal}, with intervals",
+            "strain": f"L{strain} idealised {ideal}",
+        }
+    return {
+        "geometries": f"on the real geometry{where} and on the idealised {ideal}",
+        "lines": "solid: model on the real geometry; dashed, thinner and darker: on the idealised "
+        f"{ideal}",
+        "bars": "real (plain) and idealised (hatched), with intervals; above them its difference, "
+        "ideal to real",
+        "strain": f"First the surface before the test, then l{strain} real geometry{where}; last, "
+        f"that on the idealised {ideal}",
+    }
 
 
 def substitutions(numbers: Mapping[str, str]) -> str:
@@ -108,7 +140,7 @@ def substitutions(numbers: Mapping[str, str]) -> str:
 
 def percent(value: float) -> str:
     """`value` with one decimal and a true minus sign."""
-    return f"{value:.1f} %".replace("-", MINUS)
+    return f"{fixed(value)} %"
 
 
 def _means(summary: pd.DataFrame, quantity: str, missing: str) -> str:
@@ -117,12 +149,8 @@ def _means(summary: pd.DataFrame, quantity: str, missing: str) -> str:
     return "; ".join(_mean(row) for row in rows) or missing
 
 
-def _spoken(mode: str) -> str:
-    return mode.replace("_", " ").replace("+", " with ")
-
-
 def _mean(row: Mapping[Any, Any]) -> str:
-    mode = "all samples" if row["mode"] == "all" else _spoken(row["mode"])
+    mode = "all samples" if row["mode"] == "all" else spoken(row["mode"])
     spread = f", SD {percent(row['sd_percent'])}" if np.isfinite(row["sd_percent"]) else ""
     text = f"{percent(row['mean_percent'])} in {mode} (n = {row['count']}{spread}"
     if np.isfinite(row["paper_mean_percent"]):
@@ -132,7 +160,7 @@ def _mean(row: Mapping[Any, Any]) -> str:
 
 
 def _stress_at_end(stress: pd.DataFrame) -> str:
-    last = stress.groupby("mode", sort=False).last().rename(index=_spoken)
+    last = stress.groupby("mode", sort=False).last().rename(index=spoken)
     return ", ".join(
         f"{1e-3 * row['mean_stress_pa']:.2f} kPa at strain {row['strain']:.2f} in {mode}"
         for mode, row in last.iterrows()

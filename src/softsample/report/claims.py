@@ -9,7 +9,9 @@ import pandas as pd
 from scipy.stats import ttest_ind_from_stats
 
 from softsample.report.bond import RULES
+from softsample.report.page import signed
 from softsample.response.sensitivity import COARSE
+from softsample.wording import true_minus
 
 Tables = Mapping[str, pd.DataFrame]
 
@@ -103,7 +105,7 @@ def _mean(quantity: str, mode: str, why: str = "") -> Callable[[Tables], Finding
         papers = row["paper_mean_percent"], row["paper_sd_percent"], row["count"]
         p_value = float(ttest_ind_from_stats(*ours, *papers, equal_var=False).pvalue)
         return Finding(
-            f"{_signed(ours[0])} % (SD {ours[1]:.1f})",
+            f"{signed(ours[0])} % (SD {ours[1]:.1f})",
             _verdict(p_value >= LEVEL),
             f"p = {p_value:.2g}{'; ' if why else ''}{why}",
         )
@@ -119,7 +121,7 @@ def _shear_bias(tables: Tables) -> Finding:
     papers = float(summary["paper_mean_percent"]["modulus_two_term", "shear"])
     between = min(depth, contact) <= papers <= max(depth, contact)
     why = (
-        f"; {_signed(depth)} % if what lies within the pre-load is bonded, {_signed(contact)} % if "
+        f"; {signed(depth)} % if what lies within the pre-load is bonded, {signed(contact)} % if "
         f"what touches in a simulated one is{'; the paper lies between' if between else ''}"
     )
     return replace(found, why=found.why + why)
@@ -159,7 +161,7 @@ def _exponents(tables: Tables) -> Finding:
         every &= bool((near & ~open_).all())
     p_value = float(common.loc[common["mode"] == "all", "p_value"].iloc[0])
     return Finding(
-        "; ".join(words).replace("-8", "−8") + f"; one pair for all: p = {p_value:.1g}",
+        true_minus("; ".join(words)) + f"; one pair for all: p = {p_value:.1g}",
         _verdict(every),
         "one mode of loading hardly bounds α1; the test knows noise alone",
     )
@@ -187,8 +189,8 @@ def _lower(tables: Tables) -> Finding:
     difference = tables["table1"]["difference_percent"]
     lower = int((difference < 0.0).sum())
     return Finding(
-        f"lower in {lower} of {len(difference)} groups, {_signed(difference.min())} to "
-        f"{_signed(difference.max())} %",
+        f"lower in {lower} of {len(difference)} groups, {signed(difference.min())} to "
+        f"{signed(difference.max())} %",
         _verdict(lower == len(difference)),
         "in shear the sign depends on the bonded part of the top",
     )
@@ -202,7 +204,7 @@ def _first_modulus(tables: Tables) -> Finding:
         for name in ("mu1", "mu2")
     ]
     return Finding(
-        f"μ1 {_signed(changes[0])} %, μ2 {_signed(changes[1])} % on average",
+        f"μ1 {signed(changes[0])} %, μ2 {signed(changes[1])} % on average",
         _verdict(abs(changes[0]) > abs(changes[1])),
         "μ1 governs compression, where contact is incomplete",
     )
@@ -212,7 +214,7 @@ def _one_term(tables: Tables) -> Finding:
     rows = tables["summary"].set_index(["quantity", "mode"])["mean_percent"]
     one, two = rows["modulus_one_term", "compression"], rows["modulus_two_term", AXIAL]
     return Finding(
-        f"{_signed(one)} % with one term, {_signed(two)} % with two",
+        f"{signed(one)} % with one term, {signed(two)} % with two",
         _verdict(abs(one - two) <= ALIKE),
         f"close: {ALIKE:g} points at most",
     )
@@ -222,7 +224,7 @@ def _lowest_in_shear(tables: Tables) -> Finding:
     rows = tables["summary"].set_index(["quantity", "mode"])["mean_percent"]
     shear, axial = (float(rows["modulus_two_term", mode]) for mode in ("shear", AXIAL))
     return Finding(
-        f"{_signed(shear)} % in shear, {_signed(axial)} % in tension and compression",
+        f"{signed(shear)} % in shear, {signed(axial)} % in tension and compression",
         _verdict(abs(shear) < abs(axial)),
         "in shear the top is bonded from the start, in compression contact develops",
     )
@@ -286,10 +288,6 @@ def _strain(tables: Tables) -> Finding:
 
 def _rounded(value: float) -> str:
     return f"{value:.0f}" if value >= 10.0 else f"{value:.2g}" if value >= 0.01 else "0.0"
-
-
-def _signed(value: float) -> str:
-    return f"{value:+.1f}".replace("-", "−")
 
 
 MADE_UP = "similar by construction"

@@ -16,7 +16,8 @@ from markdown_it import MarkdownIt
 from markupsafe import Markup, escape
 from PIL import Image
 
-from softsample.report.page import DIGITS, MISSING, significant
+from softsample.report.page import MISSING
+from softsample.wording import DIGITS, significant, true_minus
 
 WEBP_QUALITY = 86
 """Of embedded pictures: at a fifth of a PNG's size, text and contours stay crisp."""
@@ -143,7 +144,7 @@ def written(value: Any, digits: int = DIGITS) -> str:
     if value is None or (isinstance(value, float) and value != value):
         return MISSING
     if isinstance(value, float):
-        return significant(value, digits).replace("-", "−")
+        return true_minus(significant(value, digits))
     if isinstance(value, list | tuple):
         return ", ".join(written(item, digits) for item in value)
     if isinstance(value, Mapping):

@@ -8,12 +8,10 @@ import jinja2
 import numpy as np
 import pandas as pd
 
-from softsample.report.geometry_effects import spoken
+from softsample.report.geometry_effects import spoken as experiment
+from softsample.wording import significant, spoken, true_minus
 
 MISSING = "–"
-
-DIGITS = 3
-"""Significant digits of a result."""
 
 
 def render_page(template: Path, tables: Mapping[str, pd.DataFrame]) -> str:
@@ -38,8 +36,8 @@ def render_page(template: Path, tables: Mapping[str, pd.DataFrame]) -> str:
         trim_blocks=True, lstrip_blocks=True, keep_trailing_newline=True, autoescape=False,
     )  # fmt: skip
     environment.filters |= {"fixed": fixed, "signed": signed, "mean": mean}
-    environment.filters["loading"] = lambda mode: str(mode).replace("+", " and ")
-    environment.globals |= {"spoken": spoken}
+    environment.filters["loading"] = spoken
+    environment.globals |= {"spoken": experiment}
     rows = {name: table.to_dict("records") for name, table in tables.items()}
     return environment.get_template(template.name).render(**rows)
 
@@ -52,12 +50,6 @@ def fixed(value: Any, digits: int = 1) -> str:
 def signed(value: Any, digits: int = 1) -> str:
     """The same with its sign."""
     return _written(value, f"+.{digits}f")
-
-
-def significant(value: float, digits: int = DIGITS) -> str:
-    """A number rounded to significant digits, without an exponent unless it is tiny."""
-    rounded = float(f"{value:.{digits}g}")
-    return f"{rounded:.0f}" if abs(rounded) >= 10.0**digits else f"{rounded:.{digits}g}"
 
 
 def with_interval(value: float, low: float | None, high: float | None) -> str:
@@ -82,4 +74,4 @@ def _written(value: Any, form: str) -> str:
     bare = text.lstrip("+-")
     if float(bare) == 0.0:
         text = bare
-    return text.replace("-", "−")
+    return true_minus(text)

@@ -5,7 +5,8 @@ from typing import Any
 
 import pandas as pd
 
-from softsample.report.page import significant, with_interval
+from softsample.report.page import with_interval
+from softsample.wording import significant
 
 VERSION = 2
 """Of the form of the document; it grows when a reader of the last one could be misled."""
@@ -129,7 +130,7 @@ def _verdict(verdict: Report) -> dict[str, Any]:
 
 
 def _errors(errors: Report) -> dict[str, float]:
-    """Root mean square of the whole record of each mode, noise taken out [% of peak]."""
+    """Root mean square of the whole record of each test, noise taken out [% of peak]."""
     return {mode: phases["all"]["rms_percent_structured"] for mode, phases in errors.items()}
 
 

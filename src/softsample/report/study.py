@@ -176,7 +176,9 @@ class StudyReport:
         group_of = {name: row["group"] for name, row in self.rows.items()}
         return {
             "name": path.stem,
-            "frame": moduli_shown(path.stem, frame, self.intervals, group_of),
+            "frame": moduli_shown(
+                path.stem, frame, self.intervals, group_of, self.config["uncertainty"]["confidence"]
+            ),
             "caption": self._caption(path.stem),
             "download": download(path),
         }

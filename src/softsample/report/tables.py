@@ -28,7 +28,7 @@ TERMS = {TWO_TERM: ("mu1", "mu2", "mu"), ONE_TERM: ("mu",)}
 MOST = 3
 """Samples whose names a row of the one-term table joins."""
 
-NO_REAL = "no image or surface: moduli of the ideal shape, bias not known"
+NO_REAL = "image or surface not of all samples: moduli of the ideal shape, bias not known"
 """Note of a group whose samples' true shape is not known."""
 
 LEVEL = 0.90
@@ -144,7 +144,11 @@ def _moduli_row(pair: Mapping[str, Mapping[str, Any]], model: str) -> dict[str, 
 
 
 def moduli_shown(
-    name: str, table: pd.DataFrame, intervals: pd.DataFrame, groups: Mapping[str, str]
+    name: str,
+    table: pd.DataFrame,
+    intervals: pd.DataFrame,
+    groups: Mapping[str, str],
+    confidence: float,
 ) -> pd.DataFrame:
     """What the report shows of a table: of those of moduli seven columns, of others all.
 
@@ -155,9 +159,11 @@ def moduli_shown(
     table
         As saved, see `moduli_table`.
     intervals
-        `intervals.csv`: 90 % intervals by group, geometry, model and modulus.
+        `intervals.csv`: intervals by group, geometry, model and modulus.
     groups
         Group of each sample, by which a row may be named.
+    confidence
+        Of the intervals.
 
     Returns
     -------
@@ -179,7 +185,7 @@ def moduli_shown(
     shown = pd.DataFrame(
         {
             "group": table["group"],
-            "mu_with_90_%_interval_pa": best,
+            f"mu_with_{100.0 * confidence:g}_%_interval_pa": best,
             "trusted": table["note"].fillna("").replace("", "yes"),
             "mode": table["mode"],
         }

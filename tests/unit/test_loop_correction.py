@@ -137,7 +137,7 @@ def test_a_search_remembers_models_of_other_effects_once_the_smallest_first():
     problem, _ = pose(two, SETTINGS.noise)
     few = ("viscoelastic_relaxation", "force_offset", "force_drift")
     chosen = select(problem, [library()[name] for name in few], SETTINGS.selection)
-    names = [frozenset(fit.model.names) for _, fit in chosen.visited]
+    names = [frozenset(fit.model.names) for fit in chosen.visited]
     assert names
     assert len(set(names)) == len(names)
     assert frozenset(chosen.final.model.names) not in names

@@ -465,7 +465,9 @@ def test_a_platen_that_leaves_bit_by_bit_says_nothing_of_the_rest_of_the_records
     sharp = laboratory.Lab(seed=3, relaxed=0.4).specimens()
     rounded = [replace(s, force=_rounded(s)) if s.elastic.contact else s for s in sharp]
     before, after = (
-        diagnose(lab, LoopSettings(), [library()["viscoelastic_relaxation"]]).selection.final.problem
+        diagnose(
+            lab, LoopSettings(), [library()["viscoelastic_relaxation"]]
+        ).selection.final.problem
         for lab in (sharp, rounded)
     )
     assert FORM in after.variances

@@ -212,7 +212,7 @@ def test_an_effect_is_named_beside_scales_that_nothing_explains():
 def test_specimens_without_a_test_in_common_have_no_stiffness_of_their_own():
     tests = [replace(s, force=(1.0 + 0.2 * (s.mode == "shear")) * s.force, piece=s.mode)
              for s in laboratory.Lab(seed=7).specimens()]  # fmt: skip
-    assert diagnose(tests, SETTINGS, [library()["force_offset"]]).stiffness == {}
+    assert diagnose(tests, SETTINGS, [library()["force_offset"]]).posed.stiffness == {}
 
 
 @pytest.mark.parametrize("change", ["speed", "displacement"])

@@ -212,6 +212,24 @@ def test_a_law_at_the_end_of_its_range_is_said():
     assert fit.bounds_met == ["alpha at its minimum, -45"]
 
 
+def test_a_parameter_near_the_end_of_a_wide_range_has_an_interval_and_is_not_at_the_end():
+    """Its deviance at both ends is that of the confidence: a signed root of 1.645."""
+    stress = of_invariants(lambda x: 0.5 * 0.11 / (0.11 - x), zero)
+    noise = {"noise": 1e-3, "rng": np.random.default_rng(1)}
+    tests = [loading(mode, stress, **noise) for mode in ("tension", "shear")]
+    problem, law = Problem(tests, everything(tests)), Candidate.of("gent")
+    fit = problem.fit(law)
+    weighted = Discrepancy(problem, fit).weighted
+    best = weighted.fit(law, [fit.shape], 1)
+    assert best.shape[0] == pytest.approx(0.11, rel=0.02)
+    assert best.bounds_met == []
+    ends = intervals(weighted, best, 0.9)["Jm"]
+    assert ends.low < 0.11 < ends.high
+    for end in (ends.low, ends.high):
+        there = weighted.fit(law, [best.shape], 1, held={0: end})
+        assert np.sqrt(there.cost - best.cost) == pytest.approx(1.645, abs=0.04)
+
+
 def test_a_law_as_good_but_simpler_is_recommended():
     candidates = [Candidate.of("ogden+ogden"), Candidate.of("ogden"), Candidate.of("neo_hooke")]
     errors = {"ogden+ogden": [0.05, 0.04, 0.05], "ogden": [0.05, 0.05, 0.045],

@@ -186,7 +186,7 @@ class Uncertainty:
         change = {}
         for sample, curves in self.families.items():
             up, down = (
-                self.refit({**self.families, sample: Scaled(curves, 1.0 + 0.01 * step)})
+                self.refit({**self.families, sample: Scaled(curves, [1.0 + 0.01 * step])})
                 for step in (percent, -percent)
             )
             change[sample] = (up - down) / (2.0 * percent)

@@ -22,9 +22,9 @@ from scipy.interpolate import PchipInterpolator
 from scipy.signal import lfilter
 
 import templates
-from peers import versions_of_peers
+from peers import read_calculix_forces, versions_of_peers
 from softsample.constitutive.material import Material, Term
-from softsample.export.abaqus import read_calculix_forces, write_abaqus
+from softsample.export.abaqus import write_abaqus
 from softsample.fem.boundary import Boundary, ContactSettings, mode_boundary
 from softsample.fem.explicit import ExplicitModel, SolverSettings
 from softsample.io import read_mesh, write_json, write_text

@@ -19,6 +19,7 @@ from scipy.sparse import spmatrix
 from scipy.sparse.linalg import splu
 
 from softsample.constitutive.material import Material
+from softsample.errors import InputError
 from softsample.meshing.mesh import HexMesh
 from softsample.protocol import DIRECTIONS
 
@@ -218,3 +219,37 @@ def felupe(
         force = fem.tools.force(field, result.fun, bounds["top0"])
         rows.append((part * travel, float(abs(force @ direction))))
     return np.array(rows), time.process_time() - start
+
+
+def read_calculix_forces(path: Path, moved: str | None = None) -> tuple[Array, Array]:
+    """Forces that a run of CalculiX printed.
+
+    Parameters
+    ----------
+    path
+        The `.dat` file beside the input.
+    moved : str, optional
+        Node set of the forces; the first one of the file by default. In torsion that is TURN,
+        whose forces are moments [N mm], and AXIS has the forces.
+
+    Returns
+    -------
+    time : (n,) float64
+        Fraction of the travel, from zero (at rest, not in the file) upwards.
+    force : (n, 3) float64
+        Force of what moves on the sample [N].
+
+    Raises
+    ------
+    InputError
+        If the file holds no forces of the set: the run stopped in its first increment.
+    """
+    number = r"\s+([-+.\dE]+)"
+    text = Path(path).read_text(encoding="utf-8")
+    total = rf"total force .* for set (\S+) and time{number}{number}{number}{number}"
+    found = re.findall(total, text)
+    rows = [row for name, *row in found if name == (moved or found[0][0])]
+    if not rows:
+        raise InputError(f"{path}: holds no forces; look for *ERROR in what CalculiX printed")
+    table = np.array([[0.0] * 4, *rows], dtype=np.float64)
+    return table[:, 0], table[:, 1:]

@@ -21,8 +21,9 @@ import pandas as pd
 from numpy.typing import NDArray
 
 from laws import noisy_record
+from peers import read_calculix_forces
 from softsample.constitutive.material import Material, Term
-from softsample.export.abaqus import material_lines, read_calculix_forces
+from softsample.export.abaqus import material_lines
 from softsample.io import write_json, write_text
 from softsample.phantom.draw import random_cuboid, random_scan
 from softsample.phantom.scan import Scan

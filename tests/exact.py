@@ -36,3 +36,28 @@ def uniaxial_record(area_mm2, height_mm, strain, cycles=1, seed=0):
     noise = np.random.default_rng(seed).normal(size=(2, len(time)))
     force = 1e-6 * area_mm2 * stress
     return time, height_mm * (stretch - 1.0) + 1e-3 * noise[0], force + 2e-4 * noise[1]
+
+
+def linear_modulus(mode, material):
+    """Slope [Pa] of a homogeneous test at no strain, from linear elasticity."""
+    mu, bulk = material.shear_modulus, material.bulk_modulus
+    nu = (3.0 * bulk - 2.0 * mu) / (6.0 * bulk + 2.0 * mu)
+    return {
+        "tension": 2.0 * mu * (1.0 + nu),
+        "compression": 2.0 * mu * (1.0 + nu),
+        "shear": mu,
+        "pure_shear": 2.0 * mu / (1.0 - nu),
+        "confined_compression": 2.0 * mu * (1.0 - nu) / (1.0 - 2.0 * nu),
+    }[mode]
+
+
+def incompressible_stress(mode, strain, terms):
+    """Nominal stress of an incompressible Ogden solid, terms of a modulus and an exponent."""
+    if mode == "shear":
+        stretch = 0.5 * strain + np.sqrt(1.0 + 0.25 * strain**2)
+        total = sum(2.0 * m / a * (stretch**a - stretch**-a) for m, a in terms)
+        return total / (stretch + 1.0 / stretch)
+    sign = 1.0 if mode == "tension" else -1.0
+    stretch = 1.0 + sign * strain
+    power = (2.0 * m / a * (stretch ** (a - 1.0) - stretch ** (-0.5 * a - 1.0)) for m, a in terms)
+    return sign * sum(power)

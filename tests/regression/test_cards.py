@@ -3,14 +3,15 @@
 import shutil
 import subprocess
 import xml.etree.ElementTree as ET
+from dataclasses import replace
 
 import numpy as np
 import pytest
 
-from softsample.constitutive.material import Material, Term, stress
+from peers import read_calculix_forces
+from softsample.constitutive.material import Material, Relaxation, Term, stress
 from softsample.constitutive.ogden import OgdenMaterial
 from softsample.errors import InputError
-from softsample.export.abaqus import read_calculix_forces
 from softsample.export.cards import write_card
 
 
@@ -97,6 +98,7 @@ def test_abaqus_gets_foam_as_one_term(tmp_path):
     write_card(tmp_path / "card.inp", FOAMS["foam"], "abaqus", "a test")
     lines = (tmp_path / "card.inp").read_text().splitlines()
     assert lines[-2:] == ["*HYPERFOAM, N=1", "0.0009, -8, 0.3"]
+    assert "Poisson's ratio 0.3." in lines[2]
 
 
 def of_febio(card, deformation):
@@ -181,6 +183,10 @@ def test_febio_has_the_same_stress_by_its_own_formula(tmp_path, name, mode):
         (FOAMS["foam"], "febio", "its foam is another one, unless Poisson's ratio is 0"),
         (one("gent", 1.0).plus(Term("gent", 1.0, (2.0,))), "febio", "it has one term of Gent"),
         (OF_FEBIO["fibre"].plus(FIBRE), "febio", "one direction of fibres, which buckle"),
+        *(
+            (replace(MATERIALS["two terms"], relaxation=Relaxation((0.3,), (5.0,))), program, why)
+            for program, why in (("calculix", "this solid relaxes"), ("febio", "solid relaxes"))
+        ),
     ],
 )
 def test_a_law_that_a_program_does_not_have_is_refused(tmp_path, material, program, why):

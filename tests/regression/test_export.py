@@ -9,9 +9,10 @@ import numpy as np
 import pytest
 import pyvista
 
+from peers import read_calculix_forces
 from softsample.constitutive.ogden import OgdenMaterial
 from softsample.errors import InputError
-from softsample.export.abaqus import read_calculix_forces, write_abaqus
+from softsample.export.abaqus import write_abaqus
 from softsample.export.febio import write_febio
 from softsample.export.series import write_series
 from softsample.fem.boundary import (
@@ -129,13 +130,13 @@ def test_calculix_indents_a_cylinder_to_the_same_curve(tmp_path, kind, ends):
 def test_abaqus_gets_moduli_as_they_are_and_every_set(tmp_path):
     mesh, path = cuboid(5), tmp_path / "test.inp"
     boundary = glued_boundary(mesh, "shear", mesh.glued(0.0))
-    write_abaqus(path, mesh, MATERIAL, boundary, 2e-3, element="C3D8RH")
+    write_abaqus(path, mesh, MATERIAL, boundary, 2e-3)
     lines = path.read_text().splitlines()
     law = [float(x) for x in lines[lines.index("*HYPERELASTIC, OGDEN, N=2") + 1].split(",")]
     np.testing.assert_allclose(law[:4], [1196.8e-6, -8.0, 113.1e-6, 16.0], rtol=1e-9)
     np.testing.assert_allclose(law[4], 2e6 / MATERIAL.bulk_modulus, rtol=1e-9)
     assert law[5] > 1e9  # no second volumetric term, and not CalculiX's default for zero
-    assert "*ELEMENT, TYPE=C3D8RH, ELSET=SAMPLE" in lines
+    assert "*ELEMENT, TYPE=C3D8R, ELSET=SAMPLE" in lines
     assert {"*NSET, NSET=BASE", "*NSET, NSET=BONDED", "BONDED, 1, 1, 2"} <= set(lines)
     assert not any("CONTACT" in line or "PLATEN" in line for line in lines)
 
@@ -179,8 +180,6 @@ def test_what_cannot_be_exported_is_refused(tmp_path):
     boundary = glued_boundary(mesh, "tension", mesh.glued(0.0))
     with pytest.raises(InputError, match="no program 'ansys'; there are abaqus, calculix"):
         write_abaqus(tmp_path / "a.inp", mesh, MATERIAL, boundary, 1e-3, program="ansys")
-    with pytest.raises(InputError, match="no domain 'hex'; there are three-field-solid"):
-        write_febio(tmp_path / "a.feb", mesh, MATERIAL, boundary, 1e-3, domain="hex")
     with pytest.raises(InputError, match="the platen must travel, got 0 m"):
         write_febio(tmp_path / "a.feb", mesh, MATERIAL, boundary, 0.0)
     held = np.where(boundary.held == PLATEN, FREE, boundary.held)
@@ -281,17 +280,6 @@ def test_febio_gets_a_ball_that_slides(tmp_path):
     np.testing.assert_allclose(np.linalg.norm(corners - [0, 0, 12.0], axis=-1), 4.0, rtol=1e-8)
     normal = np.cross(corners[:, 2] - corners[:, 0], corners[:, 3] - corners[:, 1])
     assert (normal[:, 2] < 0.0).all()  # towards the sample
-
-
-def test_udg_elements_get_the_hourglass_stiffness_of_the_solver(tmp_path):
-    """FEBio's coefficient is a stiffness: 1 N/mm would hold soft tissue like a rod."""
-    mesh, path = mesh_cuboid(8e-3, 8e-3, 8e-3, 2e-3), tmp_path / "test.feb"
-    boundary = glued_boundary(mesh, "tension", mesh.glued(0.0))
-    write_febio(path, mesh, MATERIAL, boundary, 2e-3, domain="udg-hex")
-    domain = ET.parse(path).find("MeshDomains/SolidDomain[@type='udg-hex']")
-    model = ExplicitModel(mesh, SolverSettings(precision="float64"))
-    stiffness = model.elements(MATERIAL.shear_modulus).stiffness.max()
-    assert float(domain.findtext("hg")) == pytest.approx(1e-3 * stiffness, rel=1e-6)
 
 
 def snapshot(mesh, travel, displacement):

@@ -13,10 +13,11 @@ from softsample.laws.candidates import FRACTION, Candidate
 from softsample.laws.choice import choose
 from softsample.laws.discrepancy import Discrepancy
 from softsample.laws.fit import Problem
-from softsample.laws.folds import Fits, everything, inner_folds
+from softsample.laws.folds import Fits, error_on, everything, inner_folds
 from softsample.laws.group import ALL, group_report, parts_of
 from softsample.laws.intervals import intervals, left_open
 from softsample.laws.response import HomogeneousResponse
+from softsample.laws.setup import SamplesOfGroup
 from softsample.laws.simulate import SimulatedResponse, simulate_law
 from softsample.laws.table import best_laws, choices, law_table, model_errors
 from softsample.laws.test import LawTest
@@ -109,6 +110,38 @@ def test_the_true_law_is_among_those_chosen_in_noise(law):
     assert chosen.folds == 4  # three modes and the last part
 
 
+@pytest.mark.parametrize(
+    ("law", "stress"),
+    [
+        ("yeoh", of_invariants(lambda x: 0.5 + 0.6 * x + 3.0 * x**2, zero)),
+        ("ogden", of_exponent(-14.0)),
+    ],
+)
+def test_a_known_error_of_scale_between_modes_is_no_error_of_the_law(law, stress):
+    rng = np.random.default_rng(1)
+    tests = three(stress, noise=1e-3, rng=rng)
+    for test, scale in zip(tests, (1.03, 0.99, 1.01), strict=True):
+        test.force[:] *= scale
+    tests = [replace(test, scale_error=0.02) for test in tests]
+    names = ["neo_hooke", "ogden", "mooney_rivlin", "gent", "yeoh", "neo_hooke+ogden"]
+    candidates = [Candidate.of(name) for name in names]
+    reports = {"S1": group_report(tests, candidates, {}, 0.003, 0.9)[0]}
+    assert choices(candidates, reports, False)["S1"]["recommended"] == law
+
+
+def test_an_error_of_scale_beyond_its_limits_counts():
+    """It is rectangular: a standard deviation of 2 % allows 3.46 %."""
+    tests = [loading("tension", of_exponent(2.0))]
+    fit = Problem(tests, everything(tests)).fit(Candidate.of("neo_hooke"))
+    for scale, left in ((0.97, 0.0), (1.03, 0.0), (1.06, 0.06 / 1.06 - 0.02 * np.sqrt(3.0) / 1.06)):
+        moved = [replace(tests[0], force=scale * tests[0].force, scale_error=0.02)]
+        shape = np.sqrt(np.mean((tests[0].force / tests[0].peak) ** 2))
+        error = error_on(fit, moved, everything(moved), beyond_scale=True)
+        assert error == pytest.approx(left * shape, rel=1e-3, abs=1e-5)
+        plain = error_on(fit, moved, everything(moved))
+        assert plain == pytest.approx(abs(scale - 1.0) / scale * shape, rel=1e-3)
+
+
 def test_a_pair_of_mirrored_exponents_is_open_in_shear_and_not_in_compression():
     candidate = Candidate.of_pair((-8.0, 8.0))
     for mode, expected in (("shear", [FRACTION]), ("compression", [])):
@@ -179,6 +212,24 @@ def test_a_law_at_the_end_of_its_range_is_said():
     assert fit.bounds_met == ["alpha at its minimum, -45"]
 
 
+def test_a_parameter_near_the_end_of_a_wide_range_has_an_interval_and_is_not_at_the_end():
+    """Its deviance at both ends is that of the confidence: a signed root of 1.645."""
+    stress = of_invariants(lambda x: 0.5 * 0.11 / (0.11 - x), zero)
+    noise = {"noise": 1e-3, "rng": np.random.default_rng(1)}
+    tests = [loading(mode, stress, **noise) for mode in ("tension", "shear")]
+    problem, law = Problem(tests, everything(tests)), Candidate.of("gent")
+    fit = problem.fit(law)
+    weighted = Discrepancy(problem, fit).weighted
+    best = weighted.fit(law, [fit.shape], 1)
+    assert best.shape[0] == pytest.approx(0.11, rel=0.02)
+    assert best.bounds_met == []
+    ends = intervals(weighted, best, 0.9)["Jm"]
+    assert ends.low < 0.11 < ends.high
+    for end in (ends.low, ends.high):
+        there = weighted.fit(law, [best.shape], 1, held={0: end})
+        assert np.sqrt(there.cost - best.cost) == pytest.approx(1.645, abs=0.04)
+
+
 def test_a_law_as_good_but_simpler_is_recommended():
     candidates = [Candidate.of("ogden+ogden"), Candidate.of("ogden"), Candidate.of("neo_hooke")]
     errors = {"ogden+ogden": [0.05, 0.04, 0.05], "ogden": [0.05, 0.05, 0.045],
@@ -213,7 +264,7 @@ def test_what_is_held_out_changes_no_fit_and_no_fold():
         parts = parts_of(tests, {"leave_out_shear": ["s"]})
         fits, candidate = Fits(tests), Candidate.of("ogden")
         folds = {name: fits.fold_errors(candidate, part) for name, part in parts.items()}
-        return folds, fits.of(candidate, parts[ALL]).mu
+        return folds, fits.of(candidate, parts[ALL])[1].mu
 
     assert made(1.0) == made(3.0)
     assert "leave_out_shear" not in made(1.0)[0]["leave_out_shear"]
@@ -279,8 +330,7 @@ def test_a_face_that_meets_the_platen_bit_by_bit_is_fitted_where_contact_was_fou
     levels = SIDE * np.linspace(0.0, 0.1, 201)
     depth = np.maximum(np.subtract.outer(way, levels), 0.0)
     force = 800.0 * CUBE.area * of_exponent(-8.0)("compression", depth / SIDE).mean(axis=1)
-    marks = [np.full(71, "ramp"), np.ones(71, np.int64), np.ones(71, bool)]
-    record = Record(None, -way, -force, None, None, *marks)
+    record = approached(way, force)
     row = {"sample": "c", "mode": "compression", "specimen": "c"}
     response = HomogeneousResponse(CUBE, "compression", ALMOST)
     tests = [LawTest.of(row, record, np.zeros(71, bool), response, SIDE, stated=True)]
@@ -291,6 +341,25 @@ def test_a_face_that_meets_the_platen_bit_by_bit_is_fitted_where_contact_was_fou
     assert fit.shape[0] == pytest.approx(-8.0, rel=0.1)
     known = LawTest.of(row, record, np.zeros(71, bool), response, SIDE, stated=False)
     assert known.contact_depth == 0.0
+
+
+def approached(way, force, mode="compression"):
+    """A record of a platen that begins above the sample."""
+    marks = [np.full(len(way), "ramp"), np.ones(len(way), np.int64), np.ones(len(way), bool)]
+    return Record(None, -way, -force, None, None, *marks)
+
+
+def test_a_platen_that_has_not_touched_has_no_force():
+    way = np.linspace(-0.15, 0.3, 91) * SIDE
+    force = 800.0 * CUBE.area * of_exponent(-8.0)("compression", np.maximum(way, 0.0) / SIDE)
+    row = {"sample": "c", "mode": "compression", "specimen": "c"}
+    response = HomogeneousResponse(CUBE, "compression", ALMOST)
+    record = approached(way, force)
+    tests = [LawTest.of(row, record, np.zeros(91, bool), response, SIDE, stated=False)]
+    fit = Problem(tests, everything(tests)).fit(Candidate.of("ogden"))
+    assert np.all(fit.force(tests[0])[tests[0].displacement < 0.0] == 0.0)
+    assert fit.shape[0] == pytest.approx(-8.0, rel=0.02)
+    assert fit.mu == pytest.approx(800.0, rel=5e-3)
 
 
 class FakeModel:
@@ -357,3 +426,61 @@ def test_runs_that_lie_on_a_line_of_a_plane_are_taken_as_they_are():
     uniform = response.homogeneous.unit_force(pair, shape, way)
     ratio = response.unit_force(pair, shape, way) / uniform
     assert ratio == pytest.approx(FakeModel.factor(-6.0, way / SIDE), rel=5e-3)
+
+
+def test_a_law_that_one_group_lacks_is_not_asked_of_it_by_the_others():
+    candidates = [Candidate.of("neo_hooke"), Candidate.of("ogden")]
+    folds = {"leave_out_shear": ["s"]}
+    reports = {
+        group: group_report(three(of_exponent(-12.0)), candidates, folds, 0.003, 0.9)[0]
+        for group in ("S1", "S2")
+    }
+    del reports["S1"]["laws"]["ogden"]
+    chosen = choices(candidates, reports, False)
+    assert chosen["S1"]["by_other_groups"]["leave_out_shear"]["law"] == "neo_hooke"
+    assert chosen["S2"]["recommended"] == "ogden"
+
+
+@pytest.mark.parametrize("stated", [False, True])
+def test_a_confirming_run_meets_an_uneven_face_as_the_fit_does(stated):
+    """The run is what the fit took for the force, so that nothing is left of the difference."""
+    way = np.linspace(-0.15, 0.3, 181) * SIDE
+    levels = SIDE * np.linspace(0.0, 0.08 if stated else 0.0, 101)
+    strain = np.maximum(np.subtract.outer(way, levels), 0.0) / SIDE
+    uniform = of_exponent(-18.0)("compression", strain) * FakeModel.factor(-18.0, strain)
+    record = approached(way, 800.0 * CUBE.area * uniform.mean(axis=1))
+    row = {"sample": "c", "mode": "compression", "specimen": "c"}
+    response = simulated(FakeModel())
+    tests = [LawTest.of(row, record, np.zeros(181, bool), response, SIDE, stated=stated)]
+    law = Candidate.of("ogden")
+    report, curves = group_report(tests, [law], {}, 0.003, 0.9)
+    samples = SamplesOfGroup([row], ["c"], [record], [CUBE], {})
+    piece = SimpleNamespace(name="c")
+    for factor in (1.0, 1.1):
+
+        def stiffer(strain_alpha, strain, factor=factor):
+            return factor * FakeModel.factor(strain_alpha, strain)
+
+        model = FakeModel()
+        model.factor = stiffer
+        object.__setattr__(samples, "response", lambda piece, model=model: simulated(model))
+        found = samples.confirmed(piece, law, report["laws"]["ogden"], curves)
+        assert found["difference_percent"][0] == pytest.approx(100.0 * (factor - 1.0), abs=0.1)
+
+
+def test_what_lies_beyond_the_runs_is_left_out_and_said():
+    strain = np.linspace(0.0, 0.4, 81)
+    force = 800.0 * CUBE.area * of_exponent(-18.0)("compression", strain)
+    row = {"sample": "c", "mode": "compression", "specimen": "c"}
+    response = HomogeneousResponse(CUBE, "compression", ALMOST)
+    record, none = approached(SIDE * strain, force), np.zeros(81, bool)
+    kind = {"response": response, "height": SIDE, "stated": False}
+    test = LawTest.of(row, record, none, **kind, travel=0.3 * SIDE)
+    assert test.stroke == pytest.approx(0.3 * SIDE, rel=0.02)
+    assert test.reached == pytest.approx(0.75)
+    assert LawTest.of(row, record, none, **kind).reached == 1.0
+    tests, laws = [test, loading("shear", of_exponent(-18.0))], [Candidate.of("ogden")]
+    reports = {"S1": group_report(tests, laws, {}, 0.003, 0.9)[0]}
+    chosen = choices(laws, reports, False)
+    (remark,) = law_table(laws, reports, chosen, {"S1": 0.0}, 0.9)["remark"]
+    assert "c is fitted to 75 % of its loading" in remark

@@ -129,7 +129,6 @@ def test_forces_at_displacements_come_from_one_evaluation():
     assert of_curves == {
         ("response/curves.py", f"{name}.force") for name in ("ResponseCurves", "Curves", "Scaled")
     } | {
-        ("response/bond.py", "OtherBond.force"),  # a multiple of them
         ("response/perturbations.py", "simulate_perturbations.force"),  # of a run
         ("response/perturbations.py", "_pressed_changes.force"),
     }

@@ -185,3 +185,26 @@ def test_report_of_two_samples_is_complete_and_plain():
         assert interval["low"] < value < interval["high"]
     both = np.sum([c["mu_pa"] for c in report["per_percent_of_force"].values()])
     assert both == pytest.approx(-0.01 * fit.mu, rel=0.02)
+
+
+def test_the_interval_of_an_absent_term_has_no_lower_end():
+    """Its upper end is where a scan of all moduli reaches the deviance of the confidence."""
+    fractions, rng = np.linspace(0.0, 1.0, 9), np.random.default_rng(1)
+    bend = np.outer(fractions, TRAVEL) / TRAVEL[-1]
+    curves = {"S1": ResponseCurves(fractions, TRAVEL, SLOPE * TRAVEL * (1.0 + bend))}
+    force = MU * SLOPE * TRAVEL * (1.0 - 0.01 * TRAVEL / TRAVEL[-1]) + 0.002 * rng.normal(size=240)
+    measured = {"S1": MeasuredCurve(TRAVEL, force)}
+    fit = fit_ogden(curves, measured, SETTINGS)
+    assert fit.mu1_fraction < 1e-6
+    found = Uncertainty(curves, measured, fit, SETTINGS, UncertaintySettings(draws=20))
+    interval = found.likelihood().profile("mu1", 0.1, 0.9).ends()
+    assert found.report({})["profile"].get("mu1_pa", interval)["low"] is None
+    assert interval["low"] is None
+
+    def deviance(term):
+        moduli = fit.mu * np.linspace(0.9, 1.1, 801)
+        least = min(found.objective(mu, term / mu) for mu in moduli)
+        return 2.0 * found.effective_points() * np.log(least / found.objective(*fit.parameters))
+
+    assert deviance(0.5 * interval["high"]) < normal_quantile(0.9) ** 2
+    assert deviance(1.5 * interval["high"]) > normal_quantile(0.9) ** 2

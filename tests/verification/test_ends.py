@@ -6,7 +6,8 @@ from functools import cache
 import numpy as np
 import pytest
 
-from softsample.constitutive.homogeneous import homogeneous_force, linear_modulus
+from exact import linear_modulus
+from softsample.constitutive.homogeneous import homogeneous_force
 from softsample.constitutive.ogden import OgdenMaterial
 from softsample.fem.boundary import ContactSettings, glued_boundary, mode_boundary
 from softsample.fem.element import hex_geometry

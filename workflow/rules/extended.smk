@@ -101,7 +101,7 @@ rule calibrate_exponents:
         modes={name: row["mode"] for name, row in SAMPLES.items()},
         settings=config["calibration"],
         uncertainty=config["uncertainty"],
-        alpha=config["material"]["alpha"],
+        material=config["material"],
     message:
         "Calibrate with free exponents"
     script:

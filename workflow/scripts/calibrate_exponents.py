@@ -11,17 +11,17 @@ from softsample.workflow import logged_to, progress_bar, provenance
 
 with logged_to(snakemake):
     given, files, modes = snakemake.params, snakemake.input, snakemake.params.modes
-    alphas = [given.alpha for _ in modes]
+    materials = [given.material for _ in modes]
     heights = [IdealShape.of_report(io.read_json(path)).height for path in files.cuboids]
     tables = map(io.read_table, files.curves), map(io.read_table, files.fine)
-    families = map(ExponentFamily.of_tables, *tables, modes.values(), heights, alphas)
+    families = map(ExponentFamily.of_tables, *tables, modes.values(), heights, materials)
     loads = map(MeasuredCurve.of_record, map(io.read_record, files.records), modes.values())
     settings = CalibrationSettings(**given.settings), UncertaintySettings(**given.uncertainty)
     report, profiles = exponents_of_groups(
         given.groups,
         dict(zip(modes, families, strict=True)),
         dict(zip(modes, loads, strict=True)),
-        given.alpha,
+        given.material["alpha"],
         *settings,
         {group: loading(modes[name] for name in own) for group, own in given.groups.items()},
         progress_bar(),

@@ -15,7 +15,7 @@ with logged_to(snakemake):
     measured = MeasuredCurve.of_record(io.read_record(files.record), mode)
     height = IdealShape.of_report(io.read_json(files.cuboid)).height
     tables = io.read_table(files.curves), io.read_table(files.fine)
-    family = ExponentFamily.of_tables(*tables, mode, height, given.material["alpha"])
+    family = ExponentFamily.of_tables(*tables, mode, height, given.material)
     model, boundary = set_up(io.read_mesh_with_data(files.mesh), mode, given)
     bar = progress_bar()
     run = model.run(

@@ -5,7 +5,7 @@ from typing import Any
 
 from softsample.calibration.measured import MeasuredCurve
 from softsample.calibration.slsqp import CalibrationSettings, fit_ogden
-from softsample.response.bond import OtherBond
+from softsample.response.bond import of_other_rule
 from softsample.response.curves import ResponseCurves
 
 
@@ -35,7 +35,7 @@ def other_bond(
     if any(report["force_ratio"] is None for name, report in bonds.items() if name in measured):
         return None
     curves = {
-        name: OtherBond.of_report(curve, bonds[name]) if name in bonds else curve
+        name: of_other_rule(curve, bonds[name]) if name in bonds else curve
         for name, curve in responses.items()
     }
     fit = fit_ogden(curves, measured, settings)

@@ -2,7 +2,6 @@
 
 from collections.abc import Callable, Mapping, Sequence
 from copy import copy
-from functools import partial
 from itertools import product
 from typing import Any, Self
 
@@ -16,10 +15,11 @@ from softsample.calibration.likelihood import AreaLikelihood, Profile
 from softsample.calibration.measured import MeasuredCurve
 from softsample.calibration.slsqp import CalibrationSettings, fit_ogden
 from softsample.calibration.uncertainty import Uncertainty, UncertaintySettings
-from softsample.constitutive.ogden import nominal_stress
 from softsample.errors import CalibrationError
 from softsample.protocol import travel_sign
+from softsample.response.closed_form import ClosedForm, two_terms
 from softsample.response.curves import ResponseCurves
+from softsample.response.law_response import REFERRED
 
 Array = NDArray[np.float64]
 
@@ -75,7 +75,7 @@ class ExponentFamily:
         self.bounds = {name: (float(n.min()), float(n.max())) for name, n in grid.items()}
 
     @classmethod
-    def of_table(cls, table: pd.DataFrame, mode: str, height: float) -> Self:
+    def of_table(cls, table: pd.DataFrame, mode: str, height: float, poisson_ratio: float) -> Self:
         """Family of a file of curves (`mu1_fraction`, ...) of a sample of some height [m]."""
         names = ["mu1_fraction", "alpha1", "alpha2"]
         table = table.assign(travel=1e-3 * table["displacement_mm"].abs())
@@ -84,11 +84,13 @@ class ExponentFamily:
         displacement = np.unique(table["travel"].to_numpy())
         force = 1e-6 * travel_sign(mode) * table["force_per_mu_mm2"].to_numpy()
         runs = [len(nodes) for nodes in grid.values()]
+        like = REFERRED.get(mode, mode)
+        closed = ClosedForm(1.0, like, displacement / height, False, poisson_ratio)
         return cls(
             grid,
             displacement,
             force.reshape(*runs, force.size // int(np.prod(runs))),
-            partial(nominal_stress, mode, displacement / height),
+            lambda fraction, *alpha: closed.ogden(two_terms(fraction, alpha)),
         )
 
     @classmethod
@@ -98,11 +100,11 @@ class ExponentFamily:
         fine: pd.DataFrame,
         mode: str,
         height: float,
-        alpha: Sequence[float],
+        material: Mapping[str, Any],
     ) -> Self:
-        """`of_table`, at the level of the curves `fine` of the study's mesh and exponents."""
-        family = cls.of_table(table, mode, height)
-        return family.anchored(ResponseCurves.of_table(fine, mode), alpha)
+        """`of_table`, at the level of the curves `fine` of the study's mesh and `material`."""
+        family = cls.of_table(table, mode, height, material["poisson_ratio"])
+        return family.anchored(ResponseCurves.of_table(fine, mode), material["alpha"])
 
     def force_per_mu(self, fraction: float, alpha1: float, alpha2: float) -> Array:
         """Force per modulus [m2] (n,) at the family's displacements."""

@@ -96,15 +96,20 @@ class AreaLikelihood:
         step : float
             First distance from the optimum, doubled a few times; of a modulus a part of its value.
         confidence : float
-            Of the interval.
+            Of the interval; a term whose share may be `LEAST_SHARE` has no lower end.
         """
         if name not in MODULI:
             return self._profile(self, self.best, self.bounds, name, step, confidence)
         split = name != "mu" and "mu1_fraction" in self.search.bounds
         deviance, best, bounds = self._of_term(name) if split else (self, self.best, self.bounds)
         found = self._profile(deviance, best, bounds, "mu", step, confidence)
-        ends = (float(np.exp(end)) if np.isfinite(end) else end for end in (found.low, found.high))
-        return Profile(np.exp(found.points), found.deviance, *ends)
+        points, depths = np.exp(found.points), found.deviance
+        ends = (found.low, found.high)
+        low, high = (float(np.exp(end)) if np.isfinite(end) else end for end in ends)
+        if split and low <= LEAST_SHARE * self.fit.mu:
+            _, high = profile_interval(points, depths, float(np.exp(best[0])), confidence)
+            return Profile(points, depths, -np.inf, high)
+        return Profile(points, depths, low, high)
 
     def _of_term(self, name: str) -> tuple[Callable[[Array], float], Array, list]:
         """Deviance, optimum and bounds in ln(mu_i) and ln(mu_i / mu) in place of ln(mu), mu1 / mu.

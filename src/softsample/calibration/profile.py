@@ -16,6 +16,16 @@ from scipy.special import ndtri
 
 Array = NDArray[np.float64]
 
+AT_BOUND = 1e-3
+"""Part of a range within which a parameter is at its bound."""
+
+
+def end_met(part: float) -> str | None:
+    """`minimum` or `maximum` where a parameter at a part of its range is at that end of it."""
+    if part < AT_BOUND:
+        return "minimum"
+    return "maximum" if part > 1.0 - AT_BOUND else None
+
 
 def normal_quantile(confidence: float) -> float:
     """Half-width of the central interval of a standard normal variable (1.645 for 0.9)."""

@@ -10,6 +10,7 @@ from numpy.typing import NDArray
 from scipy.optimize import OptimizeResult, minimize
 
 from softsample.calibration.measured import MeasuredCurve
+from softsample.calibration.profile import end_met
 from softsample.errors import CalibrationError
 from softsample.response.curves import Curves
 
@@ -304,15 +305,10 @@ def _start_report(search: Search, start: Array, result: OptimizeResult) -> dict[
 
 
 def _active(x: Array, bounds: Mapping[str, tuple[float, float]]) -> list[str]:
-    """Names of the bounds that the optimum touches (within 0.1 % of the range)."""
-    active = []
-    for value, (name, (low, high)) in zip(x, bounds.items(), strict=True):
-        margin = 1e-3 * (high - low)
-        if value - low < margin:
-            active.append(f"{name} at its minimum")
-        if high - value < margin:
-            active.append(f"{name} at its maximum")
-    return active
+    """Names of the bounds that the optimum touches."""
+    parts = [(v - low) / (high - low) for v, (low, high) in zip(x, bounds.values(), strict=True)]
+    ends = zip(bounds, map(end_met, parts), strict=True)
+    return [f"{name} at its {end}" for name, end in ends if end]
 
 
 def _fit(search: Search, x: Array, starts: list[dict[str, Any]]) -> Fit:

@@ -26,6 +26,9 @@ from softsample.response.curves import Curves, Scaled
 
 Array = NDArray[np.float64]
 
+STEPS = 1e-4, 0.1
+"""Least and largest first step of a profile, as a part of the modulus."""
+
 SEED = 1
 """Seed of the bootstrap: the same records give the same intervals."""
 
@@ -183,7 +186,7 @@ class Uncertainty:
         change = {}
         for sample, curves in self.families.items():
             up, down = (
-                self.refit({**self.families, sample: Scaled(curves, 1.0 + 0.01 * step)})
+                self.refit({**self.families, sample: Scaled(curves, [1.0 + 0.01 * step])})
                 for step in (percent, -percent)
             )
             change[sample] = (up - down) / (2.0 * percent)
@@ -226,7 +229,7 @@ class Uncertainty:
             },
             "profile": {
                 f"{name}_pa": likelihood.profile(
-                    name, max(sd / value, 1e-4), self.settings.confidence
+                    name, float(np.clip(sd / value, *STEPS)), self.settings.confidence
                 ).ends()
                 for name, value, sd in zip(MODULI, values, spread, strict=True)
                 if value > 0.0

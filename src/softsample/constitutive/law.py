@@ -24,8 +24,6 @@ class Parameter:
         Name in tables and files, unit (`1` for none), words for a page.
     low, high, default : float
         Range that a fit searches, and a value to start from.
-    null : float, optional
-        The value at which the law becomes a simpler one, where there is one.
     least, most : float
         Limits beyond which the law does not exist.
     """
@@ -35,7 +33,6 @@ class Parameter:
     low: float
     high: float
     default: float
-    null: float | None
     title: str
     least: float = -np.inf
     most: float = np.inf

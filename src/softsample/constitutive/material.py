@@ -1,6 +1,5 @@
 """A material: a sum of elastic laws with their moduli, bulk modulus and relaxation."""
 
-from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Any, Self
 
@@ -200,40 +199,6 @@ class Material:
 def compressibility(poisson_ratio: float) -> float:
     """Shear modulus over bulk modulus."""
     return 1.5 * (1.0 - 2.0 * poisson_ratio) / (1.0 + poisson_ratio)
-
-
-def unit_material(
-    name: str, shape: Mapping[str, float] | None = None, poisson_ratio: float = 0.49
-) -> Material:
-    """One law at a shear modulus of 1 Pa.
-
-    Parameters
-    ----------
-    name : str
-        One of `softsample.constitutive.laws.LAWS`.
-    shape : mapping, optional
-        Shape parameters by name; those that are left out have their defaults.
-    poisson_ratio : float
-        Of a law that has none of its own among its parameters.
-
-    Raises
-    ------
-    ValueError
-        On an unknown law or parameter, a number out of range, or a law that is no solid alone.
-    """
-    given = dict(shape or {})
-    if name not in LAWS:
-        raise ValueError(f"no elastic law {name!r}; there are {', '.join(LAWS)}")
-    names = [parameter.name for parameter in LAWS[name].shape]
-    unknown = sorted(set(given) - set(names))
-    if unknown:
-        raise ValueError(f"{name} has no parameter {', '.join(unknown)}; it has {names}")
-    if isinstance(LAWS[name], FibreLaw):
-        raise ValueError(f"{name} is no solid alone; add it to one with `Material.plus`")
-    numbers = tuple(given.get(p.name, p.default) for p in LAWS[name].shape)
-    term = Term(name, 1.0, numbers)
-    own = term.own_poisson_ratio
-    return Material((term,), poisson_ratio if own is None else own)
 
 
 def energy(gradient: ArrayLike, material: Material) -> Array:

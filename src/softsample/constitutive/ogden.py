@@ -83,37 +83,3 @@ def unit_modulus(
     if mu1_fraction == 1.0:
         return OgdenMaterial(mu[:1], tuple(alpha[:1]), poisson_ratio)
     return OgdenMaterial(mu, tuple(alpha), poisson_ratio)
-
-
-def nominal_stress(
-    mode: str, strain: Array, mu1_fraction: float, alpha1: float, alpha2: float
-) -> Array:
-    """Nominal stress per shear modulus of an incompressible two-term solid in a homogeneous test.
-
-    Parameters
-    ----------
-    mode : str
-        `tension` and `compression` are uniaxial, `shear` is simple shear.
-    strain : (n,) float64
-        Travel over height, >= 0 in every mode, below 1 in compression.
-    mu1_fraction : float
-        Part of the first term in the shear modulus.
-    alpha1, alpha2 : float
-        Exponents.
-
-    Returns
-    -------
-    (n,) float64
-        Along the travel, >= 0 as the solid resists, dimensionless.
-    """
-    terms = ((mu1_fraction, alpha1), (1.0 - mu1_fraction, alpha2))
-    if mode == "shear":
-        stretch = 0.5 * strain + np.sqrt(1.0 + 0.25 * strain**2)
-        total = sum(2.0 * m / a * (stretch**a - stretch**-a) for m, a in terms)
-        return np.asarray(total / (stretch + 1.0 / stretch))
-    sign = 1.0 if mode == "tension" else -1.0
-    stretch = 1.0 + sign * strain
-    return np.asarray(
-        sign
-        * sum(2.0 * m / a * (stretch ** (a - 1.0) - stretch ** (-0.5 * a - 1.0)) for m, a in terms)
-    )

@@ -1,8 +1,6 @@
-"""Input of Abaqus and CalculiX for a test, and the forces that CalculiX prints."""
+"""Input of Abaqus and CalculiX for a test."""
 
-import re
 from collections.abc import Iterable, Iterator
-from pathlib import Path
 
 import numpy as np
 from numpy.typing import NDArray
@@ -38,7 +36,6 @@ def write_abaqus(
     travel: float,
     *,
     program: str = "abaqus",
-    element: str = "C3D8R",
     increments: int = 20,
 ) -> None:
     """Write a static test as input of Abaqus/Standard or CalculiX, atomically.
@@ -58,8 +55,6 @@ def write_abaqus(
         Travel of the moving platen [m], > 0, in proportion to the step's time from 0 to 1.
     program : str
         `abaqus` or `calculix`, which differ in contact and in requests of output.
-    element : str
-        Type of the sample's elements: C3D8R, C3D8, or (Abaqus alone) C3D8RH.
     increments : int
         Smallest number of increments.
 
@@ -87,8 +82,8 @@ def write_abaqus(
     test = StaticTest(mesh, material, boundary, travel)
     lines = [
         *(f"** {line}" for line in test.header),
-        f"** Input of {program}; elements {element}.",
-        *_sample(test, element, program),
+        f"** Input of {program}; elements C3D8R.",
+        *_sample(test, program),
         *_plates(test),
         *_contact(test, program),
         *_turned_body(test, program),
@@ -106,45 +101,11 @@ def write_abaqus(
     write_text(path, "\n".join(lines) + "\n")
 
 
-def read_calculix_forces(path: PathLike, moved: str | None = None) -> tuple[Array, Array]:
-    """Forces that a run of CalculiX printed.
-
-    Parameters
-    ----------
-    path
-        The `.dat` file beside the input.
-    moved : str, optional
-        Node set of the forces; the first one of the file by default. In torsion that is TURN,
-        whose forces are moments [N mm], and AXIS has the forces.
-
-    Returns
-    -------
-    time : (n,) float64
-        Fraction of the travel, from zero (at rest, not in the file) upwards.
-    force : (n, 3) float64
-        Force of what moves on the sample [N].
-
-    Raises
-    ------
-    InputError
-        If the file holds no forces of the set: the run stopped in its first increment.
-    """
-    number = r"\s+([-+.\dE]+)"
-    text = Path(path).read_text(encoding="utf-8")
-    total = rf"total force .* for set (\S+) and time{number}{number}{number}{number}"
-    found = re.findall(total, text)
-    rows = [row for name, *row in found if name == (moved or found[0][0])]
-    if not rows:
-        raise InputError(f"{path}: holds no forces; look for *ERROR in what CalculiX printed")
-    table = np.array([[0.0] * 4, *rows], dtype=np.float64)
-    return table[:, 0], table[:, 1:]
-
-
-def _sample(test: StaticTest, element: str, program: str) -> Iterator[str]:
+def _sample(test: StaticTest, program: str) -> Iterator[str]:
     """Nodes, elements, sets and material of the sample."""
     yield "*NODE, NSET=SAMPLE"
     yield from _nodes(test.points, 0)
-    yield f"*ELEMENT, TYPE={element}, ELSET=SAMPLE"
+    yield "*ELEMENT, TYPE=C3D8R, ELSET=SAMPLE"
     yield from _elements(test.mesh.hexes, 0)
     for name, ids in test.sets.items():
         yield f"*NSET, NSET={name}"
@@ -162,7 +123,7 @@ def material_lines(material: Material, program: str) -> Iterator[str]:
         If the program has no such law.
     """
     cards = {"ogden": _ogden, "polynomial": _polynomial, "foam": _foam}
-    card = cards.get(family(material) or "")
+    card = cards.get(family(material, program) or "")
     if card is None:
         refuse(material, program, "it has Ogden terms, polynomials in I1 and I2, or foams")
     yield "*MATERIAL, NAME=TISSUE"

@@ -51,7 +51,7 @@ def write_card(path: PathLike, material: Material, program: str, origin: str) ->
     Raises
     ------
     InputError
-        On an unknown program, or a law that it does not have.
+        On an unknown program, a law that it does not have, or a material that relaxes.
 
     Notes
     -----
@@ -61,12 +61,13 @@ def write_card(path: PathLike, material: Material, program: str, origin: str) ->
     if program not in CONVENTIONS:
         raise InputError(f"no program {program!r}; there are {', '.join(CONVENTIONS)}")
     names = " + ".join(term.rule.title for term in material.terms)
-    convention = CONVENTIONS[program].get(family(material) or "", "")
+    convention = CONVENTIONS[program].get(family(material, program) or "", "")
+    mu, bulk = material.shear_modulus, material.bulk_modulus
     head = [
         f"{names} for {program}: {origin}.",
         f"Units: mm, N, MPa. {convention}.",
-        f"Initial shear modulus {1e-6 * material.shear_modulus:.6g} MPa, "
-        f"Poisson's ratio {material.poisson_ratio:g}.",
+        f"Initial shear modulus {1e-6 * mu:.6g} MPa, "
+        f"Poisson's ratio {(1.5 * bulk - mu) / (3.0 * bulk + mu):.6g}.",
     ]
     if program == "febio":
         tissue = ET.Element("material", id="1", name="tissue")

@@ -8,18 +8,14 @@ import numpy as np
 from numpy.typing import NDArray
 
 from softsample.constitutive.material import Material, Term
-from softsample.errors import InputError
 from softsample.export.laws import family, polynomial, powers, refuse
 from softsample.export.model import MPA, Array, StaticTest
 from softsample.fem.boundary import Boundary
-from softsample.fem.explicit import SolverSettings
 from softsample.io import MM, PathLike, write_text
 from softsample.meshing.mesh import HexMesh
 
 Law = tuple[str, dict[str, float], tuple[float, float, float] | None]
 """Type of a material in FEBio, its constants [MPa], and the direction of its fibres."""
-
-DOMAINS = ("three-field-solid", "udg-hex")
 
 QUADRATIC = 2
 """FEBio's `pressure_model` for K/2 (J - 1)^2 ("Abaqus"); its default is K/2 (ln J)^2."""
@@ -47,7 +43,6 @@ def write_febio(
     boundary: Boundary,
     travel: float,
     *,
-    domain: str = "three-field-solid",
     steps: int = 20,
 ) -> None:
     """Write a static test as input of FEBio 4 (febio_spec 4.0), atomically.
@@ -65,16 +60,13 @@ def write_febio(
         touch: rigid bodies with sticky or sliding contact.
     travel : float
         Travel of the moving platen [m], > 0, in proportion to time from 0 to 1.
-    domain : str
-        `three-field-solid` (mean dilatation) or `udg-hex` (one point, hourglass control).
     steps : int
         Number of time steps.
 
     Raises
     ------
     InputError
-        On an unknown domain, a law that FEBio does not have, a travel that is not positive, or if
-        nothing moves.
+        On a law that FEBio does not have, a travel that is not positive, or if nothing moves.
 
     Notes
     -----
@@ -86,8 +78,6 @@ def write_febio(
     ----------
     S. A. Maas et al., J. Biomech. Eng. 134 (2012) 011005, doi:10.1115/1.4005694.
     """
-    if domain not in DOMAINS:
-        raise InputError(f"no domain {domain!r}; there are {', '.join(DOMAINS)}")
     test = StaticTest(mesh, material, boundary, travel)
     root = ET.Element("febio_spec", version="4.0")
     root.extend(ET.Comment(f" {line} ") for line in test.header)
@@ -95,7 +85,7 @@ def write_febio(
     _control(ET.SubElement(root, "Control"), steps)
     _materials(ET.SubElement(root, "Material"), test)
     _mesh(ET.SubElement(root, "Mesh"), test)
-    _domains(ET.SubElement(root, "MeshDomains"), test, domain)
+    _domains(ET.SubElement(root, "MeshDomains"), test)
     _boundary(ET.SubElement(root, "Boundary"), test)
     if _bodies(test):
         _rigid(ET.SubElement(root, "Rigid"), test)
@@ -162,7 +152,7 @@ def _law(material: Material) -> Law:
         "gent": _gent,
         "fibre": _fibres,
     }
-    law = laws.get(family(material) or "")
+    law = laws.get(family(material, "febio") or "")
     if law is None:
         refuse(
             material, "febio", "it has Ogden terms, polynomials in I1 and I2, foams of Poisson's "
@@ -246,16 +236,11 @@ def _mesh(element: ET.Element, test: StaticTest) -> None:
         _fill(pair, primary="free", secondary=f"{plate.name}_face")
 
 
-def _domains(element: ET.Element, test: StaticTest, domain: str) -> None:
-    """Which material each part is made of; hourglass stiffness as the solver's for a cube."""
-    if family(test.material) == "foam":
-        domain = "elastic-solid"  # the others are for laws with an isochoric part of their own
-    solid = ET.SubElement(element, "SolidDomain", name="sample", mat="tissue", type=domain)
-    if domain == "udg-hex":
-        # FEBio's `hg` is a stiffness [N/mm], not a ratio: c mu V (B:B)/64 with B:B = 3/(2 h^2)
-        size = test.mesh.edge_length / MM
-        modulus = test.material.shear_modulus / MPA
-        _fill(solid, hg=SolverSettings().hourglass_coefficient * modulus * 1.5 * size / 64.0)
+def _domains(element: ET.Element, test: StaticTest) -> None:
+    """Which material each part is made of; mean dilatation where a law has an isochoric part."""
+    foam = family(test.material, "febio") == "foam"
+    kind = "elastic-solid" if foam else "three-field-solid"
+    ET.SubElement(element, "SolidDomain", name="sample", mat="tissue", type=kind)
     for plate in test.plates:
         ET.SubElement(element, "SolidDomain", name=plate.name, mat=plate.name)
 

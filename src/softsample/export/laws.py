@@ -29,8 +29,16 @@ def refuse(material: Material, program: str, why: str) -> NoReturn:
     )
 
 
-def family(material: Material) -> str | None:
-    """Which of `FAMILIES` a sum of laws belongs to, if any."""
+def family(material: Material, program: str) -> str | None:
+    """Which of `FAMILIES` a sum of laws belongs to, if any.
+
+    Raises
+    ------
+    InputError
+        If the material relaxes: what is written is elastic.
+    """
+    if material.relaxation:
+        refuse(material, program, "what is written is elastic, and this solid relaxes")
     laws = {term.law for term in material.terms}
     return next((name for name, members in FAMILIES.items() if laws <= members), None)
 

@@ -44,9 +44,9 @@ def covariance(test: LawTest, model: Array, kept: Mask, size: float) -> Array:
     kept : (n_points,) bool
         Points that count.
     size : float
-        Of the error of form and of that of scale, as parts of the peak.
+        Of the error of form and of that of scale, as parts of the peak of these points.
     """
-    way, peak = test.displacement[kept], test.peak
+    way, peak = test.displacement[kept], np.abs(test.force[kept]).max()
     apart = np.abs(np.subtract.outer(way, way)) / (LENGTH * test.stroke)
     scale = np.outer(model, model)
     error = size**2 * (peak**2 * np.exp(-apart) + scale) + test.scale_error**2 * scale

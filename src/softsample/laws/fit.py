@@ -13,6 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.optimize import least_squares
 
+from softsample.calibration.profile import end_met
 from softsample.laws.candidates import Candidate
 from softsample.laws.test import LawTest, Mask
 
@@ -31,9 +32,6 @@ MOST_STARTS = 3
 
 IMPOSSIBLE = 10.0
 """Residual over the record of a shape that has no response."""
-
-AT_BOUND = 1e-3
-"""Part of a range within which a parameter is at its bound."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -68,11 +66,8 @@ class LawFit:
         """Parameters that are at an end of their range, in words."""
         found = []
         for value, s in zip(self.shape, self.candidate.shape, strict=True):
-            margin = AT_BOUND * (s.high - s.low)
-            if value - s.low < margin:
-                found.append(f"{s.name} at its minimum, {s.low:g}")
-            if s.high - value < margin:
-                found.append(f"{s.name} at its maximum, {s.high:g}")
+            if end := end_met(s.part(value)):
+                found.append(f"{s.name} at its {end}, {s.low if end == 'minimum' else s.high:g}")
         return found
 
 

@@ -6,8 +6,10 @@ from dataclasses import dataclass
 import numpy as np
 
 from softsample.laws.candidates import Candidate
+from softsample.laws.discrepancy import Discrepancy
 from softsample.laws.fit import MOST_STARTS, LawFit, Problem
 from softsample.laws.test import LawTest, Mask
+from softsample.response.floor import rectangular
 
 LAST_PART = 0.75
 """Part of the displacement from which on the last part of a loading is left out."""
@@ -69,12 +71,29 @@ def _parts(found: Sequence[Fold]) -> list[set[int]]:
     return [{k for k, mask in enumerate(fold.left_out) if mask.any()} for fold in found]
 
 
-def error_on(fit: LawFit, tests: Sequence[LawTest], left_out: Sequence[Mask]) -> float:
-    """Root mean square error on what was left out over the peak of that, over all tests of it."""
+def error_on(
+    fit: LawFit, tests: Sequence[LawTest], left_out: Sequence[Mask], beyond_scale: bool = False
+) -> float:
+    """Root mean square error on what was left out over the peak of that, over all tests of it.
+
+    Parameters
+    ----------
+    fit, tests
+        A law, and what it predicts.
+    left_out : sequence of (n,) bool
+        Points of each test.
+    beyond_scale : bool
+        Whether an error of scale within the limits of `LawTest.scale_error` is no error of the law.
+    """
     squares = []
     for test, mask in zip(tests, left_out, strict=True):
         if mask.any():
-            gap = (test.force - fit.force(test))[mask]
+            force = fit.force(test)[mask]
+            gap = test.force[mask] - force
+            if beyond_scale:
+                limit = test.scale_error / rectangular(1.0)
+                scale = float(force @ gap) / max(float(force @ force), 1e-300)
+                gap = gap - np.clip(scale, -limit, limit) * force
             squares.append(np.mean(gap**2) / np.max(np.abs(test.force[mask])) ** 2)
     return float(np.sqrt(np.mean(squares)))
 
@@ -89,22 +108,31 @@ class Fits:
 
     def __init__(self, tests: Sequence[LawTest]) -> None:
         self.tests = tests
-        self._known: dict[tuple[str, bytes], LawFit] = {}
+        self._known: dict[tuple[str, bytes], tuple[Discrepancy, LawFit]] = {}
 
-    def of(self, candidate: Candidate, kept: Sequence[Mask]) -> LawFit:
-        """The fit to points of the tests; the first one of a law sets out from many starts."""
+    def of(self, candidate: Candidate, kept: Sequence[Mask]) -> tuple[Discrepancy, LawFit]:
+        """Residual model and likeliest parameters of points of the tests.
+
+        The model is that of the least-squares fit, the first of which sets out from many starts.
+        """
         key = candidate.name, np.packbits(np.concatenate(kept)).tobytes()
         if key not in self._known:
-            before = [fit.shape for (name, _), fit in self._known.items() if name == candidate.name]
-            most = 2 if before else MOST_STARTS
-            self._known[key] = Problem(self.tests, kept).fit(candidate, before[:1], most)
+            before = [
+                found.fit.shape
+                for (name, _), (found, _) in self._known.items()
+                if name == candidate.name
+            ]
+            problem = Problem(self.tests, kept)
+            fit = problem.fit(candidate, before[:1], 2 if before else MOST_STARTS)
+            found = Discrepancy(problem, fit)
+            self._known[key] = found, found.weighted.fit(candidate, [fit.shape], 1)
         return self._known[key]
 
     def fold_errors(self, candidate: Candidate, kept: Sequence[Mask]) -> dict[str, float]:
-        """Error on each inner fold of some points, over the peak, of the fit to the rest."""
+        """Error beyond scale on each inner fold of some points, of the fit to the rest."""
         found = {}
         for fold in inner_folds(self.tests, kept):
             rest = [mask & ~out for mask, out in zip(kept, fold.left_out, strict=True)]
-            fit = self.of(candidate, rest)
-            found[fold.name] = error_on(fit, self.tests, fold.left_out)
+            _, fit = self.of(candidate, rest)
+            found[fold.name] = error_on(fit, self.tests, fold.left_out, beyond_scale=True)
         return found

@@ -9,7 +9,6 @@ import pandas as pd
 
 from softsample.errors import CalibrationError
 from softsample.laws.candidates import Candidate
-from softsample.laws.discrepancy import Discrepancy
 from softsample.laws.fit import LawFit, Problem
 from softsample.laws.folds import Fits, error_on
 from softsample.laws.intervals import intervals, left_open, simpler_laws
@@ -76,7 +75,7 @@ def law_report(
 ) -> tuple[dict[str, Any], Problem, LawFit]:
     """One law on a group: parameters with intervals, what they say, and errors of all parts.
 
-    Parameters are those of the likelihood that the intervals are of; folds are least squares.
+    Parameters, of folds too, are those of the likelihood that the intervals are of.
 
     Parameters
     ----------
@@ -89,10 +88,7 @@ def law_report(
         Of the intervals.
     """
     tests, kept = fits.tests, parts[ALL]
-    fit = fits.of(candidate, kept)
-    problem = Problem(tests, kept)
-    found = Discrepancy(problem, fit)
-    best = found.weighted.fit(candidate, [fit.shape], 1)
+    found, best = fits.of(candidate, kept)
     report = {
         "title": candidate.title,
         "parameters": candidate.size,
@@ -118,7 +114,7 @@ def _held_out_error(candidate: Candidate, fits: Fits, part: Sequence[Mask]) -> f
     out = [~mask for mask in part]
     if not any(mask.any() for mask in out):
         return None
-    return error_on(fits.of(candidate, part), fits.tests, out)
+    return error_on(fits.of(candidate, part)[1], fits.tests, out)
 
 
 def group_report(
@@ -148,7 +144,8 @@ def group_report(
     -------
     report : dict
         `law_report` by law, each with `simpler`, laws of fewer parameters that the records do not
-        reject beside it; and `skipped`: why a law was left out, by law.
+        reject beside it; `skipped`: why a law was left out, by law; `reached`: the part of its
+        loading that was fitted, by sample whose runs go less far.
     curves : DataFrame
         `law`, `sample`, `displacement_mm`, `measured_N`, `model_N`.
 
@@ -178,7 +175,9 @@ def group_report(
     every = [best for _, best in likeliest]
     for problem, best in likeliest:
         laws[best.candidate.name]["simpler"] = simpler_laws(problem, best, every, confidence)
-    return {"laws": laws, "skipped": skipped}, pd.concat(_curves(best, tests) for best in every)
+    reached = {test.sample: test.reached for test in tests if test.reached < 1.0}
+    report = {"laws": laws, "skipped": skipped, "reached": reached}
+    return report, pd.concat(_curves(best, tests) for best in every)
 
 
 def _curves(fit: LawFit, tests: Sequence[LawTest]) -> pd.DataFrame:

@@ -8,6 +8,7 @@ from numpy.typing import NDArray
 from scipy.stats import chi2
 
 from softsample.calibration.profile import normal_quantile
+from softsample.laws.candidates import Shape
 from softsample.laws.fit import LawFit, Problem
 
 Array = NDArray[np.float64]
@@ -22,7 +23,7 @@ LEADING = 0.5
 STEPS = (0.002, 0.25)
 """Least and largest first step of a profile, as a part of the range or of the modulus."""
 
-REFINED = 3
+REFINED = 8
 """Corrections of where a profile crosses its level, at most."""
 
 NEAR = 0.03
@@ -52,8 +53,8 @@ def intervals(problem: Problem, fit: LawFit, confidence: float) -> dict[str, Int
     """
     level = normal_quantile(confidence)
 
-    def of_shape(k: int) -> Callable[[float], LawFit]:
-        return lambda value: problem.fit(fit.candidate, [fit.shape], 1, held={k: value})
+    def of_shape(k: int, s: Shape) -> Callable[[float], LawFit]:
+        return lambda part: problem.fit(fit.candidate, [fit.shape], 1, held={k: s.value(part)})
 
     def of_modulus(value: float) -> LawFit:
         return problem.fit(fit.candidate, [fit.shape], 1, modulus=float(np.exp(value)))
@@ -66,11 +67,13 @@ def intervals(problem: Problem, fit: LawFit, confidence: float) -> dict[str, Int
     ]
     found = {"mu": Interval(fit.mu, *(None if e is None else float(np.exp(e)) for e in ends))}
     for k, s in enumerate(fit.candidate.shape):
-        step = steps[1 + k] * (s.high - s.low)
+        part, step = s.part(fit.shape[k]), steps[1 + k]
+        parts = (
+            _end(of_shape(k, s), fit.cost, part, side * step, limit, level)
+            for side, limit in ((-1.0, 0.0), (1.0, 1.0))
+        )
         found[s.name] = Interval(
-            float(fit.shape[k]),
-            _end(of_shape(k), fit.cost, float(fit.shape[k]), -step, s.low, level),
-            _end(of_shape(k), fit.cost, float(fit.shape[k]), step, s.high, level),
+            float(fit.shape[k]), *(None if end is None else s.value(end) for end in parts)
         )
     return found
 

@@ -11,12 +11,15 @@ from softsample.fem.boundary import Ends
 from softsample.fem.setup import Sample, set_up
 from softsample.holdout import held_out
 from softsample.laws.candidates import Candidate
+from softsample.laws.fit import LawFit
 from softsample.laws.response import HomogeneousResponse
 from softsample.laws.simulate import SimulatedResponse
-from softsample.laws.test import LawTest, Response
+from softsample.laws.test import CONTACT_DEPTH, LawTest, Response
+from softsample.protocol import travel_sign
 from softsample.records import Record, reach
 from softsample.response.curves import ResponseCurves
 from softsample.response.floor import FloorSettings
+from softsample.response.unit import curve_difference
 from softsample.shapes import IdealShape
 
 
@@ -127,6 +130,7 @@ class SamplesOfGroup:
                 shape.height,
                 stated=not (row.get("image") or row.get("surface")),
                 scale_error=scale_errors.get(piece, 0.0),
+                travel=simulated[piece].travel if piece in simulated else np.inf,
             )
             for row, piece, record, shape in zip(
                 self.rows, self.pieces, self.records, self.shapes, strict=True
@@ -155,27 +159,25 @@ class SamplesOfGroup:
         Returns
         -------
         DataFrame
-            Of each sample of the piece: `sample`, `law`, `difference_percent` (largest, of the peak
-            force), `elements`.
+            Of each sample of the piece: `sample`, `law`, `difference_percent` (largest after
+            contact, of the peak force), `elements`.
         """
-        response = self.response(piece)
-        shape = np.array(list(fitted["shape"].values()))
-        force = fitted["mu_pa"] * response.simulate(candidate, shape)
-        own = {
-            row["sample"]
-            for row, name in zip(self.rows, self.pieces, strict=True)
-            if name == piece.name
-        }
-        table = curves[(curves["law"] == candidate.name) & curves["sample"].isin(own)]
-        way = np.abs(table["displacement_mm"]) * 1e-3
-        gap = np.abs(np.abs(table["model_N"]) - np.interp(way, response.grid, force)) / force.max()
-        there = way <= response.travel * (1.0 + 1e-9)
-        largest = 100.0 * gap[there].groupby(table["sample"], sort=False).max()
-        return pd.DataFrame(
-            {
-                "sample": largest.index,
-                "law": candidate.name,
-                "difference_percent": largest.to_numpy(),
-                "elements": len(response.model.mesh.hexes),
-            }
-        )
+        response, shape = self.response(piece), np.array(list(fitted["shape"].values()))
+        response.add(candidate, shape)
+        contact = {name: (1e-3 * a, 1e-3 * b) for name, (a, b) in fitted["contact_mm"].items()}
+        fit, found = LawFit(candidate, fitted["mu_pa"], shape, 0.0, contact), []
+        for row, name, ideal in zip(self.rows, self.pieces, self.shapes, strict=True):
+            if name != piece.name:
+                continue
+            sample, sign = row["sample"], travel_sign(row["mode"])
+            table = curves[(curves["law"] == candidate.name) & (curves["sample"] == sample)]
+            way = sign * 1e-3 * table["displacement_mm"].to_numpy()
+            force = sign * table["model_N"].to_numpy()
+            depth = CONTACT_DEPTH * ideal.height if sample in contact else 0.0
+            test = LawTest(sample, row["mode"], "", way, force, 0.0, response, depth)
+            there = (way > 0.0) & (way <= response.travel * (1.0 + 1e-9))
+            difference = curve_difference(fit.force(test)[there], force[there])
+            found.append({"sample": sample, "law": candidate.name,
+                          "difference_percent": 100.0 * difference,
+                          "elements": len(response.model.mesh.hexes)})  # fmt: skip
+        return pd.DataFrame(found)

@@ -105,7 +105,8 @@ def _by_others(
     others = {name: report for name, report in reports.items() if name != group}
     if not others:
         return {}
-    choice, report = choice_of(candidates, others), reports[group]
+    report = reports[group]
+    choice = choice_of(compared(candidates, {group: report}), others)
     parts = next(iter(report["laws"].values()))["held_out"]
     return {part: _nested(choice, report, part) for part, e in parts.items() if e is not None}
 
@@ -160,16 +161,20 @@ def law_table(
         choice, half = chosen[group], normal_quantile(confidence) * errors[group]
         known = [c for c in candidates if c.name in report["laws"]]
         for candidate in sorted(known, key=lambda c: -choice["log_likelihood"].get(c.name, -99.0)):
-            rows.append(_row(group, candidate, report["laws"][candidate.name], choice, half))
+            rows.append(_row(group, candidate, report, choice, half))
         for name, reason in report["skipped"].items():
             rows.append({"group": group, "law": name, "remark": f"not fitted: {reason}"})
     return pd.DataFrame(rows)
 
 
 def _row(
-    group: str, candidate: Candidate, law: Mapping[str, Any], choice: Mapping[str, Any], half: float
+    group: str,
+    candidate: Candidate,
+    report: Mapping[str, Any],
+    choice: Mapping[str, Any],
+    half: float,
 ) -> dict[str, Any]:
-    name = candidate.name
+    name, law = candidate.name, report["laws"][candidate.name]
     folds = list(law["folds"][ALL].values())
     held_out = [error for error in law["held_out"].values() if error is not None]
     mu = law["intervals"].get("mu", {"low": None, "high": None})
@@ -188,7 +193,7 @@ def _row(
         "error_held_out_percent": 100.0 * _root_mean_square(held_out),
         "behind": choice["behind"].get(name),
         "standard_error": choice["standard_error"].get(name),
-        "remark": "; ".join(remarks(law, choice)),
+        "remark": "; ".join(remarks(law, choice, report["reached"])),
     }
 
 
@@ -221,10 +226,16 @@ def _end(law: Mapping[str, Any], name: str, end: str) -> str:
     return "open" if value is None else f"{value:.3g}"
 
 
-def remarks(law: Mapping[str, Any], choice: Mapping[str, Any]) -> list[str]:
+def remarks(
+    law: Mapping[str, Any], choice: Mapping[str, Any], reached: Mapping[str, float]
+) -> list[str]:
     """What a reader of a fit has to know, in words."""
     found = [f"these data leave {' and '.join(law['open'])} open"] if law["open"] else []
     found += [f"these data drive {bound}" for bound in law["at_bound"]]
+    found += [
+        f"{sample} is fitted to {100.0 * part:.0f} % of its loading, as far as its runs go"
+        for sample, part in reached.items()
+    ]
     return [*found, choice["refused"]] if choice["refused"] else found
 
 

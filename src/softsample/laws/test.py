@@ -60,6 +60,8 @@ class LawTest:
     scale_error : float
         Standard deviation of the scale of the response, as a part of it: what mesh and element
         type leave open.
+    reached : float
+        Part of the loading that the response covers; what is beyond is left out.
     """
 
     sample: str
@@ -72,6 +74,7 @@ class LawTest:
     contact_depth: float = 0.0
     held_out: Mask = field(default_factory=lambda: np.zeros(0, bool))
     scale_error: float = 0.0
+    reached: float = 1.0
     _known: dict[tuple[str, bytes], Array] = field(default_factory=dict, repr=False)
 
     def __post_init__(self) -> None:
@@ -88,6 +91,7 @@ class LawTest:
         height: float,
         stated: bool,
         scale_error: float = 0.0,
+        travel: float = np.inf,
     ) -> Self:
         """From the calibrated loading of a record.
 
@@ -106,8 +110,12 @@ class LawTest:
             contact, and how even the face is.
         scale_error : float
             Of the response, as a part of it.
+        travel : float
+            Largest displacement of the response [m].
         """
-        sign, chosen = travel_sign(row["mode"]), record.calibrated.astype(bool)
+        sign, calibrated = travel_sign(row["mode"]), record.calibrated.astype(bool)
+        last = float(np.max(sign * record.displacement, where=calibrated, initial=0.0))
+        chosen = calibrated & (sign * record.displacement <= travel * (1.0 + 1e-9))
         way, force = sign * record.displacement[chosen], sign * record.force[chosen]
         points = reduced(way, force, held_out[chosen])
         found = row["mode"] in PRESSED_MODES and stated and way.min() < -APPROACH * height
@@ -115,6 +123,7 @@ class LawTest:
         return cls(
             row["sample"], row["mode"], row["specimen"], points[0], points[1], noise, response,
             CONTACT_DEPTH * height if found else 0.0, points[2], scale_error,
+            float(way.max()) / last if last > way.max() else 1.0,
         )  # fmt: skip
 
     @property
@@ -132,6 +141,8 @@ class LawTest:
     ) -> Array:
         """Force per shear modulus (n,) [m2] at the points; folds ask for the same ones again.
 
+        A platen that presses has no force before contact.
+
         Parameters
         ----------
         candidate, shape
@@ -142,7 +153,9 @@ class LawTest:
         """
         key = candidate.name, shape.tobytes()
         if key not in self._known:
-            self._known[key] = self.response.unit_force(candidate, shape, self.grid)
+            force = self.response.unit_force(candidate, shape, self.grid)
+            away = (self.grid <= 0.0) & (self.mode in PRESSED_MODES)
+            self._known[key] = np.where(away, 0.0, force)
         if not self.contact_depth:
             return self._known[key]
         start, depth = contact or (0.0, 0.0)

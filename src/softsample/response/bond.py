@@ -3,7 +3,7 @@
 import logging
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
-from typing import Any, Self
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -18,7 +18,7 @@ from softsample.fem.setup import Sample, set_up
 from softsample.meshing.bond import bonded_area
 from softsample.meshing.regions import relative_stiffness
 from softsample.meshing.sample import SampleMesh
-from softsample.response.curves import Curves
+from softsample.response.curves import Curves, Scaled
 from softsample.response.unit import find_pace, shortest_loading_time
 
 Array = NDArray[np.float64]
@@ -182,33 +182,15 @@ def by_rule(
     }
 
 
-@dataclass(frozen=True)
-class OtherBond:
+def of_other_rule(curves: Curves, report: Mapping[str, Any]) -> Scaled:
     """Curves of a sample as if the other rule than the study's had bonded it.
 
-    The ratio of forces is taken to be that of the calibrated material at every modulus fraction.
+    The ratio of forces of `report`, which `by_rule` returns, is that of the calibrated material; it
+    is taken to hold at every modulus fraction.
     """
-
-    curves: Curves
-    displacement: Array
-    ratio: Array
-
-    @classmethod
-    def of_report(cls, curves: Curves, report: Mapping[str, Any]) -> Self:
-        """Of what `by_rule` returns, with a ratio."""
-        ratio = np.array(report["force_ratio"])
-        other = ratio if report["rule"] == WITHIN_DEPTH else 1.0 / ratio
-        return cls(curves, MM * np.array(report["displacement_mm"]), other)
-
-    @property
-    def bounds(self) -> dict[str, tuple[float, float]]:
-        """Those of the curves."""
-        return self.curves.bounds
-
-    def force(self, displacement: Array, /, mu: float, *shape: float) -> Array:
-        """Force along the displacement [N]."""
-        ratio = np.interp(displacement, self.displacement, self.ratio)
-        return ratio * self.curves.force(displacement, mu, *shape)
+    ratio = np.array(report["force_ratio"])
+    other = ratio if report["rule"] == WITHIN_DEPTH else 1.0 / ratio
+    return Scaled(curves, other, MM * np.array(report["displacement_mm"]))
 
 
 def log_force(report: Mapping[str, Any]) -> float:

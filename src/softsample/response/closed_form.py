@@ -14,7 +14,7 @@ import numpy as np
 from numba import njit
 from numpy.typing import NDArray
 
-from softsample.constitutive.homogeneous import FREE
+from softsample.constitutive.homogeneous import CLOSE, FREE
 from softsample.constitutive.material import compressibility
 from softsample.protocol import PRESSED_MODES, SHEARED_MODES, travel_sign
 
@@ -24,8 +24,8 @@ Terms = tuple[tuple[float, float], ...]
 SMALL = 1e-6
 """Exponents nearer to zero than this are taken to be it: what that changes is as small."""
 
-CLOSE, ITERATIONS = 1e-11, 100
-"""Change of a logarithmic stretch that ends Newton's iteration, and how many at most."""
+ITERATIONS = 100
+"""Newton's iterations at most."""
 
 RADII = 8
 """Radii of a twisted cylinder over which stresses are integrated."""

@@ -1,5 +1,6 @@
 """Unit-modulus response curves of one sample as a smooth function of mu1 / mu and displacement."""
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cached_property
 from typing import Protocol, Self
@@ -233,10 +234,18 @@ class Curves(Protocol):
 
 @dataclass(frozen=True)
 class Scaled:
-    """Curves with every force multiplied by `factor`."""
+    """Curves with every force multiplied by a factor, which may change with the displacement.
+
+    Parameters
+    ----------
+    curves : Curves
+    factor, displacement : (k,) sequence of float
+        Factors, and where they are known [m], ascending: linear between, constant beyond.
+    """
 
     curves: Curves
-    factor: float
+    factor: Sequence[float] | Array
+    displacement: Sequence[float] | Array = (0.0,)
 
     @property
     def bounds(self) -> dict[str, tuple[float, float]]:
@@ -245,4 +254,5 @@ class Scaled:
 
     def force(self, displacement: Array, /, mu: float, *shape: float) -> Array:
         """Force along the displacement [N]."""
-        return self.factor * self.curves.force(displacement, mu, *shape)
+        factor = np.interp(displacement, self.displacement, self.factor)
+        return factor * self.curves.force(displacement, mu, *shape)

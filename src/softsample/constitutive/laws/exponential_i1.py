@@ -13,7 +13,7 @@ class ExponentialI1(InvariantLaw):
     title = "Exponential in I1 (Demiray, Fung)"
     energy = "(exp(b (I1 - 3)) - 1) / (2 b)"
     source = "H. Demiray, J. Biomech. 5 (1972) 309, doi:10.1016/0021-9290(72)90047-4"
-    shape = (Parameter("b", "1", 0.0, 100.0, 5.0, 0.0, "exponent of I1 - 3"),)
+    shape = (Parameter("b", "1", 0.0, 100.0, 5.0, "exponent of I1 - 3"),)
 
     @staticmethod
     def slopes(x: Any, y: Any, shape: Any) -> tuple[Any, Any, Any]:

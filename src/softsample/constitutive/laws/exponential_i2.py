@@ -15,7 +15,7 @@ class ExponentialI2(InvariantLaw):
     source = (
         "C. O. Horgan, M. G. Smayda, Mech. Mater. 51 (2012) 43, doi:10.1016/j.mechmat.2012.03.007"
     )
-    shape = (Parameter("b", "1", 0.0, 100.0, 5.0, 0.0, "exponent of I2 - 3"),)
+    shape = (Parameter("b", "1", 0.0, 100.0, 5.0, "exponent of I2 - 3"),)
 
     @staticmethod
     def slopes(x: Any, y: Any, shape: Any) -> tuple[Any, Any, Any]:

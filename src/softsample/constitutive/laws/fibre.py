@@ -22,9 +22,9 @@ class Fibre(FibreLaw):
         "doi:10.1098/rsif.2005.0073"
     )
     shape = (
-        Parameter("k2", "1", 0.0, 100.0, 1.0, 0.0, "exponent", least=0.0),
-        Parameter("kappa", "1", 0.0, 1.0 / 3.0, 0.0, 0.0, "dispersion", least=0.0, most=1.0 / 3.0),
-        Parameter("pushed", "1", 0.0, 1.0, 0.0, None, "part kept in compression", 0.0, 1.0),
+        Parameter("k2", "1", 0.0, 100.0, 1.0, "exponent", least=0.0),
+        Parameter("kappa", "1", 0.0, 1.0 / 3.0, 0.0, "dispersion", least=0.0, most=1.0 / 3.0),
+        Parameter("pushed", "1", 0.0, 1.0, 0.0, "part kept in compression", 0.0, 1.0),
     )
 
     @staticmethod

@@ -19,8 +19,8 @@ class Foam(SpectralLaw):
     energy = "2/alpha^2 (l1^alpha + l2^alpha + l3^alpha - 3 + (J^(-alpha beta) - 1)/beta)"
     source = "B. Storakers, J. Mech. Phys. Solids 34 (1986) 125, doi:10.1016/0022-5096(86)90033-5"
     shape = (
-        Parameter("alpha", "1", -45.0, 40.0, 8.0, None, "exponent"),
-        Parameter("nu", "1", 0.0, 0.49, 0.3, None, "Poisson's ratio", least=0.0, most=0.4995),
+        Parameter("alpha", "1", -45.0, 40.0, 8.0, "exponent"),
+        Parameter("nu", "1", 0.0, 0.49, 0.3, "Poisson's ratio", least=0.0, most=0.4995),
     )
 
     @staticmethod

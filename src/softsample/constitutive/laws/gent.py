@@ -17,7 +17,7 @@ class Gent(InvariantLaw):
     title = "Gent"
     energy = "-Jm/2 ln(1 - (I1 - 3)/Jm)"
     source = "A. N. Gent, Rubber Chem. Technol. 69 (1996) 59, doi:10.5254/1.3538357"
-    shape = (Parameter("Jm", "1", 0.02, 100.0, 1.0, float("inf"), "limit of I1 - 3", least=1e-6),)
+    shape = (Parameter("Jm", "1", 0.02, 100.0, 1.0, "limit of I1 - 3", least=1e-6),)
 
     @staticmethod
     def slopes(x: Any, y: Any, shape: Any) -> tuple[Any, Any, Any]:

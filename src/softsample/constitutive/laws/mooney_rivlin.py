@@ -12,7 +12,7 @@ class MooneyRivlin(InvariantLaw):
     title = "Mooney-Rivlin"
     energy = "1/2 ((1 - s) (I1 - 3) + s (I2 - 3))"
     source = "M. Mooney, J. Appl. Phys. 11 (1940) 582, doi:10.1063/1.1712836"
-    shape = (Parameter("s", "1", 0.0, 1.0, 0.5, 0.0, "share of the second invariant"),)
+    shape = (Parameter("s", "1", 0.0, 1.0, 0.5, "share of the second invariant"),)
 
     @staticmethod
     def slopes(x: Any, y: Any, shape: Any) -> tuple[Any, Any, Any]:

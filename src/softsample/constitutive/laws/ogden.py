@@ -14,7 +14,7 @@ class Ogden(SpectralLaw):
     title = "Ogden"
     energy = "2/alpha^2 (l1^alpha + l2^alpha + l3^alpha - 3)"
     source = "R. W. Ogden, Proc. R. Soc. Lond. A 326 (1972) 565, doi:10.1098/rspa.1972.0026"
-    shape = (Parameter("alpha", "1", -45.0, 40.0, 2.0, 2.0, "exponent"),)
+    shape = (Parameter("alpha", "1", -45.0, 40.0, 2.0, "exponent"),)
 
     @staticmethod
     def principal(x: Any, y: Any, z: Any, jacobian: Any, shape: Any) -> tuple[Any, Any, Any, Any]:

@@ -13,8 +13,8 @@ class Yeoh(InvariantLaw):
     energy = "1/2 ((I1 - 3) + c2 (I1 - 3)^2 + c3 (I1 - 3)^3)"
     source = "O. H. Yeoh, Rubber Chem. Technol. 66 (1993) 754, doi:10.5254/1.3538343"
     shape = (
-        Parameter("c2", "1", 0.0, 50.0, 1.0, 0.0, "quadratic over linear coefficient"),
-        Parameter("c3", "1", 0.0, 1000.0, 1.0, 0.0, "cubic over linear coefficient"),
+        Parameter("c2", "1", 0.0, 50.0, 1.0, "quadratic over linear coefficient"),
+        Parameter("c3", "1", 0.0, 1000.0, 1.0, "cubic over linear coefficient"),
     )
 
     @staticmethod

@@ -8,7 +8,7 @@ import pytest
 
 from softsample.errors import InputError
 from softsample.io import read_record_table, read_yaml
-from softsample.protocol import loading_ramp
+from softsample.protocol import Course
 from softsample.records import Record, RecordSettings, aligned_record, check_record
 from softsample.shapes import IdealShape
 
@@ -244,7 +244,8 @@ def test_shipped_records_are_marked_as_the_ramp_that_was_calibrated_before(cohor
     for mode, file in zip(samples["mode"], samples["record"], strict=True):
         raw = read_record_table(ROOT / f"resources/{cohort}" / file)
         table, facts = aligned(raw, mode)
-        ramp = loading_ramp(raw["time_s"].to_numpy(), 1e-3 * raw["displacement_mm"].to_numpy())
+        course = Course.of(raw["time_s"].to_numpy(), 1e-3 * raw["displacement_mm"].to_numpy())
+        ramp = course.chosen().ramps[-1]
         assert np.flatnonzero(table["calibrated"]).tolist() == [*range(ramp.start, ramp.stop)]
         assert facts["calibrated_loading"] == table["cycle"].iloc[ramp.start]
 

@@ -222,7 +222,7 @@ def corners(time: Array, displacement: Array) -> list[int]:
 def _tolerance(time: Array, displacement: Array) -> float:
     """Distance from a polygon that is noise, or the last digits of the reading [m]."""
     rounding = _tread(displacement) / np.sqrt(12.0)
-    noise = max(_noise(time, displacement), rounding)
+    noise = max(white_noise(time, displacement), rounding)
     return max(10.0 * noise, 1e-3 * float(np.ptp(displacement)))
 
 
@@ -494,19 +494,19 @@ def _loading(ramps: Sequence[slice], away: Array) -> Loading:
     return Loading(tuple(ramps[: until + 1]), max(ends))
 
 
-def _noise(time: Array, displacement: Array) -> float:
-    """Standard deviation of white noise on a piecewise linear signal.
+def white_noise(time: Array, reading: Array) -> float:
+    """Standard deviation of white noise on a piecewise linear reading (n,), in its unit.
 
     Each sample is compared with the chord of its neighbours. Where `time` only counts the samples,
     uneven steps look like noise, but only noise goes back and forth more than a few times.
     """
     share = (time[1:-1] - time[:-2]) / (time[2:] - time[:-2])
-    chord = (1.0 - share) * displacement[:-2] + share * displacement[2:]
-    off = (displacement[1:-1] - chord) / np.sqrt(1.0 + share**2 + (1.0 - share) ** 2)
+    chord = (1.0 - share) * reading[:-2] + share * reading[2:]
+    off = (reading[1:-1] - chord) / np.sqrt(1.0 + share**2 + (1.0 - share) ** 2)
     noise = float(1.4826 * np.median(np.abs(off - np.median(off))))
     if not _is_count(time):
         return noise
-    step = np.diff(displacement)
+    step = np.diff(reading)
     back = np.minimum(np.abs(step[1:]), np.abs(step[:-1])) * (step[1:] * step[:-1] < 0.0)
     return min(noise, float(np.sort(back)[: -max(FEW_TURNS, len(back) // 50)].max(initial=0.0)))
 

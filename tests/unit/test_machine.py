@@ -10,7 +10,7 @@ import pytest
 import machines
 from softsample.errors import InputError
 from softsample.formats.machine import described, read
-from softsample.io import read_record_table, read_yaml
+from softsample.io import read_table, read_yaml
 from softsample.records import RecordSettings, aligned_record
 from softsample.validation import overlaid
 
@@ -66,9 +66,9 @@ def test_machine_unit_and_decimal_mark_are_told(tmp_path, name, unit, factor, co
 def test_our_own_table_is_taken_as_it_stands(sample, mode):
     path = ROOT / f"resources/cohort/records/{sample}.csv"
     table, _ = imported(path, mode)
-    pd.testing.assert_frame_equal(
-        table[["time_s", "displacement_mm", "force_N"]], read_record_table(path)
-    )
+    columns = ["time_s", "displacement_mm", "force_N"]
+    pd.testing.assert_frame_equal(table[columns].reset_index(drop=True), read_table(path))
+    assert table.index[0] == 1 + path.read_text().split("time_s")[0].count("\n") + 1
 
 
 def test_what_is_passed_over_is_told(tmp_path):

@@ -90,8 +90,8 @@ REFUSED = {
     ),
     "force of the wrong sign": (
         lambda t: t.assign(force_N=-t["force_N"]),
-        "line 1353, column 'force_N': [0-9.]+ in the loading that ends here, but negative is right in "
-        "compression .*tell the machine's sign",
+        "line 1353, column 'force_N': [0-9.]+ in the loading that ends here, but negative is right "
+        "in compression .*tell the machine's sign",
     ),
     "displacement of the wrong sign": (
         lambda t: t.assign(displacement_mm=-t["displacement_mm"]),

@@ -18,7 +18,7 @@ import numpy as np
 import pandas as pd
 
 from softsample.errors import InputError, records_setting
-from softsample.formats import PathLike
+from softsample.files import PathLike
 from softsample.formats.text import read_lines
 from softsample.formats.titles import BESIDE, COLUMNS, COMPRESSIVE, NAMES, UNITS
 from softsample.formats.workbook import is_workbook, read_sheets

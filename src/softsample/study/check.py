@@ -25,13 +25,11 @@ from softsample.meshing.surface import TriangleSurface, base_centre
 from softsample.plausibility import Limits, doubts
 from softsample.protocol import PRESSED_MODES
 from softsample.records import Record, RecordSettings, aligned_record
-from softsample.shapes import IdealShape
+from softsample.shapes import ANY_DIMENSION, DIMENSIONS, IdealShape
 from softsample.study import ROOT, SETTINGS, TABLE, schema, table_of
 from softsample.study.compare import Seen, compared
 from softsample.validation import (
-    ANY_DIMENSION,
     DEFAULT_AXES,
-    DIMENSIONS,
     check_config,
     overlaid,
     record_settings,

@@ -206,7 +206,7 @@ class RecordSettings:
         Where zero is, by quantity: that of the `file`, the mean at `rest` before the ramp, or the
         first sample, `start`.
     sheet
-        Of a workbook; None for the first one with a line of titles.
+        Of a workbook; None for the first with titles, if possible of time.
     block
         Name of the block of `formats` that these come from; empty for the section `records`.
     """

@@ -8,6 +8,7 @@ from pathlib import Path
 
 import nibabel
 import numpy as np
+import openpyxl
 import pytest
 
 import machines
@@ -225,6 +226,26 @@ def test_a_table_may_end_its_titles_with_a_tab(study):
     assert add_stated(study, "D1", *ROUND) == 0
     assert check_study(study).faults == []
     assert read_samples(table).iloc[-1][["sample", "diameter_mm"]].tolist() == ["D1", "20"]
+
+
+def test_sheets_of_one_workbook_are_tests_of_their_own(study):
+    book = openpyxl.Workbook()
+    for name in ("First", "Second"):
+        sheet = book.create_sheet(name)
+        sheet.append(["Time (s)", "Extension (mm)", "Load (N)"])
+        for row in zip(*map(np.ndarray.tolist, machines.compression()), strict=True):
+            sheet.append(row)
+    for name in ("D1.xlsx", "D2.xlsx"):
+        book.save(study.parent / name)
+        record = ("--record", str(study.parent / name), "--format", "second")
+        assert main(["add", str(study), "--mode", "compression", *record, *ROUND]) == 0
+    table, settings = study / "samples.tsv", study / "study.yaml"
+    table.write_text(table.read_text().replace("D2.xlsx", "D1.xlsx"))
+    settings.write_text("formats: {second: {sheet: Second}}\n")
+    assert "D1.xlsx stands in the row of D1 already" in "\n".join(check_study(study).doubts)
+    head, _, last = table.read_text().strip().rpartition("\n")
+    table.write_text(f"{head}\n{last.replace('second', '')}\n")
+    assert "stands in the row of D1" not in "\n".join(check_study(study).doubts)
 
 
 def test_a_cure_is_told_of_a_sample_without_a_sound_name(study):

@@ -179,7 +179,9 @@ def _show(file: str, output: str | None, everything: bool, segment: str | None) 
     stem = name if Path(file).is_dir() else name.removesuffix(".gz").rsplit(".", 1)[0]
     picture = output or f"{Path(file).parent.name}_{stem}.png"
     if name.endswith(".json"):
-        print("\n".join(_lines(read_json(file), everything)))
+        data = read_json(file)
+        keyed = data if isinstance(data, Mapping) else {name: data}
+        print("\n".join(_lines(keyed, everything)))
     elif name.endswith((".csv", ".tsv")):
         _show_table(file, picture, everything)
     elif name.endswith(IMAGE_ENDINGS) or Path(file).is_dir():

@@ -11,7 +11,6 @@ import os
 import re
 from collections.abc import Mapping, Sequence
 from importlib import import_module
-from io import StringIO
 from pathlib import Path
 from typing import Any
 
@@ -169,7 +168,7 @@ def read_samples(path: PathLike) -> pd.DataFrame:
         cells = [next(csv.reader([lines[n - 1]], delimiter=separator)) for n in numbers]
     except csv.Error as error:
         raise InputError(f"{path}: not a tab-separated table with a header: {error}") from error
-    header = [name.strip() for name in cells[0]]
+    header = "\t".join(name.strip() for name in cells[0]).rstrip("\t").split("\t")
     if len(header) == 1 and (other := re.search("[,;]", header[0])):
         raise InputError(
             f"{path}, row {numbers[0]}: titles are separated by {other[0]!r}; separate cells by "
@@ -190,40 +189,7 @@ def read_samples(path: PathLike) -> pd.DataFrame:
 
 def read_record(path: PathLike) -> Record:
     """Read a record of the workflow, `records/{sample}.csv`."""
-    return Record.of_table(read_record_table(path))
-
-
-def read_record_table(path: PathLike) -> pd.DataFrame:
-    """Read a test record as it stands in the file.
-
-    Returns
-    -------
-    pandas.DataFrame
-        Columns `time_s`, `displacement_mm`, `force_N` (and `force_normal_N` if there is one),
-        in file order; units and signs of the file. The index is the line in the file, so that
-        messages can name it.
-    """
-    try:
-        lines = Path(path).read_text(encoding="utf-8-sig").splitlines()
-    except UnicodeDecodeError as error:
-        raise InputError(f"{path}: not a text file ({error}); export the record as CSV") from error
-    except FileNotFoundError as error:
-        raise InputError(f"{path}: no such record; correct its path in the table") from error
-    kept = [
-        number
-        for number, line in enumerate(lines, start=1)
-        if line.strip() and not line.lstrip().startswith("#")
-    ]
-    try:
-        table = pd.read_csv(StringIO("\n".join(lines[number - 1] for number in kept)), comment="#")
-    except (pd.errors.ParserError, pd.errors.EmptyDataError) as error:
-        raise InputError(
-            f"{path}: not a table with a header ({error}); expected columns "
-            "time_s,displacement_mm,force_N, comma-separated, with decimal points"
-        ) from error
-    table.index = pd.Index(kept[1:], name="line")
-    table.columns = table.columns.str.strip()
-    return table
+    return Record.of_table(read_table(path))
 
 
 def write_image(path: PathLike, data: NDArray[Any], affine: ArrayLike) -> None:

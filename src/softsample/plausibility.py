@@ -4,13 +4,16 @@ Nothing is refused here: what lies outside is doubted, with the cure that is lik
 the setting that accepts it if it is right.
 """
 
+import math
 from collections.abc import Iterator, Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from decimal import Decimal
-from typing import Any, Protocol
+from typing import Any
 
 from softsample.errors import as_setting, records_setting
 from softsample.formats.titles import COLUMNS, UNITS
+from softsample.protocol import NEVER_UNIFORM
+from softsample.records import Sized
 
 MM = 1e-3
 
@@ -48,17 +51,11 @@ class Limits:
     volume_ratio: float
     strain_ratio: float
 
-
-class Sized(Protocol):
-    """A sample whose dimensions are known, such as a `softsample.shapes.IdealShape`."""
-
-    @property
-    def area(self) -> float:
-        """Area of its section [m2]."""
-
-    @property
-    def height(self) -> float:
-        """Distance of the platens [m]."""
+    def of(self, mode: str) -> "Limits":
+        """Those of a mode; where no sample deforms uniformly, its section tells no stress."""
+        if mode not in NEVER_UNIFORM:
+            return self
+        return replace(self, stiffness_pa=(0.0, math.inf), strain=(0.0, self.strain[1]))
 
 
 WORDS = {

@@ -64,6 +64,9 @@ DEGREE, CHANCE, LEAST_BENT = 5, 1e-3, 24
 """Degree of the polynomial along a leg that bends, the chance at which a straight one seems to,
 and the fewest samples of a leg that may."""
 
+FEW_TURNS = 2
+"""So many turns of the travel, or 2 % of the samples, are no noise."""
+
 FEWEST_JUMPS = 10
 """Lone jumps of a reading from which on it is a staircase."""
 
@@ -184,7 +187,7 @@ def phases(time: Array, displacement: Array, origin: float | None = None) -> lis
     InputError
         If the platen does not move beyond the noise of its reading.
     """
-    tolerance = _tolerance(displacement)
+    tolerance = _tolerance(time, displacement)
     away = displacement - (displacement[0] if origin is None else origin)
     found: list[Phase] = []
     ends = _split_at_origin(away, corners(time, displacement), tolerance)
@@ -207,7 +210,7 @@ def corners(time: Array, displacement: Array) -> list[int]:
     InputError
         If the platen does not move beyond the noise of its reading.
     """
-    tolerance = _tolerance(displacement)
+    tolerance = _tolerance(time, displacement)
     if np.ptp(displacement) <= 5.0 * tolerance:
         reach = 1e3 * float(np.ptp(displacement))
         raise InputError(
@@ -216,10 +219,11 @@ def corners(time: Array, displacement: Array) -> list[int]:
     return _polygon(time, displacement, tolerance)
 
 
-def _tolerance(displacement: Array) -> float:
-    """Distance from a polygon that is noise, or the last digit of the reading [m]."""
-    reach = float(np.ptp(displacement))
-    return max(10.0 * _noise(displacement), 1e-3 * reach, _tread(displacement))
+def _tolerance(time: Array, displacement: Array) -> float:
+    """Distance from a polygon that is noise, or the last digits of the reading [m]."""
+    rounding = _tread(displacement) / np.sqrt(12.0)
+    noise = max(white_noise(time, displacement), rounding)
+    return max(10.0 * noise, 1e-3 * float(np.ptp(displacement)))
 
 
 def _tread(displacement: Array) -> float:
@@ -289,11 +293,17 @@ def _bend(time: Array, rest: Array) -> Array:
 
 
 def _kinds(time: Array, away: Array, corners: list[int], tolerance: float) -> list[str]:
-    """Kind of each leg of the polygon; a short slow leg is rest, a long slow one is not."""
+    """Kind of each leg of the polygon; a short slow leg is rest, a long slow one is not.
+
+    Without time, samples close together are no rest if each goes further than the one before.
+    """
     distance = np.abs(away[corners])
     step = np.abs(np.diff(away[corners]))
     speed = step / np.diff(time[corners])
     rest = (step <= 4.0 * tolerance) & (speed <= SLOW * speed.max())
+    if _is_count(time):
+        way = np.add.reduceat(np.sign(np.diff(away)), corners[:-1])
+        rest &= np.abs(way) < np.diff(corners)
     kinds: list[str] = []
     for k in range(len(step)):
         if rest[k]:
@@ -449,24 +459,32 @@ def _side(found: Sequence[Phase], away: Array, mode: str | None) -> float:
         )
     far = ends[np.abs(ends) >= REACHED * np.abs(ends).max()]
     wanted = np.sign(far[0]) if mode is None else travel_sign(mode)
+    first = ends[np.abs(ends) >= LEAST_LOADING * np.abs(ends).max()][0]
+    if mode in PRESSED_MODES and wanted * first > 0.0:  # lifted afterwards, however far
+        return wanted
     return float(wanted if (wanted * far > 0.0).any() else np.sign(far[0]))
 
 
 def _loadings(found: Sequence[Phase], away: Array) -> list[Loading]:
     """Loadings of a displacement `away` (n,) from the origin, along its positive direction."""
+    ramps = [ramp for ramp in _ramp_slices(found, away) if away[ramp.stop - 1] > 0.0]
+    least = LEAST_LOADING * max(float(away[ramp.stop - 1]) for ramp in ramps)
     groups: list[list[slice]] = []
+    waiting: list[slice] = []
     peak = 0.0
-    for ramp in _ramp_slices(found, away):
+    for ramp in ramps:
         end = float(away[ramp.stop - 1])
-        if end <= 0.0:
+        since = groups[-1][-1].stop if groups else 0
+        low = since + int(away[since : ramp.stop].argmin())
+        if groups and away[low] > (1.0 - GIVEN_BACK) * peak:
+            groups[-1].append(ramp)
+            peak = max(peak, end)
             continue
-        if not groups or away[groups[-1][-1].stop : ramp.stop].min() <= (1.0 - GIVEN_BACK) * peak:
-            groups.append([])
-            peak = 0.0
-        groups[-1].append(ramp)
-        peak = max(peak, end)
+        waiting = [*(one for one in waiting if one.stop > low), ramp]
+        if not groups or end - away[low] >= least:  # less is a wobble on the way back
+            groups.append(waiting)
+            waiting, peak = [], end
     every = [_loading(group, away) for group in groups]
-    least = LEAST_LOADING * max(loading.peak for loading in every)
     return [loading for loading in every if loading.peak >= least]
 
 
@@ -476,28 +494,26 @@ def _loading(ramps: Sequence[slice], away: Array) -> Loading:
     return Loading(tuple(ramps[: until + 1]), max(ends))
 
 
-def loading_ramp(time: Array, displacement: Array) -> slice:
-    """Samples of the ramp that reaches a record's largest displacement first.
+def white_noise(time: Array, reading: Array) -> float:
+    """Standard deviation of white noise on a piecewise linear reading (n,), in its unit.
 
-    Its last sample is included; smaller ramps before it (preconditioning) are passed over.
-
-    Parameters
-    ----------
-    time, displacement : (n,) float64
-        Time [s] and displacement [m].
-
-    Raises
-    ------
-    InputError
-        If there is no such ramp.
+    Each sample is compared with the chord of its neighbours. Where `time` only counts the samples,
+    uneven steps look like noise, but only noise goes back and forth more than a few times.
     """
-    return Course.of(time, displacement).chosen().ramps[-1]
+    share = (time[1:-1] - time[:-2]) / (time[2:] - time[:-2])
+    chord = (1.0 - share) * reading[:-2] + share * reading[2:]
+    off = (reading[1:-1] - chord) / np.sqrt(1.0 + share**2 + (1.0 - share) ** 2)
+    noise = float(1.4826 * np.median(np.abs(off - np.median(off))))
+    if not _is_count(time):
+        return noise
+    step = np.diff(reading)
+    back = np.minimum(np.abs(step[1:]), np.abs(step[:-1])) * (step[1:] * step[:-1] < 0.0)
+    return min(noise, float(np.sort(back)[: -max(FEW_TURNS, len(back) // 50)].max(initial=0.0)))
 
 
-def _noise(displacement: Array) -> float:
-    """Standard deviation of white noise on a piecewise linear signal, from second differences."""
-    second = np.diff(displacement, 2)
-    return float(1.4826 * np.median(np.abs(second - np.median(second))) / np.sqrt(6.0))
+def _is_count(time: Array) -> bool:
+    """Whether times are only the numbers of samples."""
+    return bool(np.array_equal(time, np.arange(len(time))))
 
 
 def _polygon(time: Array, displacement: Array, tolerance: float) -> list[int]:

@@ -9,7 +9,16 @@ import pandas as pd
 from numpy.typing import NDArray
 
 from softsample.errors import InputError, records_setting
-from softsample.protocol import LARGEST, SHEARED_MODES, Course, Loading, Phase, phases, travel_sign
+from softsample.protocol import (
+    LARGEST,
+    SHEARED_MODES,
+    Course,
+    Loading,
+    Phase,
+    phases,
+    travel_sign,
+    white_noise,
+)
 from softsample.validation import refusals
 
 Array = NDArray[np.float64]
@@ -34,7 +43,7 @@ LONE_PART, LONE_NOISE, LONE_STEPS = 0.05, 10.0, 3.0
 the readings are, and the steps beside it."""
 
 RELAXED = 0.9
-"""A loading at whose end less than this part of the force at its beginning is left is none."""
+"""A loading at whose end less than this part of its largest force is left is doubted."""
 COLUMNS = {"displacement": "displacement_mm", "force": "force_N"}
 """Quantities with a sign and a zero that every record has, and their columns."""
 ZEROED = {**COLUMNS, "force_normal": "force_normal_N", "torque": "torque_Nmm"}
@@ -197,7 +206,7 @@ class RecordSettings:
         Where zero is, by quantity: that of the `file`, the mean at `rest` before the ramp, or the
         first sample, `start`.
     sheet
-        Of a workbook; None for the first one with a line of titles.
+        Of a workbook; None for the first with titles, if possible of time.
     block
         Name of the block of `formats` that these come from; empty for the section `records`.
     """
@@ -254,7 +263,11 @@ def aligned_record(
     table : pandas.DataFrame
         The record with our signs and zero, and its columns `phase`, `cycle` and `calibrated`.
     facts : dict
-        As of `check_record`, and `reading`, `positive` and `subtracted` by column.
+        `samples`, `timed`, `sampling_rate_hz`, `duration_s`, `travel_mm`, `ramp_start_mm`,
+        `ramp_speed_mm_s`, `peak_force_N`, `force_noise_N` (standard deviation at rest, None if
+        never at rest), `force_offset_N`, `loadings`, `calibrated_loading`, `phases`, `warnings`,
+        with a size `strain` and `stress_pa` (both ends of what is calibrated), and `reading`,
+        `positive` and `subtracted` by column. What needs time is None without.
 
     Raises
     ------
@@ -417,50 +430,6 @@ def _resting(found: list[Phase]) -> slice:
     return found[0].samples if found[0].kind == "baseline" else slice(0, 0)
 
 
-def check_record(
-    table: pd.DataFrame,
-    mode: str,
-    schema: Mapping[str, Any],
-    source: str,
-    size: Sized | None = None,
-    which: str = LARGEST,
-) -> dict[str, Any]:
-    """Check a record and report what it holds.
-
-    Parameters
-    ----------
-    table
-        As read, in our signs; the index is the line in the file.
-    mode
-        Of the test, a key of `softsample.protocol.DIRECTIONS`.
-    schema
-        Schema of the columns.
-    source
-        The file's path, for the message.
-    size
-        Dimensions of the sample, if they are stated.
-    which
-        The loading that is calibrated: `largest`, `first`, `last` or a number.
-
-    Returns
-    -------
-    dict
-        `samples`, `timed`, `sampling_rate_hz`, `duration_s`, `travel_mm`, `ramp_start_mm`,
-        `ramp_speed_mm_s`, `peak_force_N`, `force_noise_N` (standard deviation at rest, None if
-        never at rest), `force_offset_N`, `loadings`, `calibrated_loading`, `phases`, `warnings`,
-        and with a size `strain` and `stress_pa` (both ends of what is calibrated). What needs time
-        is None without.
-
-    Raises
-    ------
-    InputError
-        Naming the file, the line, the value and the cure.
-    """
-    as_read = RecordSettings({}, {}, dict.fromkeys(COLUMNS, "tension"), {})
-    turned = dict.fromkeys(COLUMNS, _other_sign(1.0, mode))
-    return _checked(table, mode, schema, source, _Signs(turned, as_read), size, which)[1]
-
-
 def _checked(
     table: pd.DataFrame,
     mode: str,
@@ -585,15 +554,20 @@ def _wrong_signs(
     source: str,
     signs: _Signs,
 ) -> Iterator[str]:
-    rows = np.concatenate([np.arange(ramp.start, ramp.stop) for ramp in loading.ramps])
-    tail = rows[-1 - max(5, len(rows) // 20) :]
-    values = {
-        "displacement": (record.displacement[loading.last] - record.displacement[loading.start])
-        / MM,
-        "force": float(record.force[tail].mean()),
-    }
     sign = travel_sign(mode)
-    wrong = [quantity for quantity, value in values.items() if sign * value <= 0.0]
+    way = record.displacement[loading.last] - record.displacement[loading.start]
+    force = _tenths(record.force[_rows(loading)])
+    most = force[np.abs(force - force[0]).argmax()]
+    wrong = ["displacement"] if sign * way <= 0.0 else []
+    if sign * most <= 0.0 < sign * (most - force[0]):
+        yield (
+            f"{source}, column 'force_N': {force[0]:g} N as loading begins and {most:g} N later on "
+            f"changes as it should in {mode}, but is {'positive' if sign < 0 else 'negative'}; if "
+            f"the cell was not tared, set {signs.settings.setting(zero={'force': 'start'})}"
+        )
+    elif sign * most <= 0.0:
+        wrong.append("force")
+    values = {"displacement": way / MM, "force": most}
     for quantity in [name for name in wrong if not getattr(record, name).any()]:
         wrong.remove(quantity)
         yield (
@@ -603,11 +577,21 @@ def _wrong_signs(
     for quantity in wrong:
         yield (
             f"{source}, line {table.index[loading.last]}, column {COLUMNS[quantity]!r}: "
-            f"{values[quantity]:g} at the end of loading, but "
+            f"{values[quantity]:g} in the loading that ends here, but "
             f"{'negative' if sign < 0 else 'positive'} is right in {mode} (force and travel along "
             "+z or +x, so tension positive and compression negative); change the sample's mode if "
             f"it is wrong, or {signs.cure(quantity, wrong)}"
         )
+
+
+def _rows(loading: Loading) -> NDArray[np.intp]:
+    """Numbers of the samples of a loading's ramps."""
+    return np.concatenate([np.arange(ramp.start, ramp.stop) for ramp in loading.ramps])
+
+
+def _tenths(force: Array) -> Array:
+    """Mean force in each tenth of a loading, or of each sample if they are fewer."""
+    return np.array([part.mean() for part in np.array_split(force, min(10, len(force)))])
 
 
 def _facts(
@@ -621,7 +605,7 @@ def _facts(
     """What is worth knowing about a record, in the units of files."""
     rest = _resting(course.phases)
     known = rest.stop - rest.start >= FEWEST_AT_REST
-    rows = np.concatenate([np.arange(ramp.start, ramp.stop) for ramp in loading.ramps])
+    rows = _rows(loading)
     force = record.force[rows]
     begin, end = record.displacement[[loading.start, loading.last]]
     peak = force[np.abs(force).argmax()]
@@ -683,12 +667,12 @@ def _of_material(record: Record, rows: NDArray[np.intp], size: Sized) -> dict[st
 
 
 def _relaxing(force: Array) -> Iterator[str]:
-    """What says that a part of the test was taken for a loading that is none."""
-    edge = max(len(force) // 10, 1)
-    first, last = float(force[:edge].mean()), float(force[-edge:].mean())
-    if abs(last) < RELAXED * abs(first):
+    """What says that the sample failed, or that what is taken for a loading is none."""
+    tenths = _tenths(force)
+    largest, last = tenths[np.abs(tenths).argmax()], tenths[-1]
+    if abs(last) < RELAXED * abs(largest):
         yield (
-            f"the force falls from {first:.3g} N to {last:.3g} N along the loading, as in a hold "
+            f"the force falls from {largest:.3g} N to {last:.3g} N along the loading, as in a hold "
             "or after failure; export the whole test with its ramp, or choose another loading in "
             "column cycle"
         )
@@ -716,17 +700,20 @@ def _off_zero(
 ) -> Iterator[str]:
     """What says that the zero of the file is not that of the test."""
     begin, end = record.displacement[[loading.start, loading.last]]
-    if abs(begin) > OFF_ZERO * abs(end - begin):
-        zero = "rest" if rest.stop else "start"
+    far = OFF_ZERO * abs(end - begin)
+    zero = "rest" if rest.stop else "start"
+    if abs(begin) > far:
         yield (
             f"the ramp begins at {begin / MM:.3g} mm, and the sample counts as deformed by that; "
             f"if it is not, set {settings.setting(zero={'displacement': zero})}"
         )
-    before = record.force[rest]
-    if len(before) and abs(before.mean()) > max(OFF_ZERO * abs(peak), 5.0 * before.std(ddof=1)):
+    before = record.force[rest] if rest.stop else record.force[:1]
+    noise = before.std(ddof=1) if rest.stop else white_noise(record.clock, record.force)
+    loaded = abs(before.mean()) > max(OFF_ZERO * abs(peak), 5.0 * noise)
+    if loaded and (rest.stop or abs(record.displacement[0]) <= far):
         yield (
             f"the force before the ramp is {before.mean():.3g} N; if the sample is not loaded "
-            f"there, set {settings.setting(zero={'force': 'rest'})}"
+            f"there, set {settings.setting(zero={'force': zero})}"
         )
 
 

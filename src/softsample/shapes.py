@@ -20,6 +20,11 @@ STATED = {
 }
 """Columns of the study table that hold length, width and height of each kind."""
 
+DIMENSIONS = {kind: tuple(dict.fromkeys(columns)) for kind, columns in STATED.items()}
+"""Columns that state the dimensions of each shape."""
+
+ANY_DIMENSION = tuple(dict.fromkeys(name for names in DIMENSIONS.values() for name in names))
+
 BONDED, SLIDING = "bonded", "sliding"
 
 KINDS = tuple(STATED)
@@ -81,7 +86,7 @@ class IdealShape:
         if kind not in KINDS:
             raise InputError(f"shape: {kind!r} is not one of {', '.join(KINDS)}")
         needed = STATED[kind]
-        for column in sorted({name for names in STATED.values() for name in names} - {*needed}):
+        for column in sorted({*ANY_DIMENSION} - {*needed}):
             if row.get(column):
                 raise InputError(f"{column}: a {kind} has none; leave the cell empty")
         return cls(kind, *(_length(row, column, kind) for column in needed))
@@ -142,7 +147,7 @@ def _length(row: Mapping[str, str], column: str, kind: str) -> float:
     """A length [m] of a row, or an error that names its column."""
     text = row.get(column, "")
     if not text:
-        raise InputError(f"{column}: is missing; a {kind} needs {', '.join(_unique(STATED[kind]))}")
+        raise InputError(f"{column}: is missing; a {kind} needs {', '.join(DIMENSIONS[kind])}")
     try:
         value = float(text)
     except ValueError:
@@ -150,10 +155,6 @@ def _length(row: Mapping[str, str], column: str, kind: str) -> float:
     if not (math.isfinite(value) and value > 0.0):
         raise InputError(f"{column}: {text!r} is no length; give a positive number of mm")
     return MM * value
-
-
-def _unique(names: Sequence[str]) -> list[str]:
-    return list(dict.fromkeys(names))
 
 
 def element_size(shape: IdealShape, wanted: float, across: Sequence[float]) -> float:

@@ -14,17 +14,9 @@ from jsonschema import Draft202012Validator
 from jsonschema.exceptions import ValidationError
 
 from softsample.errors import InputError
-from softsample.shapes import Indenter
+from softsample.shapes import ANY_DIMENSION, DIMENSIONS, Indenter
 
 Schema = Mapping[str, Any]
-
-DIMENSIONS = {
-    "cuboid": ("length_mm", "width_mm", "height_mm"),
-    "cylinder": ("diameter_mm", "height_mm"),
-}
-"""Columns that state the dimensions of each shape."""
-
-ANY_DIMENSION = tuple(dict.fromkeys(name for names in DIMENSIONS.values() for name in names))
 
 LARGEST_MM = 1000.0
 

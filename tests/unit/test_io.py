@@ -17,7 +17,6 @@ from softsample.io import (
     read_json,
     read_mesh,
     read_mesh_with_data,
-    read_record_table,
     read_samples,
     read_table,
     write_image,
@@ -132,21 +131,6 @@ def test_a_table_of_samples_with_another_separator_is_refused_in_one_line(tmp_pa
         InputError, match=f"row 2: titles are separated by '{separator}'; .* one tab"
     ):
         read_samples(path)
-
-
-def test_a_record_knows_the_lines_of_its_file(tmp_path):
-    path = tmp_path / "r.csv"
-    path.write_text("# title\ntime_s,displacement_mm,force_N\n0,0,0\n\n# note\n1,0.5,0.2\n")
-    table = read_record_table(path)
-    assert table.index.tolist() == [3, 6]
-    assert table["displacement_mm"].tolist() == [0.0, 0.5]
-
-
-def test_a_record_with_decimal_commas_is_refused(tmp_path):
-    path = tmp_path / "r.csv"
-    path.write_text("time_s,displacement_mm,force_N\n0,0,0,0,0,0\n1,5,0,2,0,1\n1,5,0,2,0,1,7\n")
-    with pytest.raises(InputError, match="decimal points"):
-        read_record_table(path)
 
 
 def test_images_come_back_with_their_affine(tmp_path):

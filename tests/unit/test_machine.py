@@ -10,7 +10,7 @@ import pytest
 import machines
 from softsample.errors import InputError
 from softsample.formats.machine import described, read
-from softsample.io import read_record_table, read_yaml
+from softsample.io import read_table, read_yaml
 from softsample.records import RecordSettings, aligned_record
 from softsample.validation import overlaid
 
@@ -66,9 +66,9 @@ def test_machine_unit_and_decimal_mark_are_told(tmp_path, name, unit, factor, co
 def test_our_own_table_is_taken_as_it_stands(sample, mode):
     path = ROOT / f"resources/cohort/records/{sample}.csv"
     table, _ = imported(path, mode)
-    pd.testing.assert_frame_equal(
-        table[["time_s", "displacement_mm", "force_N"]], read_record_table(path)
-    )
+    columns = ["time_s", "displacement_mm", "force_N"]
+    pd.testing.assert_frame_equal(table[columns].reset_index(drop=True), read_table(path))
+    assert table.index[0] == 1 + path.read_text().split("time_s")[0].count("\n") + 1
 
 
 def test_what_is_passed_over_is_told(tmp_path):
@@ -116,7 +116,18 @@ REFUSED = {
     "two forces": ("Time (s),Disp (mm),Load (N),Force (N)", "2 columns may hold force"),
     "no unit": ("Time (s),Disp (mm),Load", "column 'Load': no unit is named"),
     "strange unit": ("Time (s),Disp (mm),Load (daN)", "'daN' is no known unit of force"),
-    "same title twice": ("time_s,displacement_mm,force_N,force_N", "2 columns may hold force"),
+    "same title twice": (
+        "time_s,displacement_mm,force_N,force_N",
+        "2 columns may hold force .*; delete the columns of other tests, or give each its own",
+    ),
+    "brackets without a unit": (
+        "Time (sec.),Disp (mm),Load (N)",
+        "'sec.' is no known unit of time .*such as `records: {units: {time: s}}`",
+    ),
+    "unit of another quantity": (
+        "Time (s),Disp (mm),Load (kPa)",
+        "'kPa' is no known unit of force .*; it is one of stress, so name the column as that",
+    ),
 }
 
 
@@ -126,6 +137,38 @@ def test_what_a_title_leaves_open_is_refused(tmp_path, name):
     path = machines.write(tmp_path / "r.csv", plain(titles))
     with pytest.raises(InputError, match=message):
         read(path)
+
+
+@pytest.mark.parametrize(
+    ("titles", "cure"),
+    [
+        ("Time (s),Eng. strain,Load (N)", "{columns: {strain: Eng. strain}}"),
+        ("Time (s),Disp (mm),Eng. stress (kPa)", "{columns: {stress: Eng. stress (kPa)}}"),
+        ("Time (s),Way,Load (N)", "{columns: {displacement: Way}, units: {displacement: mm}}"),
+        ("Time (s),Final twist [mrad],Torque (Nmm)", "{columns: {angle: 'Final twist [mrad]'}}"),
+    ],
+)
+def test_a_column_is_proposed_as_what_it_holds(tmp_path, titles, cure):
+    path = machines.write(tmp_path / "r.csv", plain(titles))
+    mode = "torsion" if "Torque" in titles else "tension"
+    with pytest.raises(InputError) as refused:
+        read(path, mode=mode)
+    assert f"`records: {cure}`" in str(refused.value)
+
+
+def test_brackets_may_hold_no_unit_where_another_place_tells_it(tmp_path):
+    titles = "Time (sec.),Position (LVDT),Load (Cell 1)"
+    path = machines.write(tmp_path / "r.csv", plain(titles))
+    given = {"time": "s", "displacement": "mm", "force": "mN"}
+    read_as = read(path, units=given).reading["columns"]
+    assert [column["unit"] for column in read_as.values()] == ["s", "mm", "mN"]
+    below = machines.write(tmp_path / "b.csv", plain(f"{titles}\ns,mm,N"))
+    np.testing.assert_allclose(read(below).table["force_N"], TEST[2], atol=1e-5)
+    with pytest.raises(InputError, match="'kg/s' is no known unit of force"):
+        read(below, units={"force": "kg/s"})
+    pressed = machines.write(tmp_path / "p.csv", plain("Time (s),Disp (mm),Load (kPa)"))
+    with pytest.raises(InputError, match="'kPa' is no known unit of force"):
+        read(pressed, units={"force": "N"})
 
 
 def test_units_that_contradict_each_other_are_refused(tmp_path):
@@ -152,6 +195,10 @@ CONTENTS = {
     "commas between commas": (
         b"Time (s),Disp (mm),Load (N)\n0,00,1,00,2,00\n",
         "line 2: 6 cells below 3 titles; if these are decimal commas",
+    ),
+    "no numbers at first": (
+        b"Time (s),Disp (mm),Load (N)\nNaN,NaN,NaN\n0,0,1\n1,1,1\n",
+        "line 2: 'NaN,NaN,NaN' stands among the numbers; delete the line",
     ),
     "a word among the numbers": (
         b"Time (s),Disp (mm),Load (N)\n0,0,1\npaused\n1,1,1\n",
@@ -267,6 +314,22 @@ def test_the_first_sheet_with_titles_is_read(tmp_path):
         read(path, sheet="C")
     with pytest.raises(InputError, match=r"\(sheet Notes\), line 1: no column is known to hold"):
         read(path, sheet="Notes")
+
+
+def test_it_is_told_which_sheet_is_read_and_which_could_be(tmp_path):
+    untimed = [row[1:] for row in rows()]
+    sheets = {"Summary": untimed, "First": rows(), "Notes": [["made up"]], "Second": rows()}
+    path = workbook(tmp_path / "r.xlsx", sheets)
+    first = read(path).reading
+    assert first["sheet"] == "First"
+    assert first["notes"] == [
+        "sheet First is read",
+        "sheets that can be read instead: Summary, Second; set `records: {sheet: Summary}`",
+    ]
+    second = read(path, sheet="Second").reading
+    assert (second["sheet"], second["notes"]) == ("Second", ["sheet Second is read"])
+    text = machines.write(tmp_path / "r.csv", plain("time_s,displacement_mm,force_N"))
+    assert "sheet" not in read(text).reading
 
 
 def test_wrong_cells_of_a_sheet_keep_their_row(tmp_path):

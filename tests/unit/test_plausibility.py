@@ -89,6 +89,13 @@ def test_a_unit_of_the_settings_is_changed_there():
     assert "set `formats: {press: {units: {force: mN}}}`" in doubt
 
 
+@pytest.mark.parametrize(("mode", "doubted"), [("indentation", 0), ("torsion", 0), ("shear", 1)])
+def test_no_stress_is_doubted_where_no_sample_deforms_uniformly(mode, doubted):
+    small = facts(way=0.002, force=1e-9)
+    assert len([*doubts(small, Size(), LIMITS.of(mode))]) == doubted
+    assert LIMITS.of(mode).strain[1] == LIMITS.strain[1]
+
+
 def test_without_dimensions_only_what_is_large_for_any_sample_is_doubted():
     assert [*doubts(facts(), None, LIMITS)] == []
     (far,) = doubts(facts(way=120.0), None, LIMITS)

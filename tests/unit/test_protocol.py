@@ -9,7 +9,6 @@ from softsample.protocol import (
     Course,
     denoised,
     loading,
-    loading_ramp,
     phases,
     smooth_step,
     travel_sign,
@@ -22,6 +21,11 @@ def history(*legs, rate=100.0, noise=1e-6, seed=3):
     time = np.arange(0.0, times[-1] + 0.5 / rate, 1.0 / rate)
     clean = np.interp(time, times, 1e-3 * np.array(ends))
     return time, clean + noise * np.random.default_rng(seed).normal(size=len(time))
+
+
+def loading_ramp(time, displacement, mode=None):
+    """Samples of the last ramp of the loading that is calibrated."""
+    return Course.of(time, displacement, mode).chosen().ramps[-1]
 
 
 def test_smooth_step_starts_and_ends_at_rest():
@@ -47,6 +51,40 @@ def test_a_reading_that_rises_in_steps_has_the_phases_of_the_travel(reach, speed
     np.testing.assert_allclose(starts, [0.0, 1.013, 1.013 + way, 11.013 + way], atol=late)
     ramp = loading_ramp(time, read)
     assert read[ramp][-1] - read[ramp][0] == pytest.approx(1e-3 * reach, abs=2.1e-3 * digit)
+
+
+@pytest.mark.parametrize("rate", [50.0, 500.0])
+@pytest.mark.parametrize("part", [0.05, 0.1, 0.3])
+@pytest.mark.parametrize("digit", [0.005, 0.02])
+def test_a_rounded_reading_may_be_noisy(digit, part, rate):
+    """Noise of less than a third of a digit leaves most readings as they are."""
+    legs = (5.0, 0.0), (20.0, 2.0), (20.0, 2.0), (20.0, 0.0), (5.0, 0.0)
+    time, d = history(*legs, rate=rate, noise=1e-3 * part * digit, seed=1)
+    found = phases(time, 1e-3 * digit * np.round(1e3 * d / digit))
+    assert [phase.kind for phase in found] == ["baseline", "ramp", "hold", "unloading", "hold"]
+    starts = [time[phase.start] for phase in found]
+    np.testing.assert_allclose(starts, [0.0, 5.0, 25.0, 45.0, 65.0], atol=20.0 * digit + 0.05)
+
+
+@pytest.mark.parametrize("samples", [6, 12, 25, 50])
+def test_samples_of_a_curve_may_be_unevenly_spaced(samples):
+    """Digitised by hand, without time: uneven steps are neither noise nor rest."""
+    for seed in range(20):
+        up, down = np.sort(np.random.default_rng(seed).uniform(0.0, 4e-3, (2, samples)))
+        d = np.concatenate([[0.0], up, [4e-3], down[::-1], [0.0]])
+        count = np.arange(len(d), dtype=float)
+        assert [phase.kind for phase in phases(count, d)] == ["ramp", "unloading"]
+        assert [phase.kind for phase in phases(count[: samples + 2], d[: samples + 2])] == ["ramp"]
+
+
+def test_samples_at_uneven_times_have_the_phases_of_the_travel():
+    corners = np.array([0.0, 2.0, 14.0, 16.0, 28.0])
+    for seed in range(20):
+        between = np.random.default_rng(seed).uniform(0.0, 28.0, 60)
+        time = np.sort(np.concatenate([corners, between]))
+        found = phases(time, np.interp(time, corners, [0.0, 0.0, 3e-3, 3e-3, 0.0]))
+        assert [phase.kind for phase in found] == ["baseline", "ramp", "hold", "unloading"]
+        assert [time[phase.start] for phase in found] == corners[:4].tolist()
 
 
 @pytest.mark.parametrize("sign", [1.0, -1.0])
@@ -177,6 +215,26 @@ def test_cycles_of_growing_size_are_loadings_of_their_own():
 def test_half_of_the_displacement_has_to_be_given_back(back, loadings):
     _, _, found = course((1.0, 0.0), (4.0, 4.0), (2.0, back), (4.0, 4.0))
     assert len(found.loadings) == loadings
+
+
+def test_a_wobble_on_the_way_back_is_no_loading():
+    down = [leg for end in (1.6, 1.2, 0.8, 0.4, 0.0) for leg in ((4.0, end - 0.02), (0.5, end))]
+    _, d, found = course((1.0, 0.0), (4.0, 2.0), *down, (4.0, 0.0))
+    (only,) = found.loadings
+    np.testing.assert_allclose(ends(d, only), [[0.0, 2.0]], atol=0.01)
+    again = [leg for end in 0.04 * np.arange(1, 51) for leg in ((0.4, end), (2.0, end))]
+    _, d, found = course((1.0, 0.0), (4.0, 2.0), *down, (4.0, 0.0), *again)
+    assert len(found.loadings) == 2  # whose first steps are no larger than a wobble
+    np.testing.assert_allclose(ends(d, found.chosen("2"))[0], [0.0, 0.04], atol=0.01)
+
+
+@pytest.mark.parametrize("mode", ["compression", "tension"])
+def test_a_platen_may_be_lifted_further_than_it_pressed(mode):
+    """In tension the way up is the test, whatever came before it."""
+    legs = (5.0, 0.0), (40.0, -2.0), (20.0, 0.0), (10.0, 10.0), (5.0, 10.0)
+    _, d, found = course(*legs, mode=mode)
+    wanted = {"compression": [[0.0, -2.0]], "tension": [[0.0, 10.0]]}
+    np.testing.assert_allclose(ends(d, found.chosen()), wanted[mode], atol=0.05)
 
 
 def test_a_touch_before_the_test_is_no_loading():

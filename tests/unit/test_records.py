@@ -7,9 +7,9 @@ import pandas as pd
 import pytest
 
 from softsample.errors import InputError
-from softsample.io import read_record_table, read_yaml
-from softsample.protocol import loading_ramp
-from softsample.records import Record, RecordSettings, aligned_record, check_record
+from softsample.io import read_table, read_yaml
+from softsample.protocol import Course
+from softsample.records import Record, RecordSettings, aligned_record
 from softsample.shapes import IdealShape
 
 ROOT = Path(__file__).resolve().parents[2]
@@ -27,7 +27,8 @@ def record(sign=-1.0, noise=1e-3, rest=0.5, seed=2):
 
 
 def check(table, mode="compression"):
-    return check_record(table, mode, SCHEMA, "r.csv")
+    """Facts of a table that is read as it stands."""
+    return aligned(table, mode)[1]
 
 
 def test_facts_of_a_good_record():
@@ -45,7 +46,7 @@ def test_facts_of_a_good_record():
     [("C1", "compression", -3.9), ("T1", "tension", 3.25), ("S1", "shear", 3.9)],
 )
 def test_shipped_records_are_accepted(file, mode, travel):
-    table = read_record_table(ROOT / f"resources/cohort/records/{file}.csv")
+    table = read_table(ROOT / f"resources/cohort/records/{file}.csv")
     assert check(table, mode)["travel_mm"] == pytest.approx(travel, abs=0.03)
 
 
@@ -59,12 +60,8 @@ def put(column, row, value):
 
 
 REFUSED = {
-    "missing column": (
-        lambda t: t.drop(columns="force_N"),
-        "r.csv, column 'force_N': is missing; give force",
-    ),
     "unknown column": (
-        lambda t: t.rename(columns={"force_N": "force_mN"}),
+        lambda t: t.assign(force_mN=1e3 * t["force_N"]),
         "column 'force_mN': unknown name; did you mean 'force_N'",
     ),
     "NaN": (
@@ -93,12 +90,12 @@ REFUSED = {
     ),
     "force of the wrong sign": (
         lambda t: t.assign(force_N=-t["force_N"]),
-        "line 1353, column 'force_N': [0-9.]+ at the end of loading, but negative is right in "
-        "compression .*tell the machine's sign",
+        "line 1353, column 'force_N': [0-9.]+ in the loading that ends here, but negative is right "
+        "in compression .*tell the machine's sign",
     ),
     "displacement of the wrong sign": (
         lambda t: t.assign(displacement_mm=-t["displacement_mm"]),
-        "column 'displacement_mm': 3.8.* at the end of loading, but negative is right",
+        "column 'displacement_mm': 3.8.* in the loading that ends here, but negative is right",
     ),
     "at rest": (
         lambda t: t.assign(displacement_mm=0.0 * t["displacement_mm"]),
@@ -191,6 +188,35 @@ def test_a_ramp_that_begins_loaded_or_away_from_zero_is_a_warning():
     assert check(small)["warnings"] == []
 
 
+@pytest.mark.parametrize(("mode", "sign"), [("tension", 1.0), ("compression", -1.0)])
+def test_a_cell_that_was_not_tared_is_no_wrong_sign(mode, sign):
+    table = record(sign=sign, rest=0.0)
+    table["force_N"] -= 1.5 * sign
+    with pytest.raises(InputError, match="changes as it should .*zero: {force: start}") as refusal:
+        aligned(table, mode)
+    assert "positive: {force" not in str(refusal.value)
+    cured, facts = aligned(table, mode, zero={"force": "start"})
+    assert sign * facts["peak_force_N"] == pytest.approx(1.0, abs=0.01)
+    assert not cured["calibrated"].eq(0).all()
+    table["force_N"] += 3.0 * sign
+    (_, warning) = aligned(table, mode)[1]["warnings"]
+    assert re.match("the force before the ramp is -?1.5 N; .*zero: {force: start}", warning)
+
+
+def test_a_deformed_sample_may_be_loaded_as_the_record_begins():
+    table = record().iloc[400:]
+    assert not [w for w in check(table)["warnings"] if "force before" in w]
+
+
+@pytest.mark.parametrize("seed", range(4))
+def test_a_sample_that_fails_in_loading_is_a_warning(seed):
+    table = record(rest=0.0, seed=seed)
+    left = 1e-3 * np.random.default_rng(seed).normal(size=len(table))
+    table["force_N"] = table["force_N"].where(table["displacement_mm"] > -2.0, left)
+    (_, warning) = check(table)["warnings"]
+    assert re.match("the force falls from -0.2[0-9]* N to .* N along the loading", warning)
+
+
 @pytest.mark.parametrize("mode", ["tension", "compression", "shear"])
 @pytest.mark.parametrize("setting", ["tension", "compression", "loading"])
 def test_the_cure_of_a_wrong_sign_turns_it(mode, setting):
@@ -242,9 +268,10 @@ def aligned(table, mode="compression", size=None, which="largest", compressive=(
 def test_shipped_records_are_marked_as_the_ramp_that_was_calibrated_before(cohort):
     samples = pd.read_csv(ROOT / f"resources/{cohort}/samples.tsv", sep="\t", comment="#")
     for mode, file in zip(samples["mode"], samples["record"], strict=True):
-        raw = read_record_table(ROOT / f"resources/{cohort}" / file)
+        raw = read_table(ROOT / f"resources/{cohort}" / file)
         table, facts = aligned(raw, mode)
-        ramp = loading_ramp(raw["time_s"].to_numpy(), 1e-3 * raw["displacement_mm"].to_numpy())
+        course = Course.of(raw["time_s"].to_numpy(), 1e-3 * raw["displacement_mm"].to_numpy())
+        ramp = course.chosen().ramps[-1]
         assert np.flatnonzero(table["calibrated"]).tolist() == [*range(ramp.start, ramp.stop)]
         assert facts["calibrated_loading"] == table["cycle"].iloc[ramp.start]
 
@@ -253,7 +280,7 @@ def test_a_record_comes_back_from_its_file(tmp_path):
     raw = record().assign(force_normal_N=0.25, torque_Nmm=3.0)
     table, _ = aligned(raw)
     table.to_csv(tmp_path / "r.csv", index=False)
-    back = Record.of_table(read_record_table(tmp_path / "r.csv"))
+    back = Record.of_table(read_table(tmp_path / "r.csv"))
     assert set(back.phase) == {"baseline", "ramp"}
     assert back.calibrated.dtype == bool
     assert back.calibrated.sum() == np.sum(back.phase == "ramp")

@@ -238,7 +238,8 @@ def test_marked_images_are_accepted():
 
 
 @pytest.mark.parametrize(
-    "name", ["T7.nrrd", "T7.nhdr", "T7.nii", "dicom/T7", "dicom", "mri/T7/", "1.2.840.7/"]
+    "name",
+    ["T7.nrrd", "T7.nhdr", "T7.nii", "T7.NII.GZ", "dicom/T7", "dicom", "mri/T7/", "1.2.840.7/"],
 )
 def test_every_kind_of_image_is_accepted(name):
     check_samples(table({"image": name, "labels": name}), SCHEMAS["samples"], "t")
@@ -283,7 +284,7 @@ BAD_TABLES = {
         [{"mode": "compression", "bond_mask": "b.nii"}],
         "row 2 .A1., column 'bond_mask': the top is not bonded in compression; leave the cell",
     ),
-    "image for a segmentation": ([{"image": "a.seg.nrrd"}], "'a.seg.nrrd' has a wrong extension"),
+    "image for a segmentation": ([{"image": "a.Seg.nrrd"}], "'a.Seg.nrrd' has a wrong extension"),
     "folder with a dot": ([{"image": "1.2.840"}], "'1.2.840' has a wrong extension.*end it with /"),
     "mask": ([{"bond_mask": "b.stl"}], "column 'bond_mask': 'b.stl' has a wrong extension"),
     "path to elsewhere": (

@@ -19,6 +19,15 @@ def test_json_is_printed_line_by_line_without_provenance(tmp_path, capsys):
     assert "rule: x" in capsys.readouterr().out
 
 
+@pytest.mark.parametrize(
+    ("text", "shown"), [("[1, 2]", "[1, 2]"), ("3", "3"), ('[{"x": 3}]', "x: 3")]
+)
+def test_json_may_hold_no_keys(tmp_path, capsys, text, shown):
+    (tmp_path / "a.json").write_text(text)
+    assert main(["show", str(tmp_path / "a.json")]) == 0
+    assert shown in capsys.readouterr().out
+
+
 def test_long_lists_and_tables_are_abbreviated(tmp_path, capsys):
     write_json(tmp_path / "a.json", {"x": list(range(100))})
     main(["show", str(tmp_path / "a.json")])

@@ -8,6 +8,7 @@ from pathlib import Path
 
 import nibabel
 import numpy as np
+import openpyxl
 import pytest
 
 import machines
@@ -200,6 +201,64 @@ def test_a_mask_and_an_axis_are_added_with_the_sample(study):
     assert (study / "glue.nii.gz").read_bytes() == mask.read_bytes()
 
 
+def test_files_of_one_name_are_not_added_over_each_other(study, capsys):
+    before = sorted(study.iterdir())
+    files = {
+        "--image": "M1.nii.gz",
+        "--segmentation": "a/mask.nii.gz",
+        "--bond-mask": "mask.nii.gz",
+    }
+    (study.parent / "a").mkdir()
+    named = [part for name, file in files.items() for part in (name, str(study.parent / file))]
+    for number, file in enumerate(files.values()):
+        image(study.parent / file, (40 + number, 40, 30))
+    test = machines.write(study.parent / "M1.csv", default_record())
+    assert main(["add", str(study), "--mode", "tension", "--record", str(test), *named]) == 1
+    assert "mask.nii.gz: the file of column" in capsys.readouterr().err
+    assert main(["add", str(study), "--mode", "tension", "--record", ""]) == 1
+    assert "samples.tsv: a sample needs a record; name its file" in capsys.readouterr().err
+    assert sorted(study.iterdir()) == before
+
+
+def test_a_table_may_end_its_titles_with_a_tab(study):
+    table = study / "samples.tsv"
+    table.write_text(re.sub("(?m)^(sample\t.*)$", "\\1\t", table.read_text()))
+    assert add_stated(study, "D1", *ROUND) == 0
+    assert check_study(study).faults == []
+    assert read_samples(table).iloc[-1][["sample", "diameter_mm"]].tolist() == ["D1", "20"]
+
+
+def test_sheets_of_one_workbook_are_tests_of_their_own(study):
+    book = openpyxl.Workbook()
+    for name in ("First", "Second"):
+        sheet = book.create_sheet(name)
+        sheet.append(["Time (s)", "Extension (mm)", "Load (N)"])
+        for row in zip(*map(np.ndarray.tolist, machines.compression()), strict=True):
+            sheet.append(row)
+    for name in ("D1.xlsx", "D2.xlsx"):
+        book.save(study.parent / name)
+        record = ("--record", str(study.parent / name), "--format", "second")
+        assert main(["add", str(study), "--mode", "compression", *record, *ROUND]) == 0
+    table, settings = study / "samples.tsv", study / "study.yaml"
+    table.write_text(table.read_text().replace("D2.xlsx", "D1.xlsx"))
+    settings.write_text("formats: {second: {sheet: Second}}\n")
+    assert "D1.xlsx stands in the row of D1 already" in "\n".join(check_study(study).doubts)
+    head, _, last = table.read_text().strip().rpartition("\n")
+    table.write_text(f"{head}\n{last.replace('second', '')}\n")
+    assert "stands in the row of D1" not in "\n".join(check_study(study).doubts)
+
+
+def test_a_cure_is_told_of_a_sample_without_a_sound_name(study):
+    time_s, travel, force = machines.compression()
+    add_stated(study, "D1", *ROUND, record=machines.univert(time_s, -travel, -force))
+    add_stated(study, "D2", *ROUND)
+    table = study / "samples.tsv"
+    table.write_text(table.read_text().replace("D1\tD1\t", "D 1\tD1\t"))
+    faults = "\n".join(check_study(study).faults)
+    assert "column 'sample': 'D 1'" in faults
+    assert "`formats: {machine: {positive: " in faults
+
+
 ROUND = ("--shape", "cylinder", "--diameter", "20", "--height", "10")
 
 
@@ -247,6 +306,9 @@ def test_a_surface_is_added_and_checked(study, capsys):
     capsys.readouterr()
     assert main(["check", str(study)]) == 0
     assert "triangles, 20 x 20 x 10 mm, 4000 mm3" in capsys.readouterr().out
+    turned = block.points[:, [2, 0, 1]] @ np.array([[1, 0, 0], [0, 0.8, 0.6], [0, -0.6, 0.8]])
+    write_surface(study / "D3.stl", TriangleSurface(turned, triangles))
+    assert "its lowest face is not flat" in "\n".join(check_study(study).faults)
     machines.write(study / "D3.stl", "solid nothing\nendsolid\n")
     assert "not a readable STL file" in "\n".join(check_study(study).faults)
 

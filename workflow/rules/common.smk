@@ -28,10 +28,11 @@ from softsample.errors import SoftsampleError
 from softsample.files import show_presence
 from softsample.formats import files_of
 from softsample.holdout import check_hold_out, folds, in_turn, wholly_held_out
-from softsample.io import read_json, read_samples, read_table, read_yaml
+from softsample.io import read_json, read_samples, read_table
 from softsample.progress import show_jobs_in_lines
 from softsample.report.results import words_of_failure, words_of_success
 from softsample.response.unit import is_homogeneous
+from softsample.study import schema
 from softsample.study.plan import GEOMETRIES, Plan
 from softsample.validation import (
     DEFAULT_AXES,
@@ -48,11 +49,6 @@ if workflow.is_main_process:
 
 # `make` removes the lock of a killed run only if no run and no job of one is alive.
 show_presence(".snakemake/alive.lock")
-
-
-def schema(name):
-    """A schema of workflow/schemas."""
-    return read_yaml(ROOT / f"workflow/schemas/{name}.schema.yaml")
 
 
 def checked_study():

@@ -21,7 +21,8 @@ with logged_to(snakemake):
     record, facts = aligned_record(
         raw.table, raw.reading, *test, schema, files.record, size, given.cycle
     )
-    facts["warnings"] += doubts(facts, size, Limits(**given.plausibility), block=settings.block)
+    limits = Limits(**given.plausibility).of(given.mode)
+    facts["warnings"] += doubts(facts, size, limits, block=settings.block)
     report = {"sample": snakemake.wildcards.sample, "mode": given.mode, "record": facts}
     if files.image:
         report["image"] = check_image(*io.read_image(files.image[0]), files.image[0])

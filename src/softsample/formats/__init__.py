@@ -10,8 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from softsample.errors import InputError
-
-PathLike = str | os.PathLike[str]
+from softsample.files import PathLike
 
 Volume = tuple[NDArray[np.float32], NDArray[np.float64]]
 """Values (nx, ny, nz) and affine (4, 4) from voxel index to world RAS+ [mm]."""

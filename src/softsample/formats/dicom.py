@@ -22,7 +22,8 @@ from pydicom.errors import InvalidDicomError
 from pydicom.uid import DeflatedExplicitVRLittleEndian
 
 from softsample.errors import InputError
-from softsample.formats import LPS_TO_RAS, PathLike, Volume, check_size, damage_refused, within
+from softsample.files import PathLike
+from softsample.formats import LPS_TO_RAS, Volume, check_size, damage_refused, within
 
 Array = NDArray[np.float64]
 

@@ -18,7 +18,7 @@ import numpy as np
 import pandas as pd
 
 from softsample.errors import InputError, records_setting
-from softsample.formats import PathLike
+from softsample.files import PathLike
 from softsample.formats.text import read_lines
 from softsample.formats.titles import BESIDE, COLUMNS, COMPRESSIVE, NAMES, UNITS
 from softsample.formats.workbook import is_workbook, read_sheets
@@ -51,6 +51,12 @@ KINDS = (
 """Machines by what their files say."""
 
 NUMBER = re.compile(r"[+-]?(\d+[.,]?\d*|[.,]\d+)([eE][+-]?\d+)?", re.ASCII)
+
+WORDS = r"[^\s_.:]+"
+"""Each word of a title."""
+
+RATIOS = ("strain", "stretch")
+"""Quantities that need no unit."""
 
 WORD = re.compile(r"[^\W\d_]{2}")
 
@@ -103,7 +109,8 @@ class MachineRecord:
     reading : dict
         What was understood: `kind`, `columns` (title, unit and factor of each), `decimal_comma`,
         `compressive` (quantities whose titles count compression as positive), `ignored`
-        (titles), `ascending` (those of them whose numbers rise as time does), `notes`.
+        (titles), `ascending` (those of them whose numbers rise as time does), `notes`; of a
+        workbook `sheet`.
     """
 
     table: pd.DataFrame
@@ -117,6 +124,7 @@ class _Text:
     path: PathLike
     lines: list[str]
     notes: list[str] = field(default_factory=list)
+    sheet: str = ""
 
     @classmethod
     def of_file(cls, path: PathLike) -> Self:
@@ -131,7 +139,7 @@ class _Text:
     def of_sheets(cls, path: PathLike, sheet: str | None) -> Iterator[Self]:
         """The sheets of a workbook, or the one that is named."""
         for name, lines in read_sheets(path, sheet):
-            yield cls(f"{path} (sheet {name})", lines)
+            yield cls(f"{path} (sheet {name})", lines, sheet=name)
 
     def cells(self, line: str, delimiter: str) -> list[str]:
         """Cells of a line without blanks around them and without empty ones at its end."""
@@ -164,7 +172,7 @@ def read(
     units
         Units by quantity, where the file names none.
     sheet
-        Name of the sheet of a workbook; by default the first one with a line of titles.
+        Name of the sheet of a workbook; by default the first with titles, if possible of time.
     block
         Name of the block of `formats` that these come from, for the cures of messages.
     mode
@@ -198,6 +206,7 @@ def read(
         text.notes.append(f"lines left out since they repeat another one: {int(repeated.sum())}")
     reading = {
         "kind": _kind(text.lines[: heading.line + 1], own),
+        **({"sheet": text.sheet} if text.sheet else {}),
         "columns": {
             COLUMNS[column.quantity]: {
                 "title": column.title,
@@ -226,23 +235,40 @@ class _Heading:
     titles: list[str]
     columns: list[Column]
 
+    @property
+    def timed(self) -> bool:
+        """Whether one of the columns is time."""
+        return any(column.quantity == "time" for column in self.columns)
+
 
 def _text_with_titles(
     path: PathLike, wanted: Mapping[str, str], sheet: str | None, block: str, form: Form
 ) -> tuple[_Text, _Heading]:
-    """The text of a file, or the first sheet of a workbook that has a line of titles."""
+    """The text of a file, or the first sheet of a workbook with titles, those of time before all.
+
+    What could be read instead is told.
+    """
     if not is_workbook(path):
         if sheet is not None and Path(path).suffix.lower() in (".xlsx", ".xls"):
             raise InputError(f"{path}: no workbook, so it has no sheet {sheet!r}; save it as .xlsx")
         text = _Text.of_file(path)
         return text, _heading(text, wanted, block, form)
     refused: list[InputError] = []
+    usable: list[tuple[_Text, _Heading]] = []
     for text in _Text.of_sheets(path, sheet):
         try:
-            return text, _heading(text, wanted, block, form)
+            usable.append((text, _heading(text, wanted, block, form)))
         except InputError as error:
             refused.append(error)
-    raise refused[0] if refused else InputError(f"{path}: no sheet with cells; export the test")
+    if not usable:
+        raise refused[0] if refused else InputError(f"{path}: no sheet with cells; export the test")
+    text, heading = next((one for one in usable if one[1].timed), usable[0])
+    others = [other.sheet for other, _ in usable if other is not text]
+    text.notes.append(f"sheet {text.sheet} is read")
+    if others:
+        cure = records_setting({"sheet": others[0]}, block)
+        text.notes.append(f"sheets that can be read instead: {', '.join(others)}; set {cure}")
+    return text, heading
 
 
 def _heading(text: _Text, wanted: Mapping[str, str], block: str, form: Form) -> _Heading:
@@ -265,7 +291,7 @@ def _heading(text: _Text, wanted: Mapping[str, str], block: str, form: Form) -> 
             where = f"{text.path}, line {number + 1}"
             columns = [_only(found, where, block) for found in candidates.values() if found]
             heading = _Heading(number, delimiter, titles, columns)
-            if candidates["time"]:
+            if heading.timed:
                 return heading
             untimed = untimed or heading
     if untimed is None:
@@ -291,14 +317,17 @@ def _no_titles(
         )
     ways = [" or ".join(form.get(name, (name,))) for name in missing]
     below = _numbers_below(text, number, titles)
-    found = {name: _plausible(titles, below, form.get(name, (name,))) for name in missing}
-    named = {name: title for name, title in found.items() if title}
+    named = dict(
+        found for name in missing if (found := _plausible(titles, below, form.get(name, (name,))))
+    )
     where = f"formats: {block}" if block else "records"
     cure = f"export the test with it, or name its column in the settings, section {where}"
     if len(named) == len(missing) == len({*named.values()}):
         keys = {"columns": named}
         silent = [
-            name for name, title in named.items() if below[title] and not _split(title, name)[1]
+            name
+            for name, title in named.items()
+            if below[title] and not _split(title, name)[1] and name not in RATIOS
         ]
         if silent:
             keys["units"] = {name: next(iter(UNITS[name])) for name in silent}
@@ -325,8 +354,13 @@ def _numbers_below(text: _Text, number: int, titles: Sequence[str]) -> dict[str,
     return {title: found[0] for title, found in numeric.items() if any(found)}
 
 
-def _plausible(titles: Sequence[str], below: Mapping[str, bool], ways: Sequence[str]) -> str | None:
-    """The only column of numbers that may hold a quantity: of its unit, or else without one."""
+def _plausible(
+    titles: Sequence[str], below: Mapping[str, bool], ways: Sequence[str]
+) -> tuple[str, str] | None:
+    """The only column of numbers that may hold one of some quantities, and which one of them.
+
+    It has a unit of it, or else none; which one it is, its unit tells, or a word of its title.
+    """
     free = [
         title
         for title in titles
@@ -335,7 +369,15 @@ def _plausible(titles: Sequence[str], below: Mapping[str, bool], ways: Sequence[
     units = {unit for way in ways for unit in UNITS[way]}
     fitting = [title for title in free if any(_split(title, way)[1] in units for way in ways)]
     silent = [title for title in free if not any(_split(title, name)[1] for name in COLUMNS)]
-    return next((found[0] for found in (fitting, silent) if len(found) == 1), None)
+    title = next((found[0] for found in (fitting, silent) if len(found) == 1), None)
+    if title is None:
+        return None
+    words = set(re.findall(WORDS, title.lower()))
+
+    def fits(way: str) -> tuple[bool, bool]:
+        return _split(title, way)[1] in UNITS[way], bool(words & NAMES.get(way, set()))
+
+    return max(ways, key=fits), title
 
 
 def _quantities(
@@ -361,7 +403,7 @@ def _candidates(quantity: str, titles: Sequence[str], wanted: Mapping[str, str])
     found = []
     for place, title in enumerate(titles):
         name, unit = _split(title, quantity)
-        words = set(re.findall(r"[^\s_.:]+", name.lower()))
+        words = set(re.findall(WORDS, name.lower()))
         if words and (words - BESIDE or words) <= NAMES[quantity]:
             found.append(Column(quantity, place, title, unit))
     fitting = [column for column in found if column.unit in UNITS[quantity]]
@@ -384,11 +426,16 @@ def _only(columns: Sequence[Column], where: str, block: str) -> Column:
     """The only candidate, or an error that names them all."""
     if len(columns) > 1:
         quantity = columns[0].quantity
-        listed = ", ".join(repr(column.title) for column in columns)
+        titles = [column.title for column in columns]
+        name = records_setting({"columns": {quantity: titles[0]}}, block)
+        cure = (
+            "delete the columns of other tests, or give each its own title"
+            if titles.count(titles[0]) > 1
+            else f"name the right one in the settings of the study, such as {name}"
+        )
         raise InputError(
-            f"{where}: {len(columns)} columns may hold {quantity} ({listed}); name the right one "
-            "in the settings of the study, such as "
-            f"{records_setting({'columns': {quantity: columns[0].title}}, block)}"
+            f"{where}: {len(columns)} columns may hold {quantity} "
+            f"({', '.join(map(repr, titles))}); {cure}"
         )
     return columns[0]
 
@@ -410,7 +457,7 @@ def _rows(text: _Text, heading: _Heading) -> tuple[list[list[str]], list[int], l
         if not any(cells) or line.lstrip().startswith("#"):
             continue
         numbers = [bool(NUMBER.fullmatch(_cell(cells, column.place))) for column in found]
-        if not rows and not units and not any(numbers):
+        if not rows and not units and not any(numbers) and {*map(str.lower, cells)} != {"nan"}:
             units = cells
         elif cells in (titles, units):
             repeats += cells == titles
@@ -454,26 +501,36 @@ def _with_unit(
     """The column with its unit, from its title, the line of units or the settings."""
     where = f"{text.path}, column {column.title!r}"
     below = _cell(row, column.place).strip("()[] ")
-    said = dict.fromkeys(u for u in (column.unit, below, given.get(column.quantity, "")) if u)
-    known = ", ".join(UNITS[column.quantity])
+    known, settled = UNITS[column.quantity], given.get(column.quantity, "")
+    told = {"title": column.unit, "below": below, "settings": settled}
+    said = dict.fromkeys(filter(None, told.values()))
+    of = {unit: [name for name, units in UNITS.items() if unit in units] for unit in said}
+    if {below, settled} & {*known}:  # then brackets of a title may hold any other word
+        said = {unit: None for unit in said if of[unit] or unit == settled}
+    setting = records_setting({"units": {column.quantity: next(iter(known))}}, block)
     for unit in said:
-        if unit not in UNITS[column.quantity]:
-            raise InputError(f"{where}: {unit!r} is no known unit of {column.quantity} ({known})")
-    if len({UNITS[column.quantity][unit] for unit in said}) > 1:
+        if unit not in known:
+            cure = (
+                f"it is one of {of[unit][0]}, so name the column as that"
+                if of[unit]
+                else f"name one of these in the settings of the study, such as {setting}"
+            )
+            raise InputError(
+                f"{where}: {unit!r} is no known unit of {column.quantity} ({', '.join(known)}); "
+                f"{cure}"
+            )
+    if len({known[unit] for unit in said}) > 1:
         raise InputError(
             f"{where}: {' and '.join(said)} contradict each other (title, line of units, settings "
             "of the study); keep the right one"
         )
-    if not said and column.quantity in ("strain", "stretch"):
+    if not said and column.quantity in RATIOS:
         said = {"1": None}
     if not said:
-        usual = next(iter(UNITS[column.quantity]))
         raise InputError(
-            f"{where}: no unit is named; name it in the settings of the study, such as "
-            f"{records_setting({'units': {column.quantity: usual}}, block)}"
+            f"{where}: no unit is named; name it in the settings of the study, such as {setting}"
         )
-    told = ("title", column.unit), ("below", below), ("settings", "")
-    source = next(name for name, unit in told if unit or name == "settings")
+    source = next((name for name, unit in told.items() if unit in said), "settings")
     return Column(column.quantity, column.place, column.title, next(iter(said)), source)
 
 

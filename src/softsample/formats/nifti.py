@@ -7,7 +7,8 @@ import numpy as np
 from nibabel.filebasedimages import ImageFileError
 
 from softsample.errors import InputError
-from softsample.formats import PathLike, Volume, check_size
+from softsample.files import PathLike
+from softsample.formats import Volume, check_size
 
 
 def read(path: PathLike) -> Volume:

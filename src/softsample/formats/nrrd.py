@@ -24,7 +24,8 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from softsample.errors import InputError
-from softsample.formats import LPS_TO_RAS, PathLike, Volume, check_size, within
+from softsample.files import PathLike
+from softsample.formats import LPS_TO_RAS, Volume, check_size, within
 
 SPACES = {
     "left-posterior-superior": LPS_TO_RAS,

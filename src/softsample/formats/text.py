@@ -5,7 +5,7 @@ import re
 from pathlib import Path
 
 from softsample.errors import InputError
-from softsample.formats import PathLike
+from softsample.files import PathLike
 
 LARGEST_BYTES = 2**28
 

@@ -8,7 +8,8 @@ from pathlib import Path
 from typing import Any
 
 from softsample.errors import InputError
-from softsample.formats import PathLike, damage_refused
+from softsample.files import PathLike
+from softsample.formats import damage_refused
 from softsample.formats.text import LARGEST_BYTES
 
 XLSX, XLS = b"PK\x03\x04", b"\xd0\xcf\x11\xe0\xa1\xb1\x1a\xe1"

@@ -3,7 +3,7 @@
 import difflib
 import re
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
 
@@ -21,17 +21,15 @@ from softsample.imaging.segment import SegmentationSettings
 from softsample.io import PathLike, read_image, read_samples, read_surface, read_yaml
 from softsample.meshing.marks import MarkedImage
 from softsample.meshing.regions import relative_stiffness
-from softsample.meshing.surface import TriangleSurface
+from softsample.meshing.surface import TriangleSurface, base_centre
 from softsample.plausibility import Limits, doubts
-from softsample.protocol import NEVER_UNIFORM, PRESSED_MODES
+from softsample.protocol import PRESSED_MODES
 from softsample.records import Record, RecordSettings, aligned_record
-from softsample.shapes import IdealShape
+from softsample.shapes import ANY_DIMENSION, DIMENSIONS, IdealShape
 from softsample.study import ROOT, SETTINGS, TABLE, schema, table_of
 from softsample.study.compare import Seen, compared
 from softsample.validation import (
-    ANY_DIMENSION,
     DEFAULT_AXES,
-    DIMENSIONS,
     check_config,
     overlaid,
     record_settings,
@@ -130,7 +128,7 @@ def _for_their_rows(messages: Sequence[str], seen: Sequence[Seen]) -> list[str]:
         theirs = [one for one in seen if any(m.startswith(one.where) for m in told[body])]
         if all(one in theirs for one in concerned):
             return f"`records: {body}`"
-        name = theirs[0].row["sample"]
+        name = theirs[0].row.get("sample", "machine")
         return f"`formats: {{{name}: {body}}}` and write {name} into column format"
 
     return [setting.sub(lambda found: of_rows(found[1]), message) for message in messages]
@@ -281,6 +279,7 @@ def _told(seen: Glance, row: Mapping[str, str]) -> Iterator[str]:
 
 def _surface(path: str, told: list[str]) -> TriangleSurface:
     surface = read_surface(path)
+    base_centre(surface)
     extent = " x ".join(f"{size / MM:.4g}" for size in np.ptp(surface.points, axis=0))
     told.append(
         f"  surface {path}: {len(surface.triangles)} triangles, {extent} mm, "
@@ -351,9 +350,7 @@ def _record(
     table, facts = aligned_record(raw.table, *test)
     told += [f"    {line}" for line in _aligned(facts, row["mode"])]
     cells = {name: row[name] for name in ANY_DIMENSION if name in row} if stated else {}
-    limits = Limits(**settings["plausibility"])
-    if row["mode"] in NEVER_UNIFORM:  # whose force is not that of the sample's section
-        limits = replace(limits, stiffness_pa=(0.0, np.inf), strain=(0.0, limits.strain[1]))
+    limits = Limits(**settings["plausibility"]).of(row["mode"])
     own = [*doubts(facts, known, limits, cells, given.block)]
     result.doubts += [f"{where}: {path}: {doubt}" for doubt in (*facts["warnings"], *own)]
     result.doubts += [f"{where}: {path}: {doubt}" for doubt in _unused(facts, row)]

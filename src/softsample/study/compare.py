@@ -140,10 +140,11 @@ def _accepted(ratios: Sequence[float]) -> float:
 def _same_file(seen: Sequence[Seen]) -> Iterator[str]:
     """Files that stand in several rows, and should not."""
     for column in ("record", "image", "surface"):
-        first: dict[str, Seen] = {}
+        first: dict[tuple[str, str | None], Seen] = {}
         for one in seen:
             name = one.row.get(column, "")
-            other = first.setdefault(name, one) if name else one
+            sheet = one.facts["reading"].get("sheet") if one.facts and column == "record" else None
+            other = first.setdefault((name, sheet), one) if name else one
             if other is one or (column != "record" and _piece(one) == _piece(other)):
                 continue
             cure = (

@@ -66,11 +66,17 @@ def add_sample(folder: PathLike, cells: Mapping[str, str]) -> str:
     table = table_of(Path(folder))
     files = {name: Path(cells[name]) for name in FILE_COLUMNS if cells.get(name)}
     row = {name: cell for name, cell in cells.items() if cell}
+    if "record" not in files:
+        raise InputError(f"{table}: a sample needs a record; name its file")
     row.setdefault("sample", next(files[c] for c in NAMING if c in files).name.split(".")[0])
     row.setdefault("group", row["sample"])
     targets = {column: table.parent / source.name for column, source in files.items()}
+    taken: dict[Path, str] = {}
     for column, source in files.items():
         _check_source(column, source)
+        first = taken.setdefault(targets[column], column)
+        if source.resolve() != files[first].resolve():
+            raise InputError(f"{source}: the file of column {first} has this name too; rename one")
         row[column] = source.name + "/" * source.is_dir()
     text = _with_row(table, row)
     _check_row(text, row["sample"], table)
@@ -92,7 +98,7 @@ def _with_row(table: Path, row: Mapping[str, str]) -> str:
     lines, _ = read_lines(table, "save the table as tab-separated text")
     kept = [f"# {line}" if line.startswith(f"{EXAMPLE}\t") else line for line in lines]
     head = next(n for n, line in enumerate(kept) if line.strip() and line.lstrip()[0] != "#")
-    kept[head] = "\t".join([kept[head], *wanted[len(columns) :]])
+    kept[head] = "\t".join([kept[head].rstrip("\t"), *wanted[len(columns) :]])
     new = "\t".join(row.get(column, "") for column in wanted).rstrip("\t")
     return "\n".join([*kept, new]).replace(f"\n\n{new}", f"\n{new}") + "\n"
 

@@ -86,7 +86,7 @@ class Selection:
         """Whether it selects a sample of the table, or a part of its record."""
         cells = resolved(row)
         return all(
-            any(fnmatchcase(cells[name], value) for value in getattr(self, name) or ("*",))
+            any(fnmatchcase(cells.get(name, ""), value) for value in getattr(self, name) or ("*",))
             for name in OF_ROWS
         )
 

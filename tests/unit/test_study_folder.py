@@ -228,6 +228,14 @@ def test_a_table_may_end_its_titles_with_a_tab(study):
     assert read_samples(table).iloc[-1][["sample", "diameter_mm"]].tolist() == ["D1", "20"]
 
 
+def test_selections_pass_over_cells_that_are_wrong(study):
+    add_stated(study, "D1", *ROUND)
+    table = study / "samples.tsv"
+    table.write_text(table.read_text().replace("D1\tD1\t", "D 1\t\t"))
+    (study / "study.yaml").write_text("hold_out: [{mode: shear}, {phase: loading}]\n")
+    assert "column 'sample': 'D 1'" in "\n".join(check_study(study).faults)
+
+
 def test_sheets_of_one_workbook_are_tests_of_their_own(study):
     book = openpyxl.Workbook()
     for name in ("First", "Second"):

@@ -135,7 +135,7 @@ def test_an_error_of_scale_beyond_its_limits_counts():
     fit = Problem(tests, everything(tests)).fit(Candidate.of("neo_hooke"))
     for scale, left in ((0.97, 0.0), (1.03, 0.0), (1.06, 0.06 / 1.06 - 0.02 * np.sqrt(3.0) / 1.06)):
         moved = [replace(tests[0], force=scale * tests[0].force, scale_error=0.02)]
-        shape = np.sqrt(np.mean((tests[0].force / tests[0].peak) ** 2))
+        shape = np.sqrt(np.mean((tests[0].force / tests[0].force.max()) ** 2))
         error = error_on(fit, moved, everything(moved), beyond_scale=True)
         assert error == pytest.approx(left * shape, rel=1e-3, abs=1e-5)
         plain = error_on(fit, moved, everything(moved))
@@ -287,7 +287,7 @@ def test_intervals_hold_the_exponent_though_the_form_is_wrong_by_a_correlated_er
             apart = np.abs(np.subtract.outer(test.displacement, test.displacement))
             root = np.linalg.cholesky(np.exp(-apart / (0.25 * test.stroke)) + 1e-9 * np.eye(40))
             test.force[:] *= 1.0 + 0.03 * rng.standard_normal()
-            test.force[:] += 0.03 * test.peak * root @ rng.standard_normal(40)
+            test.force[:] += 0.03 * test.force.max() * root @ rng.standard_normal(40)
         problem = Problem(tests, everything(tests))
         candidate = Candidate.of("ogden")
         fit = problem.fit(candidate)

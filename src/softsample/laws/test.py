@@ -127,11 +127,6 @@ class LawTest:
         )  # fmt: skip
 
     @property
-    def peak(self) -> float:
-        """Largest force [N]."""
-        return float(np.abs(self.force).max())
-
-    @property
     def stroke(self) -> float:
         """Largest displacement [m]."""
         return float(self.displacement.max())

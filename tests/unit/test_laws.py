@@ -111,16 +111,16 @@ def test_the_true_law_is_among_those_chosen_in_noise(law):
 
 
 @pytest.mark.parametrize(
-    ("law", "stress"),
+    ("law", "stress", "scales"),
     [
-        ("yeoh", of_invariants(lambda x: 0.5 + 0.6 * x + 3.0 * x**2, zero)),
-        ("ogden", of_exponent(-14.0)),
+        ("yeoh", of_invariants(lambda x: 0.5 + 0.6 * x + 3.0 * x**2, zero), (0.98, 1.02, 1.03)),
+        ("ogden", of_exponent(-14.0), (1.03, 0.99, 1.01)),
     ],
 )
-def test_a_known_error_of_scale_between_modes_is_no_error_of_the_law(law, stress):
+def test_a_known_error_of_scale_between_modes_is_no_error_of_the_law(law, stress, scales):
     rng = np.random.default_rng(1)
     tests = three(stress, noise=1e-3, rng=rng)
-    for test, scale in zip(tests, (1.03, 0.99, 1.01), strict=True):
+    for test, scale in zip(tests, scales, strict=True):
         test.force[:] *= scale
     tests = [replace(test, scale_error=0.02) for test in tests]
     names = ["neo_hooke", "ogden", "mooney_rivlin", "gent", "yeoh", "neo_hooke+ogden"]
@@ -140,6 +140,30 @@ def test_an_error_of_scale_beyond_its_limits_counts():
         assert error == pytest.approx(left * shape, rel=1e-3, abs=1e-5)
         plain = error_on(fit, moved, everything(moved))
         assert plain == pytest.approx(abs(scale - 1.0) / scale * shape, rel=1e-3)
+
+
+def test_the_last_part_of_a_test_knows_its_scale_from_the_rest():
+    """What a stiffening law is off there is its own error, not that of the element type."""
+    tests = [replace(loading("compression", of_exponent(6.0)), scale_error=0.05)]
+    fits, law = Fits(tests), Candidate.of("neo_hooke")
+    (fold,) = inner_folds(tests, everything(tests))
+    _, fit = fits.of(law, [~fold.left_out[0]])
+    found = fits.fold_errors(law, everything(tests))
+    assert found == {"last_part": error_on(fit, tests, fold.left_out)}
+    assert found["last_part"] > 1.5 * error_on(fit, tests, fold.left_out, beyond_scale=True)
+
+
+def test_a_law_of_wide_ranges_finds_a_plain_solid():
+    """From no point of a grid over the ranges of Yeoh's coefficients, which go to 50 and 1000."""
+    tests = []
+    for mode, strain, seed in (("compression", 0.3, 0), ("shear", 0.4, 7)):
+        response, way = HomogeneousResponse(CUBE, mode, 0.49), strain * SIDE * np.arange(1, 41) / 40
+        force = 1000.0 * response.unit_force(Candidate.of("neo_hooke"), np.zeros(0), way)
+        noise = 0.002 * force.max() * np.random.default_rng(seed).standard_normal(40)
+        tests.append(LawTest(mode[0], mode, mode, way, force + noise, 0.0, response))
+    fit = Problem(tests, everything(tests)).fit(Candidate.of("yeoh"))
+    assert fit.mu == pytest.approx(1000.0, rel=5e-3)
+    assert fit.shape == pytest.approx((0.0, 0.0), abs=0.1)
 
 
 def test_a_pair_of_mirrored_exponents_is_open_in_shear_and_not_in_compression():

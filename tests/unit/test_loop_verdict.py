@@ -7,6 +7,7 @@ import numpy as np
 import pytest
 
 import laboratory
+from softsample.loop import accept
 from softsample.loop import verdict as of_verdict
 from softsample.loop.accept import objection_to
 from softsample.loop.diagnose import diagnose
@@ -39,22 +40,23 @@ def test_what_is_unknown_has_no_effects_and_the_values_of_the_plain_model():
     assert verdict["path"][0]["chosen"] == "force_offset"
 
 
-def test_an_effect_that_makes_what_folds_leave_out_less_likely_is_withheld():
+def test_an_effect_that_makes_what_folds_leave_out_less_likely_is_withheld(monkeypatch):
     settings = LoopSettings()
     found = judged(15.0)
     assert (found.verdict, judgement(found, settings)["withheld"]) == ("explained", [])
-    assert found.selected.density > found.before.density
-    worse = replace(found.selected, density=found.before.density - 2.0)
-    objection = objection_to(
-        found.selection, found.before, worse, settings.selection, settings.noise
+    rules = settings.selection, settings.noise
+    assert objection_to(found.selection, found.before, found.selected, *rules) == ""
+    monkeypatch.setattr(
+        accept, "log_density", lambda fit, folds: -2.0 * len(fit.model.effects) - len(folds)
     )
+    objection = objection_to(found.selection, found.before, found.selected, *rules)
     assert objection == "what folds leave out is exp(2) times less likely with the effects"
-    verdict = report(replace(found, selected=worse, objection=objection), settings)
+    verdict = report(replace(found, objection=objection), settings)
     assert (verdict["verdict"], verdict["effects"]) == ("unknown", [])
     (withheld,) = verdict["withheld"]
     assert (withheld["name"], withheld["reason"]) == ("force_offset", objection)
-    assert withheld["held_out_if_given"] == error_report(worse.folds)
-    left = [e.rms / e.peak for tests in worse.folds.values() for e in tests.values()]
+    assert withheld["held_out_if_given"] == error_report(found.selected.folds)
+    left = [e.rms / e.peak for tests in found.selected.folds.values() for e in tests.values()]
     percent = f"{100.0 * np.sqrt(np.mean(np.square(left))):.3g}"
     assert f"With `force_offset`, {percent} % of the peak would be left of what" in page(
         "A7", verdict

@@ -109,7 +109,7 @@ def test_a_group_whose_true_shape_is_not_known_has_no_bias(paper):
     assert row[["mu1_real_pa", "mu_real_pa", "difference_percent"]].isna().all()
     assert (
         row["note"]
-        == "image or surface not of all samples: moduli of the ideal shape, bias not known"
+        == "not all samples have an image or a surface: moduli of the ideal shape, bias not known"
     )
     assert notes == []
     summary = summary_table({"ogden2": table}, two_samples()).set_index("quantity")
@@ -268,7 +268,7 @@ def test_both_ways_to_calibrate_by_hand():
     assert list(table["simulations_cpu_s"]) == [150.0, 50.5]
 
 
-def test_nominal_stress_by_hand():
+def test_nominal_curve_by_hand():
     shape = {"ideal_area_mm2": 200.0, "height_mm": 10.0}
     strain, stress = nominal_curve(np.array([2e-3, 0.0]), np.array([0.8, 0.0]), shape)
     np.testing.assert_allclose(strain, [0.0, 0.2])
@@ -358,11 +358,15 @@ def test_captions_of_a_mixed_study_say_what_is_known_of_which():
     real = [fit("S1", geometry, 3.0, 1.0) for geometry in ("real", "ideal")]
     numbers = dimensions_only(*real, samples=7, imaged=3, surfaces=1)
     mixed, part = numbers["modelled"], "where the shapes of all samples of a group are known,"
-    assert mixed.startswith(f"meshed as they are, {part} (3 with an image and 1 with a surface)")
-    assert mixed.endswith("as a cuboid (3 by the stated dimensions alone)")
-    assert all(part in numbers[name] for name in ("geometries", "strain"))
+    assert mixed == (
+        f"meshed as they are (3 with an image and 1 with a surface), {part} and as a cuboid (3 by "
+        "the stated dimensions alone)"
+    )
+    assert part in numbers["geometries"]
+    assert f"{part[:-1]}; last" in numbers["strain"]
     surfaces = dimensions_only(*real[:1], samples=2, imaged=0, surfaces=2)["modelled"]
-    assert surfaces.endswith("are known, (2 with a surface) and as a cuboid")
+    assert surfaces.startswith("meshed as they are (2 with a surface), where")
+    assert surfaces.endswith("are known, and as a cuboid")
 
 
 def test_a_group_with_one_shape_that_is_not_known_has_no_real_geometry_in_the_captions():

@@ -119,8 +119,6 @@ if os.environ.get("SOFTSAMPLE_PARTIAL"):
     if not came_through:
         raise WorkflowError("no group of samples came through; there is nothing to report")
 SAMPLES, GROUPS, PIECES = PLAN.rows, PLAN.groups, PLAN.pieces
-# Whether what is held out is held out of one group at a time.
-POOLED = in_turn(HOLD_OUT, LEAVE_OUT, GROUPS)
 COMPRESSED = [name for name in PIECES if SAMPLES[name]["mode"] == "compression"]
 SHIPPED = (ROOT / "resources").resolve() in TABLE.resolve().parents
 
@@ -300,9 +298,13 @@ def rows_of(names):
 
 
 def others_of(group):
-    """Samples of the other groups that tell of one, by group; none if they are not known in full."""
-    others = {name: names for name, names in GROUPS.items() if name != group}
-    return others if POOLED else {}
+    """Samples of the other groups that tell of one, by group; none if they are not known in full.
+
+    Their geometry is known as well as that of the group.
+    """
+    alike = [name for name in GROUPS if PLAN.best(name) == PLAN.best(group)]
+    pooled = in_turn(HOLD_OUT, LEAVE_OUT, alike)
+    return {name: GROUPS[name] for name in alike if pooled and name != group}
 
 
 def verdicts_of_others(kind):
@@ -330,7 +332,7 @@ def folds_of(group):
     None where the study holds something out of one group at a time.
     """
     if LEAVE_OUT == "group":
-        return {} if POOLED else {f"leave_out_{group}": samples_of(group)}
+        return {} if others_of(group) else {f"leave_out_{group}": samples_of(group)}
     rows = [SAMPLES[name] for name in samples_of(group)]
     return {f"leave_out_{value}": names for value, names in folds(rows, LEAVE_OUT)}
 

@@ -21,6 +21,9 @@ MODULI = ("mu", "mu1", "mu2")
 LEAST_SHARE = 1e-4
 """Part of the modulus below which a term is as good as absent: its logarithm has to be finite."""
 
+SHARES = np.geomspace(1e-3, 1.0, 19)
+"""Parts of the modulus at which the profile of a term that may be absent is looked up."""
+
 STEPS = 2.0 ** np.arange(-1, 8)
 """Distances of a profile's points from the optimum, in steps."""
 
@@ -96,20 +99,23 @@ class AreaLikelihood:
         step : float
             First distance from the optimum, doubled a few times; of a modulus a part of its value.
         confidence : float
-            Of the interval; a term whose share may be `LEAST_SHARE` has no lower end.
+            Of the interval; a term whose share may be about `LEAST_SHARE` has no lower end.
         """
         if name not in MODULI:
             return self._profile(self, self.best, self.bounds, name, step, confidence)
         split = name != "mu" and "mu1_fraction" in self.search.bounds
         deviance, best, bounds = self._of_term(name) if split else (self, self.best, self.bounds)
         found = self._profile(deviance, best, bounds, "mu", step, confidence)
-        points, depths = np.exp(found.points), found.deviance
         ends = (found.low, found.high)
         low, high = (float(np.exp(end)) if np.isfinite(end) else end for end in ends)
-        if split and low <= LEAST_SHARE * self.fit.mu:
-            _, high = profile_interval(points, depths, float(np.exp(best[0])), confidence)
-            return Profile(points, depths, -np.inf, high)
-        return Profile(points, depths, low, high)
+        if not (split and low <= 2.0 * LEAST_SHARE * self.fit.mu):
+            return Profile(np.exp(found.points), found.deviance, low, high)
+        shares = np.concatenate([[np.exp(best[0]) / self.fit.mu], SHARES])
+        values = np.unique(np.clip(np.log(self.fit.mu * shares), *bounds[0]))
+        depths, _ = profile(deviance, best, 0, values, bounds)
+        depths, moduli = 2.0 * self.points * depths, np.exp(values)
+        _, high = profile_interval(moduli, depths, float(np.exp(best[0])), confidence)
+        return Profile(moduli, depths, -np.inf, high)
 
     def _of_term(self, name: str) -> tuple[Callable[[Array], float], Array, list]:
         """Deviance, optimum and bounds in ln(mu_i) and ln(mu_i / mu) in place of ln(mu), mu1 / mu.

@@ -3,15 +3,12 @@
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
-from numpy.typing import NDArray
 
 from softsample.figures.style import colours, page_figure, styled
 from softsample.loop.diagnose import Diagnosis
 from softsample.loop.residual import Predicted, predicted
-from softsample.loop.specimen import FORCE, blocks
+from softsample.loop.specimen import FORCE, Array, blocks
 from softsample.wording import spoken
-
-Array = NDArray[np.float64]
 
 MOST = 5
 """Tests that a figure shows at most: the worst, in the order of the study."""
@@ -61,7 +58,7 @@ def loop_figure(found: Diagnosis) -> Figure:
 def _forces(ax: Axes, one: Predicted) -> None:
     test, size = one.test, one.size
     travel, force = 1e3 * blocks(test.travel, size), blocks(test.force, size)
-    out = blocks(test.held_out.astype(float), size) > 0.0
+    out = test.out(size)
     parts = zip(ENTRIES, (~out, out), ("0.55", "0.8"), strict=False)
     for name, part, grey in parts:
         if part.any():

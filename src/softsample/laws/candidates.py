@@ -29,14 +29,15 @@ class Shape:
     ----------
     name, unit : str
         Name in tables, with the number of its term where both have it; unit, `1` for none.
-    low, high : float
-        Range of the search.
+    low, high, default : float
+        Range of the search, and a value to set out from.
     """
 
     name: str
     unit: str
     low: float
     high: float
+    default: float
 
     def starts(self, count: int) -> Array:
         """Inner points (count,) of the range, in its root where it is wide and begins near zero."""
@@ -111,10 +112,12 @@ class Candidate:
     @property
     def shape(self) -> tuple[Shape, ...]:
         """Shape parameters that are fitted: those of the terms, after the first one's share."""
-        found = [Shape(FRACTION, "1", 0.0, 1.0)] if len(self.laws) > 1 else []
+        found = [Shape(FRACTION, "1", 0.0, 1.0, 0.5)] if len(self.laws) > 1 else []
         for number, law in enumerate(() if self.fixed else self.laws, 1):
             end = str(number) if self.laws.count(law) > 1 else ""
-            found += [Shape(p.name + end, p.unit, p.low, p.high) for p in LAWS[law].shape]
+            found += [
+                Shape(p.name + end, p.unit, p.low, p.high, p.default) for p in LAWS[law].shape
+            ]
         return tuple(found)
 
     @property
@@ -144,9 +147,10 @@ class Candidate:
         return Material(tuple(terms), poisson_ratio)
 
     def starts(self, count: int) -> list[Array]:
-        """Shapes from which a fit sets out: `count` points of each range, terms in order."""
+        """Shapes from which a fit sets out: defaults, `count` points of each range, in order."""
         grids = [s.starts(count if s.name != FRACTION else 1) for s in self.shape]
-        points = [np.array(point) for point in product(*grids)]
+        points = [np.array([s.default for s in self.shape])]
+        points += [np.array(point) for point in product(*grids)]
         if len(self.laws) == 2 and self.laws[0] == self.laws[1] and not self.fixed:
             points = [p for p in points if p[1] < p[-1]]
         return points

@@ -129,10 +129,14 @@ class Fits:
         return self._known[key]
 
     def fold_errors(self, candidate: Candidate, kept: Sequence[Mask]) -> dict[str, float]:
-        """Error beyond scale on each inner fold of some points, of the fit to the rest."""
+        """Error on each inner fold of some points, of the fit to the rest.
+
+        Beyond an error of scale where whole tests are left out.
+        """
         found = {}
         for fold in inner_folds(self.tests, kept):
             rest = [mask & ~out for mask, out in zip(kept, fold.left_out, strict=True)]
             _, fit = self.of(candidate, rest)
-            found[fold.name] = error_on(fit, self.tests, fold.left_out, beyond_scale=True)
+            whole = fold.kind != "last_part"  # what is left of a test knows its scale
+            found[fold.name] = error_on(fit, self.tests, fold.left_out, beyond_scale=whole)
         return found

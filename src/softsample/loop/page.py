@@ -41,8 +41,9 @@ def page(group: str, verdict: Mapping[str, Any]) -> str:
     if verdict["other_ends"]:
         parts += [_other_ends(verdict), ""]
     for effect in verdict["effects"]:
-        told = effect["name"] == ends.EFFECT.name and verdict["other_ends"]
-        parts += _effect(effect, bool(told and told["chosen_by_other_groups"]))
+        other = verdict["other_ends"] if effect["name"] == ends.EFFECT.name else None
+        against = effect["evidence"] < verdict["path"][0]["threshold"]
+        parts += _effect(effect, bool(other and other["chosen_by_other_groups"] and against))
     if verdict["correction"]:
         parts += [_correction(verdict["correction"]), ""]
     parts += _withheld(verdict)
@@ -154,7 +155,7 @@ def _table(header: list[str], rows: list[list[str]]) -> list[str]:
 
 
 def _effect(effect: Mapping[str, Any], told: bool) -> list[str]:
-    """An effect, which is `told` if the other groups have chosen it whatever its evidence."""
+    """An effect, which is `told` if the other groups have chosen it against the evidence."""
     known = library()
     others = [name for name in effect["class"] if name != effect["name"]]
     lines = [f"## {known[effect['name']].title} (`{effect['name']}`)", ""]
@@ -299,7 +300,8 @@ def _path(verdict: Mapping[str, Any]) -> list[str]:
 
 
 def _limits(verdict: Mapping[str, Any], limits: Limits) -> list[str]:
-    lines = ["Not identifiable from these records: " + ", ".join(verdict["not_identifiable"]) + "."]
+    names = ", ".join(verdict["not_identifiable"]) or "none"
+    lines = [f"Not identifiable from these records: {names}."]
     if verdict["absent"]:
         lines += ["", "Known not to be there: " + ", ".join(verdict["absent"]) + "."]
     rows = [

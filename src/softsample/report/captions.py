@@ -97,7 +97,7 @@ def _modelled(samples: int, imaged: int, surfaces: int, ideal: str, where: str) 
     kinds = (f"{imaged} with an image", f"{surfaces} with a surface")
     there = " and ".join(kind for kind in kinds if kind[0] != "0")
     stated = samples - imaged - surfaces
-    return f"meshed as they are{where} ({there}) and as a {ideal}" + (
+    return f"meshed as they are ({there}){where} and as a {ideal}" + (
         f" ({stated} by the stated dimensions alone)" if stated else ""
     )
 
@@ -127,8 +127,8 @@ def _seen(ideal: str, where: str, real: bool) -> dict[str, str]:
         f"{ideal}",
         "bars": "real (plain) and idealised (hatched), with intervals; above them its difference, "
         "ideal to real",
-        "strain": f"First the surface before the test, then l{strain} real geometry{where}; last, "
-        f"that on the idealised {ideal}",
+        "strain": f"First the surface before the test, then l{strain} real "
+        f"geometry{where.rstrip(',')}; last, that on the idealised {ideal}",
     }
 
 

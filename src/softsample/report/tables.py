@@ -28,7 +28,7 @@ TERMS = {TWO_TERM: ("mu1", "mu2", "mu"), ONE_TERM: ("mu",)}
 MOST = 3
 """Samples whose names a row of the one-term table joins."""
 
-NO_REAL = "image or surface not of all samples: moduli of the ideal shape, bias not known"
+NO_REAL = "not all samples have an image or a surface: moduli of the ideal shape, bias not known"
 """Note of a group whose samples' true shape is not known."""
 
 LEVEL = 0.90

@@ -64,11 +64,9 @@ DEGREE, CHANCE, LEAST_BENT = 5, 1e-3, 24
 """Degree of the polynomial along a leg that bends, the chance at which a straight one seems to,
 and the fewest samples of a leg that may."""
 
-FEW_TURNS = 2
-"""So many turns of the travel, or 2 % of the samples, are no noise."""
-
 FEWEST_JUMPS = 10
-"""Lone jumps of a reading from which on it is a staircase."""
+"""Lone jumps of a reading from which on it is a staircase; samples from which on a leg without time
+may be a rest whatever their order."""
 
 
 def travel_sign(mode: str) -> float:
@@ -162,7 +160,7 @@ class Phase:
         return slice(self.start, self.stop)
 
 
-def phases(time: Array, displacement: Array, origin: float | None = None) -> list[Phase]:
+def phases(time: Array | None, displacement: Array, origin: float | None = None) -> list[Phase]:
     """Phases of a test, found from the displacement alone.
 
     The displacement is replaced by the polygon that follows it within its noise
@@ -170,8 +168,8 @@ def phases(time: Array, displacement: Array, origin: float | None = None) -> lis
 
     Parameters
     ----------
-    time : (n,) float64
-        Time [s], or numbers of samples, ascending.
+    time : (n,) float64, or None
+        Time [s], ascending, if it was recorded.
     displacement : (n,) float64
         Displacement of the platen [m], either sign.
     origin : float, optional
@@ -194,7 +192,7 @@ def phases(time: Array, displacement: Array, origin: float | None = None) -> lis
     for start, stop, kind in zip(
         ends[:-1], ends[1:], _kinds(time, away, ends, tolerance), strict=True
     ):
-        end = stop + int(stop == len(time) - 1)
+        end = stop + int(stop == len(displacement) - 1)
         if found and found[-1].kind == kind:
             found[-1] = Phase(kind, found[-1].start, end)
         else:
@@ -202,7 +200,7 @@ def phases(time: Array, displacement: Array, origin: float | None = None) -> lis
     return found
 
 
-def corners(time: Array, displacement: Array) -> list[int]:
+def corners(time: Array | None, displacement: Array) -> list[int]:
     """Samples where the travel changes its course, the first and the last one included.
 
     Raises
@@ -210,20 +208,29 @@ def corners(time: Array, displacement: Array) -> list[int]:
     InputError
         If the platen does not move beyond the noise of its reading.
     """
-    tolerance = _tolerance(time, displacement)
-    if np.ptp(displacement) <= 5.0 * tolerance:
-        reach = 1e3 * float(np.ptp(displacement))
+    reach = float(np.ptp(displacement))
+    if reach <= 5.0 * max(10.0 * white_noise(time, displacement), _tread(displacement)):
         raise InputError(
-            f"displacement stays within {reach:.3g} mm, its noise: there is no loading ramp"
+            f"displacement stays within {1e3 * reach:.3g} mm, its noise: there is no loading ramp"
         )
-    return _polygon(time, displacement, tolerance)
+    return _polygon(clock_of(time, displacement), displacement, _tolerance(time, displacement))
 
 
-def _tolerance(time: Array, displacement: Array) -> float:
-    """Distance from a polygon that is noise, or the last digits of the reading [m]."""
-    rounding = _tread(displacement) / np.sqrt(12.0)
-    noise = max(white_noise(time, displacement), rounding)
-    return max(10.0 * noise, 1e-3 * float(np.ptp(displacement)))
+def clock_of(time: Array | None, reading: Array) -> Array:
+    """Time (n,) [s], or the numbers of samples where none was recorded."""
+    return np.arange(len(reading), dtype=np.float64) if time is None else time
+
+
+def _tolerance(time: Array | None, displacement: Array) -> float:
+    """Distance from a polygon that is noise, or the last digit of the reading and a half [m].
+
+    Noise that makes a coarse reading flicker between two digits is up to that of rounding.
+    """
+    tread = _tread(displacement)
+    noise = white_noise(time, displacement)
+    if len(_back_steps(displacement)):
+        noise = max(noise, tread / np.sqrt(12.0))
+    return max(10.0 * noise, 1e-3 * float(np.ptp(displacement)), 1.5 * tread)
 
 
 def _tread(displacement: Array) -> float:
@@ -247,14 +254,14 @@ def _split_at_origin(away: Array, ends: list[int], tolerance: float) -> list[int
     return sorted({*ends, *passed})
 
 
-def denoised(time: Array, displacement: Array) -> Array:
+def denoised(time: Array | None, displacement: Array) -> Array:
     """The travel behind a noisy reading: a straight line through the samples of every leg.
 
     Corners are where lines of neighbouring legs meet, so that they are known better than to the
     nearest sample. A leg that bends, as of a sinusoidal test or where the sample's own displacement
     is read on a machine that gives way, gets what a polynomial explains of the rest.
     """
-    ends = corners(time, displacement)
+    ends, time = corners(time, displacement), clock_of(time, displacement)
     lines = []
     for first, last in pairwise(ends):
         trim = (last - first) // 10
@@ -292,18 +299,18 @@ def _bend(time: Array, rest: Array) -> Array:
     return np.asarray(bent)
 
 
-def _kinds(time: Array, away: Array, corners: list[int], tolerance: float) -> list[str]:
+def _kinds(time: Array | None, away: Array, corners: list[int], tolerance: float) -> list[str]:
     """Kind of each leg of the polygon; a short slow leg is rest, a long slow one is not.
 
-    Without time, samples close together are no rest if each goes further than the one before.
+    Without time, a few samples close together are no rest if each goes further than that before.
     """
     distance = np.abs(away[corners])
     step = np.abs(np.diff(away[corners]))
-    speed = step / np.diff(time[corners])
+    speed = step / np.diff(clock_of(time, away)[corners])
     rest = (step <= 4.0 * tolerance) & (speed <= SLOW * speed.max())
-    if _is_count(time):
-        way = np.add.reduceat(np.sign(np.diff(away)), corners[:-1])
-        rest &= np.abs(way) < np.diff(corners)
+    if time is None:
+        way, count = np.add.reduceat(np.sign(np.diff(away)), corners[:-1]), np.diff(corners)
+        rest &= (np.abs(way) < count) | (count >= FEWEST_JUMPS)
     kinds: list[str] = []
     for k in range(len(step)):
         if rest[k]:
@@ -359,19 +366,19 @@ class Course:
     loadings: list[Loading]
 
     @classmethod
-    def of(cls, time: Array, displacement: Array, mode: str | None = None) -> Self:
+    def of(cls, time: Array | None, displacement: Array, mode: str | None = None) -> Self:
         """Course of a record.
 
         Parameters
         ----------
-        time : (n,) float64
-            Time [s], or numbers of samples, ascending.
+        time : (n,) float64, or None
+            Time [s], ascending, if it was recorded.
         displacement : (n,) float64
             Displacement of the platen [m].
         mode : str, optional
             Of the test: loadings are those along its direction, if the platen goes as far there
-            as to the other side. Otherwise, and without a mode, the first ramp that reaches the
-            largest displacement tells the direction.
+            as to the other side, or presses there first. Otherwise, and without a mode, the first
+            ramp that reaches the largest displacement tells the direction.
 
         Raises
         ------
@@ -494,26 +501,26 @@ def _loading(ramps: Sequence[slice], away: Array) -> Loading:
     return Loading(tuple(ramps[: until + 1]), max(ends))
 
 
-def white_noise(time: Array, reading: Array) -> float:
+def white_noise(time: Array | None, reading: Array) -> float:
     """Standard deviation of white noise on a piecewise linear reading (n,), in its unit.
 
-    Each sample is compared with the chord of its neighbours. Where `time` only counts the samples,
-    uneven steps look like noise, but only noise goes back and forth more than a few times.
+    Each sample is compared with the chord of its neighbours. Without time, uneven steps look like
+    noise, but only noise makes lone steps back: it is no more than the largest of these.
     """
+    untimed, time = time is None, clock_of(time, reading)
     share = (time[1:-1] - time[:-2]) / (time[2:] - time[:-2])
     chord = (1.0 - share) * reading[:-2] + share * reading[2:]
     off = (reading[1:-1] - chord) / np.sqrt(1.0 + share**2 + (1.0 - share) ** 2)
     noise = float(1.4826 * np.median(np.abs(off - np.median(off))))
-    if not _is_count(time):
-        return noise
+    return min(noise, float(_back_steps(reading).max(initial=0.0))) if untimed else noise
+
+
+def _back_steps(reading: Array) -> Array:
+    """Sizes of lone steps back, between two steps the other way: a platen turns for longer."""
     step = np.diff(reading)
-    back = np.minimum(np.abs(step[1:]), np.abs(step[:-1])) * (step[1:] * step[:-1] < 0.0)
-    return min(noise, float(np.sort(back)[: -max(FEW_TURNS, len(back) // 50)].max(initial=0.0)))
-
-
-def _is_count(time: Array) -> bool:
-    """Whether times are only the numbers of samples."""
-    return bool(np.array_equal(time, np.arange(len(time))))
+    step = step[step != 0.0]
+    lone = (step[1:-1] * step[:-2] < 0.0) & (step[1:-1] * step[2:] < 0.0)
+    return np.asarray(np.abs(step[1:-1][lone]))
 
 
 def _polygon(time: Array, displacement: Array, tolerance: float) -> list[int]:

@@ -15,6 +15,7 @@ from softsample.protocol import (
     Course,
     Loading,
     Phase,
+    clock_of,
     phases,
     travel_sign,
     white_noise,
@@ -135,11 +136,11 @@ class Record:
     @property
     def clock(self) -> Array:
         """Time (n,) [s], or numbers of samples where none was recorded."""
-        return np.arange(len(self.force), dtype=np.float64) if self.time is None else self.time
+        return clock_of(self.time, self.force)
 
     def course(self, mode: str) -> Course:
         """Phases and loadings of the record as a test of a mode."""
-        return Course.of(self.clock, self.displacement, mode)
+        return Course.of(self.time, self.displacement, mode)
 
     def marked(self, mode: str, which: str = LARGEST) -> Self:
         """The record with phases, cycles and the loading that is calibrated.
@@ -416,7 +417,7 @@ def _sign(positive: str, mode: str) -> float:
 def _rest(table: pd.DataFrame, source: str) -> slice:
     """Samples at rest before the first movement."""
     record = Record.of_table(table)
-    rest = _resting(phases(record.clock, record.displacement))
+    rest = _resting(phases(record.time, record.displacement))
     if rest.stop - rest.start < FEWEST_AT_REST:
         raise InputError(
             f"{source}: no rest before the ramp to take the zero from; set `records: zero` of the "
@@ -708,7 +709,7 @@ def _off_zero(
             f"if it is not, set {settings.setting(zero={'displacement': zero})}"
         )
     before = record.force[rest] if rest.stop else record.force[:1]
-    noise = before.std(ddof=1) if rest.stop else white_noise(record.clock, record.force)
+    noise = before.std(ddof=1) if rest.stop else white_noise(record.time, record.force)
     loaded = abs(before.mean()) > max(OFF_ZERO * abs(peak), 5.0 * noise)
     if loaded and (rest.stop or abs(record.displacement[0]) <= far):
         yield (

@@ -110,7 +110,7 @@ class Specimen:
             name,
             mode,
             time,
-            denoised(time, sign * record.displacement),
+            denoised(record.time, sign * record.displacement),
             np.asarray(sign * force if channel == FORCE else force),
             record.phase,
             elastic,

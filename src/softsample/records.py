@@ -18,7 +18,6 @@ from softsample.protocol import (
     clock_of,
     phases,
     travel_sign,
-    white_noise,
 )
 from softsample.validation import refusals
 
@@ -39,6 +38,8 @@ LARGEST_GAP = 0.1
 """A ramp may lack samples over this part of its duration."""
 OFF_ZERO = 0.05
 """A ramp may begin at this part of its displacement or of its peak force without a doubt raised."""
+STARTS_LOADED = 0.25
+"""A force of this part of the peak in the first sample, without a rest before it, is doubted."""
 LONE_PART, LONE_NOISE, LONE_STEPS = 0.05, 10.0, 3.0
 """A reading stands alone if it is off by this part of the peak, and by so many times what half of
 the readings are, and the steps beside it."""
@@ -612,7 +613,7 @@ def _facts(
     peak = force[np.abs(force).argmax()]
     warnings = [] if known else ["no rest before the ramp: force zero and noise are not known"]
     warnings += _off_zero(record, loading, peak, rest if known else slice(0, 0), settings)
-    warnings += _relaxing(force)
+    warnings += _relaxing(record.force[loading.ramps[-1]])
     warnings += _lone(lines, record.force, abs(peak))
     for ramp in loading.ramps if record.timed else ():
         warnings += _gap(lines, record.clock, ramp)
@@ -668,7 +669,7 @@ def _of_material(record: Record, rows: NDArray[np.intp], size: Sized) -> dict[st
 
 
 def _relaxing(force: Array) -> Iterator[str]:
-    """What says that the sample failed, or that what is taken for a loading is none."""
+    """What says that the sample failed, or that what is taken for a ramp is none."""
     tenths = _tenths(force)
     largest, last = tenths[np.abs(tenths).argmax()], tenths[-1]
     if abs(last) < RELAXED * abs(largest):
@@ -709,9 +710,13 @@ def _off_zero(
             f"if it is not, set {settings.setting(zero={'displacement': zero})}"
         )
     before = record.force[rest] if rest.stop else record.force[:1]
-    noise = before.std(ddof=1) if rest.stop else white_noise(record.time, record.force)
-    loaded = abs(before.mean()) > max(OFF_ZERO * abs(peak), 5.0 * noise)
-    if loaded and (rest.stop or abs(record.displacement[0]) <= far):
+    if rest.stop:
+        loaded = abs(before.mean()) > max(OFF_ZERO * abs(peak), 5.0 * before.std(ddof=1))
+    else:  # a test to both sides may be on its way through zero
+        away = record.displacement
+        there = abs(away[0]) <= far and not (away.min() < -far and away.max() > far)
+        loaded = there and abs(before.mean()) > STARTS_LOADED * abs(peak)
+    if loaded:
         yield (
             f"the force before the ramp is {before.mean():.3g} N; if the sample is not loaded "
             f"there, set {settings.setting(zero={'force': zero})}"

@@ -297,6 +297,11 @@ def test_what_is_no_stl_is_refused(tmp_path):
 def test_a_thin_surface_and_a_base_that_is_not_quite_square_are_taken(tmp_path):
     box = pyvista.Box(bounds=(0, 18, 0, 15, 0, 2.5), level=9).triangulate().clean()
     assert read_surface(saved(box, tmp_path)).volume / MM**3 == pytest.approx(675.0, rel=1e-4)
+    for degrees in (1.0, 3.0):
+        strip = pyvista.Box(bounds=(-5, 5, -5, 5, 0, 10), level=19).triangulate().clean()
+        leaning = read_surface(saved(strip.rotate_x(degrees, inplace=False), tmp_path))
+        with pytest.raises(MeshError, match="lowest face is not flat"):
+            base_centre(leaning)
     tilted = shape("block").rotate_x(0.2, inplace=False)
     centre = base_centre(read_surface(saved(tilted, tmp_path)))
     np.testing.assert_allclose(centre[:2] / MM, PLACE[:2], atol=0.1)

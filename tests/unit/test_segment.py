@@ -294,9 +294,9 @@ def about_the_sample(low, high, level):
 
 
 def test_a_container_or_a_bath_is_not_taken_for_the_sample():
-    for low, level in ((0.0, 2.2), (8.6, 1.0)):  # saline up to the sample, a tube that touches it
+    for low, high, level in ((0.0, 12.5, 2.2), (8.6, 9.6, 1.0)):  # saline, a tube that touches it
         with pytest.raises(SegmentationError, match=r"encloses \d+ % of its sections.*in air"):
-            segment(*about_the_sample(low, 12.5, level))
+            segment(*about_the_sample(low, high, level))
 
 
 def test_another_bright_object_does_not_move_the_boundary():

@@ -495,6 +495,11 @@ def _cell(cells: Sequence[str], place: int) -> str:
     return cells[place] if place < len(cells) else ""
 
 
+def _quantities_of(unit: str) -> list[str]:
+    """Quantities that have a unit."""
+    return [name for name, units in UNITS.items() if unit in units]
+
+
 def _with_unit(
     column: Column, row: Sequence[str], given: Mapping[str, str], text: _Text, block: str
 ) -> Column:
@@ -503,17 +508,17 @@ def _with_unit(
     below = _cell(row, column.place).strip("()[] ")
     known, settled = UNITS[column.quantity], given.get(column.quantity, "")
     told = {"title": column.unit, "below": below, "settings": settled}
+    if below in known and not _quantities_of(column.unit):  # then brackets may hold any other word
+        told["title"] = ""
     said = dict.fromkeys(filter(None, told.values()))
-    of = {unit: [name for name, units in UNITS.items() if unit in units] for unit in said}
-    if {below, settled} & {*known}:  # then brackets of a title may hold any other word
-        said = {unit: None for unit in said if of[unit] or unit == settled}
     setting = records_setting({"units": {column.quantity: next(iter(known))}}, block)
     for unit in said:
         if unit not in known:
+            others = _quantities_of(unit)
             cure = (
-                f"it is one of {of[unit][0]}, so name the column as that"
-                if of[unit]
-                else f"name one of these in the settings of the study, such as {setting}"
+                f"it is one of {others[0]}, so name the column as that"
+                if others
+                else "convert the column or, if it is no unit, take it out of the file"
             )
             raise InputError(
                 f"{where}: {unit!r} is no known unit of {column.quantity} ({', '.join(known)}); "

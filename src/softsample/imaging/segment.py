@@ -71,8 +71,8 @@ PADDING_MM = 2.5
 LEFT_OUT = 0.05
 """A region that is larger than this beside the sample may be a part of it, in its volumes."""
 
-MOST_ENCLOSED = 0.1
-"""Part of the sections of a sample that it may enclose: bubbles and drops do 0.01 at most, tubes
+MOST_ENCLOSED = 0.2
+"""Part of the sections of a sample that it may enclose: a bubble of half its width does 0.1, tubes
 and baths 0.3 to 0.5."""
 
 MIN_CONTRAST = 4.0
@@ -406,7 +406,7 @@ def _left_out(regions: Mask, spacing: Array) -> float:
     if second > 0.5 * first:
         raise SegmentationError(
             f"two samples found, of {first / MM**3:.0f} and {second / MM**3:.0f} mm3; crop the "
-            "image to one"
+            "image to one, or keep one region of a mask"
         )
     return float(second) if second > LEFT_OUT * first else 0.0
 

@@ -24,6 +24,10 @@ FLAT = 1e-2
 LEAST_BASE = 0.05
 """Least area of the base, in areas of the box around the surface."""
 
+UNDERSIDE, MOST_OF_UNDERSIDE = 0.1, 0.75
+"""What looks down in this part of the height is the underside, of which the base is this part at
+least: of a tilted face only a strip is lowest."""
+
 
 @dataclass(frozen=True, eq=False)
 class TriangleSurface:
@@ -249,7 +253,8 @@ def base_centre(surface: TriangleSurface) -> Array:
     low, high = (f(points.reshape(-1, 3), axis=0) for f in (np.min, np.max))
     base = _base(surface)
     area = -surface.area_vectors[base, 2]
-    if area.sum() < LEAST_BASE * np.prod((high - low)[:2]):
+    under = -surface.area_vectors[_underside(surface, UNDERSIDE), 2].sum()
+    if area.sum() < max(LEAST_BASE * np.prod((high - low)[:2]), MOST_OF_UNDERSIDE * under):
         raise MeshError(
             f"{surface.source}: its lowest face is not flat ({1e6 * area.sum():.3g} mm2 lie at "
             f"z = {1e3 * low[2]:.4g} mm); turn the surface so that the loading axis is +z, and cut "
@@ -261,8 +266,13 @@ def base_centre(surface: TriangleSurface) -> Array:
 
 def _base(surface: TriangleSurface) -> NDArray[np.bool_]:
     """(m,) triangles that look down and lie at the lowest height."""
+    return _underside(surface, FLAT)
+
+
+def _underside(surface: TriangleSurface, part: float) -> NDArray[np.bool_]:
+    """(m,) triangles that look down and lie in the lowest part of the height."""
     height = surface.points[surface.triangles, 2]
-    flat = height <= height.min() + FLAT * np.ptp(height)
+    flat = height <= height.min() + part * np.ptp(height)
     vectors = surface.area_vectors
     downward = vectors[:, 2] < -0.9 * np.linalg.norm(vectors, axis=1)
     return np.asarray(downward & flat.all(axis=1))

@@ -327,7 +327,7 @@ class Whitener:
         Covariance of the blocks whose size is known [N2].
     size : int
         Samples in a block.
-    keep : (n,) bool, optional
+    keep : (n,) bool
         Blocks that count; the others are left out (folds).
     discrepancy : mapping of (n, n) float64, optional
         Covariances [N2] of what the model does not resolve, by part, that are the test's own.
@@ -342,15 +342,13 @@ class Whitener:
 
     known: Array
     size: int
-    keep: Mask = field(default_factory=lambda: np.ones(0, bool))
+    keep: Mask
     discrepancy: Mapping[str, Array] = field(default_factory=dict)
     variances: Mapping[str, float] = field(default_factory=dict)
     shared: Mapping[str, Array] = field(default_factory=dict)
     slot: int | None = None
 
     def __post_init__(self) -> None:
-        if not len(self.keep):
-            object.__setattr__(self, "keep", np.ones(len(self.known), bool))
         each = dict.fromkeys(self.discrepancy, 1.0) | dict(self.variances)
         object.__setattr__(self, "variances", each)
 

@@ -262,23 +262,13 @@ def _wider(ratio: float) -> list[str]:
 
 def _errors(verdict: Mapping[str, Any], key: str, *of: str) -> list[str]:
     """Errors `key` before and after, by what the two columns `of` name."""
-    return _table(
-        [*of, "RMS before [mN]", "after [mN]", "before [% of peak]", "after"],
-        [
-            [one, two, *_before_after(before, verdict[f"{key}_after"][one][two])]
-            for one, parts in verdict[f"{key}_before"].items()
-            for two, before in parts.items()
-        ],
-    )
-
-
-def _before_after(before: Mapping[str, float], after: Mapping[str, float]) -> list[str]:
-    return [
-        significant(1e3 * before["rms_N"]),
-        significant(1e3 * after["rms_N"]),
-        significant(before["rms_percent"]),
-        significant(after["rms_percent"]),
-    ]
+    rows = []
+    for one, parts in verdict[f"{key}_before"].items():
+        for two, before in parts.items():
+            both = before, verdict[f"{key}_after"][one][two]
+            numbers = [1e3 * e["rms_N"] for e in both] + [e["rms_percent"] for e in both]
+            rows.append([one, two, *map(significant, numbers)])
+    return _table([*of, "RMS before [mN]", "after [mN]", "before [% of peak]", "after"], rows)
 
 
 def _path(verdict: Mapping[str, Any]) -> list[str]:

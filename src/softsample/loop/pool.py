@@ -167,14 +167,12 @@ class Others:
 
         Parameters
         ----------
-        groups : mapping
-            Samples by group.
+        groups, verdicts
+            As of `softsample.loop.ends.Recorded`.
         tests : tuple of sequences of Specimen
             With nothing held out, and with what the study holds out.
         heights : mapping of float
             Of samples [m].
-        verdicts : tuple of sequences of mapping
-            `verdict.json` of each group on all of its records, and on what is not held out.
         settings : LoopSettings
             Of the diagnosis.
         solid : Material

@@ -6,8 +6,7 @@ from importlib import import_module
 from types import ModuleType
 
 from softsample.constitutive.material import Material
-from softsample.loop.effects.base import Effect
-from softsample.loop.specimen import Specimen
+from softsample.loop.effects.base import Effect, Specimen
 
 
 def library(

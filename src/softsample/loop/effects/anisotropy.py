@@ -5,8 +5,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from softsample.loop.effects.base import Array, Effect, Parameter, Values
-from softsample.loop.specimen import Specimen
+from softsample.loop.effects.base import Array, Effect, Parameter, Specimen, Values
 
 GRID = (-60.0, -30.0, 0.0, 30.0, 60.0, 90.0)
 """Angles [deg] from which a fit sets out."""

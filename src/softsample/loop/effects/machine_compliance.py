@@ -1,13 +1,7 @@
 """Frame and cell give way: the sample gets less travel than the machine reports."""
 
-from softsample.loop.effects.base import Effect, Parameter, Values
-from softsample.loop.specimen import FORCE, Specimen
-
-
-def _compliance(specimen: Specimen, values: Values) -> float:
-    # what yields along the displacement yields to that force
-    return 1e-3 * values["mm_per_N"] if specimen.channel == FORCE else 0.0
-
+from softsample.loop.effects.base import Effect, Parameter
+from softsample.loop.specimen import FORCE
 
 EFFECT = Effect(
     name="machine_compliance",
@@ -17,5 +11,7 @@ EFFECT = Effect(
     signature="force low by stiffness times force: compression most, shear least",
     confused_with=("poisson_ratio", "boundary_shift", "ogden_exponents"),
     experiment="a run on a rigid block",
-    compliance=_compliance,
+    compliance=lambda specimen, values: (  # what yields along the displacement yields to that force
+        1e-3 * values["mm_per_N"] if specimen.channel == FORCE else 0.0
+    ),
 )

@@ -2,8 +2,7 @@
 
 import numpy as np
 
-from softsample.loop.effects.base import MODES, Array, Effect, Parameter, Values
-from softsample.loop.specimen import Specimen
+from softsample.loop.effects.base import MODES, Array, Effect, Parameter, Specimen, Values
 
 
 def _instrument(specimen: Specimen, force: Array, travel: Array, values: Values) -> Array:

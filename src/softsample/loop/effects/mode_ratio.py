@@ -2,8 +2,7 @@
 
 from collections.abc import Sequence
 
-from softsample.loop.effects.base import Effect, Parameter
-from softsample.loop.specimen import Specimen
+from softsample.loop.effects.base import Effect, Parameter, Specimen
 
 
 def of_tests(tests: Sequence[Specimen]) -> Effect | None:

@@ -1,7 +1,6 @@
 """Part of the glued surface is not glued: tension and shear."""
 
-from softsample.loop.effects.base import Array, Effect, Parameter, Values
-from softsample.loop.specimen import Specimen
+from softsample.loop.effects.base import Array, Effect, Parameter, Specimen, Values
 
 
 def _elastic(specimen: Specimen, fraction: float, travel: Array, values: Values) -> Array:

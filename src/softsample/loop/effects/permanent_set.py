@@ -2,9 +2,8 @@
 
 import numpy as np
 
-from softsample.loop.effects.base import Array, Effect, Parameter, Values
+from softsample.loop.effects.base import Array, Effect, Parameter, Specimen, Values
 from softsample.loop.history import turned
-from softsample.loop.specimen import Specimen
 
 
 def _travel(specimen: Specimen, travel: Array, values: Values) -> Array:

@@ -4,8 +4,7 @@ from functools import partial
 
 import numpy as np
 
-from softsample.loop.effects.base import Array, Effect, Parameter, Values
-from softsample.loop.specimen import Specimen
+from softsample.loop.effects.base import Array, Effect, Parameter, Specimen, Values
 
 LOOP = "_loop"
 """Ends the names of runs with friction that come back: what their force is more on that way."""

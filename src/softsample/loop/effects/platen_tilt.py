@@ -2,8 +2,7 @@
 
 import numpy as np
 
-from softsample.loop.effects.base import Array, Effect, Parameter, Values
-from softsample.loop.specimen import Specimen
+from softsample.loop.effects.base import Array, Effect, Parameter, Specimen, Values
 
 
 def _elastic(specimen: Specimen, fraction: float, travel: Array, values: Values) -> Array:

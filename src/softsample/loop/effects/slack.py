@@ -2,8 +2,7 @@
 
 import numpy as np
 
-from softsample.loop.effects.base import Array, Effect, Parameter, Values
-from softsample.loop.specimen import Specimen
+from softsample.loop.effects.base import Array, Effect, Parameter, Specimen, Values
 
 TAUT = 0.01
 """Slack, as a part of the largest displacement, from which on a sample bears no push at all."""

@@ -2,8 +2,7 @@
 
 import numpy as np
 
-from softsample.loop.effects.base import Array, Effect, Parameter, Values
-from softsample.loop.specimen import Specimen
+from softsample.loop.effects.base import Array, Effect, Parameter, Specimen, Values
 
 PLACES, WEIGHTS = np.polynomial.legendre.leggauss(8)
 

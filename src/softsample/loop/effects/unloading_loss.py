@@ -2,9 +2,8 @@
 
 import numpy as np
 
-from softsample.loop.effects.base import Array, Effect, Parameter, Values
+from softsample.loop.effects.base import Array, Effect, Parameter, Specimen, Values
 from softsample.loop.history import followed
-from softsample.loop.specimen import Specimen
 
 
 def _tissue(specimen: Specimen, force: Array, travel: Array, values: Values) -> Array:

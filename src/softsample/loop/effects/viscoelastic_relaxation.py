@@ -5,9 +5,8 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from softsample.loop.effects.base import Array, Effect, Parameter, Values
+from softsample.loop.effects.base import Array, Effect, Parameter, Specimen, Values
 from softsample.loop.history import relaxed
-from softsample.loop.specimen import Specimen
 
 LEAST_FORCE = 0.02
 """Part of the largest force below which the part that is left of it says nothing."""

@@ -94,6 +94,13 @@ def test_sample_frame(name):
     assert np.linalg.det(got[:3, :3]) == pytest.approx(1.0)
 
 
+def test_a_sample_that_is_turned_from_the_shear_axis_is_told():
+    scan = replace(SCANS["shear"], rotation=turned(30.0, 0.0, 0.0))
+    told = "turned by 30 degrees from the shear axis: shear is along its wall"
+    assert told in segment(*scan.image(SHAPE), find_film=False).flags
+    assert not [flag for flag in found("tilted").flags if "turned" in flag]
+
+
 def test_tilt_is_the_angle_between_base_and_loading_axis():
     assert np.degrees(found("tilted").tilt) == pytest.approx(3.0, abs=0.15)
     assert np.degrees(found("plain").tilt) < 0.15

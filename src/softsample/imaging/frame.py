@@ -15,6 +15,9 @@ Array = NDArray[np.float64]
 BASE_CONE_DEG = 35.0
 """Faces whose normal is this close to straight down may belong to the base."""
 
+MOST_TURN_DEG = 10.0
+"""Angle of walls to the shear axis from which on it is told: as the largest tilt of a base."""
+
 
 @dataclass(frozen=True)
 class Surface:
@@ -173,6 +176,13 @@ def wall_direction(surface: Surface, normal: Array, shear: Array) -> Array:
     moment = np.sum(area[wall] * np.exp(4j * angle)) / area[wall].sum()
     turn = np.angle(moment) / 4.0 if abs(moment) > 0.1 else 0.0
     return np.asarray(np.cos(turn) * x + np.sin(turn) * y)
+
+
+def told_turn(x: Array, shear: Array) -> tuple[str, ...]:
+    """What to say of walls `x` that are not along the shear axis: the sample is sheared along x."""
+    turn = float(np.degrees(np.arccos(np.clip(x @ shear, -1.0, 1.0))))
+    told = f"turned by {turn:.0f} degrees from the shear axis: shear is along its wall"
+    return (told,) if turn > MOST_TURN_DEG else ()
 
 
 def rigid(x: Array, normal: Array, origin: Array) -> Array:

@@ -489,7 +489,7 @@ def _from_share(
         noise=share.noise,
         tissue_level=share.level,
         threshold=share.threshold,
-        flags=_flags(share, spread, voxel_size(to_world)),
+        flags=(*_flags(share, spread, voxel_size(to_world)), *frame.told_turn(x, shear)),
     )
 
 

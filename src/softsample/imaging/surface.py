@@ -79,7 +79,7 @@ def segmentation_from_surface(
         noise=np.nan,
         tissue_level=np.nan,
         threshold=np.nan,
-        flags=(),
+        flags=frame.told_turn(x, shear),
     )
 
 

@@ -103,7 +103,7 @@ def test_three_commands_bring_a_newcomer_to_a_plan_of_the_study(clone):
     assert "No fault found; samples: 1" in told
     study = shlex.split(next_command(told, "study"))[2:]
     plan = run(clone, shlex.join(["make", "-n", "study", *study]))
-    assert 'softsample run "../my lab µ" --settings config/quick.yaml' in plan
+    assert 'softsample run "../my lab µ" --settings "config/quick.yaml"' in plan
     options = ["--configfile", "config/quick.yaml", "../my lab µ/study.yaml", "--config"]
     lab = ["samples=../my lab µ/samples.tsv", "results=../my lab µ/results"]
     command = [sys.executable, "-m", "snakemake", "-n", "--cores", "1", *options, *lab]

@@ -270,7 +270,7 @@ def test_the_report_holds_methods_settings_hashes_and_verdicts(study):
         assert content in page
     assert record["code_sha256"] in page
     assert f"Verdict: {load(results, 'loop/AB/verdict.json')['verdict']}" in page
-    assert "hexahedra of 1.0 mm" in page
+    assert "hexahedra of 1 mm" in page
     assert "doi:10.1098/rspa.1972.0026" in page
     assert "System Message" not in page
     assert len(page) < 30e6

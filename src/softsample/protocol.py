@@ -44,7 +44,7 @@ GIVEN_BACK = 0.5
 """A new loading begins once the unloading has given back this part of the last one."""
 
 LEAST_LOADING = 0.05
-"""A smaller part of the largest displacement is no loading, but contact or a wobble."""
+"""A smaller part of the largest displacement is no loading, but contact or a fluctuation."""
 
 AWAY = 0.05
 """A record begins deformed if its first displacement is this part of its range or more."""
@@ -65,8 +65,10 @@ DEGREE, CHANCE, LEAST_BENT = 5, 1e-3, 24
 and the fewest samples of a leg that may."""
 
 FEWEST_JUMPS = 10
-"""Lone jumps of a reading from which on it is a staircase; samples from which on a leg without time
-may be a rest whatever their order."""
+"""Lone jumps of a reading from which on it is a staircase."""
+
+FEWEST_RESTING = 10
+"""Samples of a leg without time from which on it may be a rest, although each goes further."""
 
 
 def travel_sign(mode: str) -> float:
@@ -310,7 +312,7 @@ def _kinds(time: Array | None, away: Array, corners: list[int], tolerance: float
     rest = (step <= 4.0 * tolerance) & (speed <= SLOW * speed.max())
     if time is None:
         way, count = np.add.reduceat(np.sign(np.diff(away)), corners[:-1]), np.diff(corners)
-        rest &= (np.abs(way) < count) | (count >= FEWEST_JUMPS)
+        rest &= (np.abs(way) < count) | (count >= FEWEST_RESTING)
     kinds: list[str] = []
     for k in range(len(step)):
         if rest[k]:
@@ -488,7 +490,7 @@ def _loadings(found: Sequence[Phase], away: Array) -> list[Loading]:
             peak = max(peak, end)
             continue
         waiting = [*(one for one in waiting if one.stop > low), ramp]
-        if not groups or end - away[low] >= least:  # less is a wobble on the way back
+        if not groups or end - away[low] >= least:  # less is a fluctuation during unloading
             groups.append(waiting)
             waiting, peak = [], end
     every = [_loading(group, away) for group in groups]

@@ -216,14 +216,14 @@ def test_half_of_the_displacement_has_to_be_given_back(back, loadings):
     assert len(found.loadings) == loadings
 
 
-def test_a_wobble_on_the_way_back_is_no_loading():
+def test_a_fluctuation_during_unloading_is_no_loading():
     down = [leg for end in (1.6, 1.2, 0.8, 0.4, 0.0) for leg in ((4.0, end - 0.02), (0.5, end))]
     _, d, found = course((1.0, 0.0), (4.0, 2.0), *down, (4.0, 0.0))
     (only,) = found.loadings
     np.testing.assert_allclose(ends(d, only), [[0.0, 2.0]], atol=0.01)
     again = [leg for end in 0.04 * np.arange(1, 51) for leg in ((0.4, end), (2.0, end))]
     _, d, found = course((1.0, 0.0), (4.0, 2.0), *down, (4.0, 0.0), *again)
-    assert len(found.loadings) == 2  # whose first steps are no larger than a wobble
+    assert len(found.loadings) == 2  # whose first steps are no larger than a fluctuation
     np.testing.assert_allclose(ends(d, found.chosen("2"))[0], [0.0, 0.04], atol=0.01)
 
 

@@ -12,9 +12,9 @@ from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.ndimage import map_coordinates
 
+from softsample.arrays import Array
 from softsample.errors import SoftsampleError
 from softsample.imaging.measure import measure
 from softsample.imaging.segment import Segmentation, segment
@@ -24,13 +24,12 @@ from softsample.phantom.draw import random_cuboid, random_cylinder, random_scan
 from softsample.phantom.scan import Scan
 from softsample.phantom.shapes import ImperfectCylinder, Shape, Turned
 from softsample.phantom.sizes import Sizes, measured, surface_points
+from softsample.units import MM
 from softsample.workflow import versions
 
-Array = NDArray[np.float64]
 Record = dict[str, Any]
 Bar = tuple[str, float]
 
-MM = 1e-3
 ELEMENT = 0.5 * MM
 PRELOAD = 1.0 * MM
 FIRST_SEED = 920_000

@@ -3,9 +3,9 @@
 from collections.abc import Callable, Sequence
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.optimize import brentq
 
+from softsample.arrays import Array
 from softsample.constitutive.material import Material
 from softsample.constitutive.material import stress as ogden_stress
 from softsample.constitutive.ogden import OgdenMaterial
@@ -17,7 +17,6 @@ from softsample.meshing.cuboid import mesh_cuboid
 from softsample.meshing.mesh import HexMesh
 from softsample.protocol import History
 
-Array = NDArray[np.float64]
 DOUBLE = SolverSettings(precision="float64")
 
 

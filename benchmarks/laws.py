@@ -17,12 +17,12 @@ from typing import Any
 import numpy as np
 import pandas as pd
 import yaml
-from numpy.typing import NDArray
 from scipy.interpolate import PchipInterpolator
 from scipy.signal import lfilter
 
 import templates
 from peers import read_calculix_forces, versions_of_peers
+from softsample.arrays import Array
 from softsample.constitutive.material import Material, Term
 from softsample.export.abaqus import write_abaqus
 from softsample.fem.boundary import Boundary, ContactSettings, mode_boundary
@@ -31,7 +31,6 @@ from softsample.io import read_mesh, write_json, write_text
 from softsample.meshing.mesh import HexMesh
 from templates import recovered
 
-Array = NDArray[np.float64]
 ROOT = Path(__file__).parents[1]
 COHORT = ROOT / "resources" / "cohort"
 BENCH = ROOT / "results" / "bench" / "laws"

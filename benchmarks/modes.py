@@ -1,9 +1,9 @@
 """Torsion, bonded discs and indentation against published solutions."""
 
 import numpy as np
-from numpy.typing import NDArray
 
 from known import hertz_force
+from softsample.arrays import Array
 from softsample.constitutive.ogden import OgdenMaterial
 from softsample.fem.boundary import ContactSettings, mode_boundary
 from softsample.fem.explicit import ExplicitModel, Run, SolverSettings
@@ -11,8 +11,6 @@ from softsample.meshing.graded import graded_hexes
 from softsample.meshing.mesh import HexMesh
 from softsample.meshing.sample import ideal_hexes, indented_hexes
 from softsample.shapes import IdealShape, Indenter
-
-Array = NDArray[np.float64]
 
 MU = 1000.0
 """Shear modulus of all of them [Pa]."""

@@ -14,16 +14,15 @@ from collections.abc import Callable
 from pathlib import Path
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 from scipy.sparse import spmatrix
 from scipy.sparse.linalg import splu
 
+from softsample.arrays import Array
 from softsample.constitutive.material import Material
 from softsample.errors import InputError
 from softsample.meshing.mesh import HexMesh
 from softsample.protocol import DIRECTIONS
-
-Array = NDArray[np.float64]
 
 
 def versions_of_peers() -> dict[str, str]:

@@ -9,12 +9,10 @@ from pathlib import Path
 import felupe as fem
 import numpy as np
 import pandas as pd
-from numpy.typing import NDArray
 
 from peers import IsochoricOgden, symmetric_superlu
+from softsample.arrays import Array
 from softsample.constitutive.ogden import OgdenMaterial
-
-Array = NDArray[np.float64]
 
 RADIUS, HEIGHT, PUNCH = 10e-3, 10e-3, 4e-3
 """Of the cylinders and of the punch [m]."""

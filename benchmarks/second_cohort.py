@@ -18,10 +18,10 @@ from typing import Any, Literal
 import nibabel
 import numpy as np
 import pandas as pd
-from numpy.typing import NDArray
 
 from laws import noisy_record
 from peers import read_calculix_forces
+from softsample.arrays import Array, Ids, Mask
 from softsample.constitutive.material import Material, Term
 from softsample.export.abaqus import material_lines
 from softsample.io import write_json, write_text
@@ -30,8 +30,6 @@ from softsample.phantom.scan import Scan
 from softsample.phantom.shapes import ImperfectCuboid, gradient
 from softsample.phantom.sizes import measured
 
-Array = NDArray[np.float64]
-Ids = NDArray[np.int64]
 ROOT = Path(__file__).parents[1]
 COHORT = ROOT / "resources" / "second-cohort"
 BENCH = ROOT / "results" / "bench" / "second-cohort"
@@ -191,7 +189,7 @@ def projected(shape: ImperfectCuboid, grid: Array) -> Array:
     return grid
 
 
-def sides(shape: tuple[int, ...]) -> tuple[NDArray[np.bool_], NDArray[np.bool_]]:
+def sides(shape: tuple[int, ...]) -> tuple[Mask, Mask]:
     """Nodes of a grid in the base, and those on the free surface."""
     level, wall = np.zeros(shape, dtype=bool), np.zeros(shape, dtype=bool)
     level[:, :, 0] = True
@@ -199,7 +197,7 @@ def sides(shape: tuple[int, ...]) -> tuple[NDArray[np.bool_], NDArray[np.bool_]]
     return level, wall
 
 
-def onto(shape: ImperfectCuboid, points: Array, level: NDArray[np.bool_]) -> Array:
+def onto(shape: ImperfectCuboid, points: Array, level: Mask) -> Array:
     """Points (n, 3) moved onto the surface along its normal, those of `level` in their plane."""
     for _ in range(4):
         slope = gradient(shape, points)
@@ -382,7 +380,7 @@ def volume(mesh: Mesh) -> float:
     return float(0.5 * total)
 
 
-def projected_area(mesh: Mesh, bonded: NDArray[np.bool_]) -> float:
+def projected_area(mesh: Mesh, bonded: Mask) -> float:
     """Area, seen from above, of the faces on the skin whose four nodes are all bonded [mm2]."""
     skin = np.zeros(len(mesh.points), dtype=bool)
     skin[mesh.skin] = True

@@ -18,7 +18,6 @@ import jinja2
 import matplotlib as mpl
 import numpy as np
 from matplotlib import pyplot as plt
-from numpy.typing import NDArray
 
 import known
 import mechanics
@@ -26,6 +25,7 @@ import modes
 import peers
 from case import EDGES, MATERIAL, TRAVEL, boundary_of, cuboid
 from machine import processor
+from softsample.arrays import Array
 from softsample.constitutive.material import stress as ogden_stress
 from softsample.constitutive.ogden import OgdenMaterial
 from softsample.fem.boundary import ContactSettings, platen_boundary
@@ -34,7 +34,6 @@ from softsample.io import write_json, write_text
 from softsample.meshing.mesh import HexMesh
 from softsample.workflow import versions
 
-Array = NDArray[np.float64]
 ROOT = Path(__file__).parents[1]
 REFERENCE = ROOT / "tests" / "data" / "reference"
 FIGURES = ROOT / "docs" / "figures" / "verification"

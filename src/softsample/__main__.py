@@ -12,6 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from softsample import __version__
+from softsample.arrays import Array
 from softsample.errors import InputError, SoftsampleError
 from softsample.formats import IMAGE_ENDINGS, read_image
 from softsample.io import (
@@ -23,6 +24,7 @@ from softsample.io import (
     written_aside,
 )
 from softsample.study import columns
+from softsample.units import MM
 
 KINDS = f".json, .csv, .tsv, .vtu, .stl, {', '.join(IMAGE_ENDINGS)}"
 """Files that can be shown."""
@@ -32,8 +34,6 @@ LONG = 12
 
 if TYPE_CHECKING:
     from softsample.study.check import Inspection
-
-MM = 1e-3
 
 PROGRAM = "softsample"
 """Name of the installed command; `python -m softsample` is the same."""
@@ -252,7 +252,7 @@ def _show_mesh(file: str, picture: str) -> None:
 def _draw(
     file: str,
     picture: str,
-    corners: NDArray[np.float64],
+    corners: Array,
     name: str | None = None,
     values: NDArray[Any] | None = None,
 ) -> None:

@@ -9,8 +9,8 @@ from fnmatch import fnmatchcase
 from typing import Any, Self
 
 import numpy as np
-from numpy.typing import NDArray
 
+from softsample.arrays import Mask
 from softsample.errors import InputError
 from softsample.records import Record
 from softsample.validation import resolved
@@ -90,7 +90,7 @@ class Selection:
             for name in OF_ROWS
         )
 
-    def mask(self, record: Record, row: Row, height: float, channel: str) -> NDArray[np.bool_]:
+    def mask(self, record: Record, row: Row, height: float, channel: str) -> Mask:
         """Samples (n,) of a channel of a record that it selects, as `held_out`."""
         selected = np.full(len(record.displacement), self.fits(row))
         if self.channel:
@@ -108,7 +108,7 @@ class Selection:
 
 def held_out(
     record: Record, row: Row, height: float, channel: str, selections: Sequence[Mapping[str, Any]]
-) -> NDArray[np.bool_]:
+) -> Mask:
     """Samples of a channel of a record that are held out: what one of the selections selects.
 
     Parameters

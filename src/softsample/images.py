@@ -6,6 +6,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.ndimage import affine_transform
 
+from softsample.arrays import Array
 from softsample.errors import InputError
 
 VOXEL_MM = (0.05, 2.0)
@@ -15,16 +16,14 @@ OFFSET = 0.1
 """A magnitude image lies below zero by less than this part of its range."""
 
 
-def world_axis(name: str) -> NDArray[np.float64]:
+def world_axis(name: str) -> Array:
     """(3,) unit vector of an image world axis named as `+z` or `-x`."""
     vector = np.zeros(3)
     vector["xyz".index(name[1])] = {"+": 1.0, "-": -1.0}[name[0]]
     return vector
 
 
-def check_image(
-    data: NDArray[np.float32], affine: NDArray[np.float64], source: str
-) -> dict[str, Any]:
+def check_image(data: NDArray[np.float32], affine: Array, source: str) -> dict[str, Any]:
     """Check a volume and report what it holds.
 
     Parameters
@@ -101,9 +100,9 @@ def one_label(mask: NDArray[np.float32], source: str) -> NDArray[np.float32]:
 
 
 def on_grid_of(
-    image: tuple[NDArray[np.float32], NDArray[np.float64]],
+    image: tuple[NDArray[np.float32], Array],
     mask: NDArray[np.float32],
-    affine: NDArray[np.float64],
+    affine: Array,
     source: str,
 ) -> NDArray[np.float32]:
     """A mask of any grid on the grid of an image, by the nearest voxel.

@@ -13,10 +13,10 @@ from softsample.figures.surface import Surface
 from softsample.plausibility import figures
 from softsample.records import Record
 from softsample.report.html import picture, render_report
-from softsample.shapes import MM
 from softsample.study import ROOT
 from softsample.study.check import Inspection
 from softsample.study.compare import Seen
+from softsample.units import MM
 
 TEMPLATE = ROOT / "workflow/report/check.html.j2"
 

@@ -19,6 +19,7 @@ import pandas as pd
 import yaml
 from numpy.typing import ArrayLike, NDArray
 
+from softsample.arrays import Array
 from softsample.errors import InputError, MeshError
 from softsample.files import written_aside
 from softsample.formats import LPS_TO_RAS, PathLike, read_image
@@ -27,9 +28,7 @@ from softsample.meshing.marks import MarkedImage
 from softsample.meshing.mesh import HexMesh
 from softsample.meshing.surface import TriangleSurface
 from softsample.records import Record
-
-MM = 1e-3
-"""One millimetre [m]."""
+from softsample.units import MM
 
 VTK_HEXAHEDRON = 12
 
@@ -232,9 +231,7 @@ def write_segmentation(path: PathLike, mask: NDArray[Any], affine: ArrayLike, na
         aside.write_bytes(segmentation_bytes(mask, affine, name))
 
 
-def read_distance(
-    nifti_path: PathLike, json_path: PathLike
-) -> tuple[NDArray[np.float64], NDArray[np.float64], float]:
+def read_distance(nifti_path: PathLike, json_path: PathLike) -> tuple[Array, Array, float]:
     """Read the signed distance of a sample and its place in the sample frame.
 
     Returns

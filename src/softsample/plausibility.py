@@ -14,8 +14,7 @@ from softsample.errors import as_setting, records_setting
 from softsample.formats.titles import COLUMNS, UNITS
 from softsample.protocol import NEVER_UNIFORM
 from softsample.records import Sized
-
-MM = 1e-3
+from softsample.units import MM
 
 USUAL_MM, USUAL_N = 100.0, 100.0
 """Largest displacement and force that raise no doubt if no dimensions are known."""

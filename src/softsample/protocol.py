@@ -10,9 +10,8 @@ from numpy.polynomial import Polynomial
 from numpy.typing import ArrayLike, NDArray
 from scipy.stats import f as f_distribution
 
+from softsample.arrays import Array
 from softsample.errors import InputError
-
-Array = NDArray[np.float64]
 
 DIRECTIONS = {
     "tension": (0.0, 0.0, 1.0),

@@ -8,6 +8,7 @@ import numpy as np
 import pandas as pd
 from numpy.typing import NDArray
 
+from softsample.arrays import Array, Mask
 from softsample.errors import InputError, records_setting
 from softsample.protocol import (
     LARGEST,
@@ -19,11 +20,9 @@ from softsample.protocol import (
     phases,
     travel_sign,
 )
+from softsample.units import MM
 from softsample.validation import refusals
 
-Array = NDArray[np.float64]
-
-MM = 1e-3
 SMALLEST_TRAVEL = 0.1 * MM
 FEWEST_IN_RAMP = 5
 """A published curve may have few points, all of them good."""
@@ -96,7 +95,7 @@ class Record:
     torque: Array | None = None
     phase: NDArray[np.str_] = field(default_factory=lambda: np.empty(0, str))
     cycle: NDArray[np.int64] = field(default_factory=lambda: np.empty(0, np.int64))
-    calibrated: NDArray[np.bool_] = field(default_factory=lambda: np.empty(0, bool))
+    calibrated: Mask = field(default_factory=lambda: np.empty(0, bool))
 
     @classmethod
     def of_table(cls, table: pd.DataFrame) -> Self:

@@ -10,9 +10,7 @@ from dataclasses import dataclass, replace
 from typing import Any, Self
 
 from softsample.errors import InputError
-
-MM = 1e-3
-"""One millimetre [m]."""
+from softsample.units import MM
 
 STATED = {
     "cuboid": ("length_mm", "width_mm", "height_mm"),

@@ -7,8 +7,7 @@ import numpy as np
 
 from softsample.phantom.draw import random_cuboid
 from softsample.shapes import IdealShape
-
-MM = 1e-3
+from softsample.units import MM
 
 MODES = ("tension", "compression", "shear")
 

@@ -6,9 +6,9 @@ from functools import partial
 
 import numpy as np
 import pandas as pd
-from numpy.typing import NDArray
 
-from softsample.blindlab.bodies import ALPHA, MM, MODES, POISSON, PRESSED, Body
+from softsample.arrays import Array, Ids
+from softsample.blindlab.bodies import ALPHA, MODES, POISSON, PRESSED, Body
 from softsample.constitutive.material import Material
 from softsample.constitutive.ogden import Fibres, OgdenMaterial, unit_modulus
 from softsample.fem.boundary import Boundary, ContactSettings, mode_boundary, platen_boundary
@@ -18,8 +18,8 @@ from softsample.meshing.sample import SampleMesh, mesh_ideal, mesh_real
 from softsample.phantom.draw import random_cuboid
 from softsample.phantom.shapes import signed_distance
 from softsample.protocol import History
+from softsample.units import MM
 
-Array = NDArray[np.float64]
 Curve = tuple[str, float, str, Array, Array]
 
 MODULUS = 1000.0  # Pa, of the runs
@@ -50,7 +50,7 @@ def tissue(body: Body) -> Material:
     return unit_modulus(body.mixture, ALPHA, POISSON, MODULUS)
 
 
-def glued(mesh: SampleMesh) -> NDArray[np.int64]:
+def glued(mesh: SampleMesh) -> Ids:
     """Nodes glued to the moving platen in tension and shear."""
     return np.flatnonzero(mesh.point_data["glued"])
 

@@ -9,14 +9,13 @@ from dataclasses import dataclass, field
 from functools import partial
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.integrate import cumulative_trapezoid
 from scipy.signal import fftconvolve
 from scipy.special import erf
 
+from softsample.arrays import Array, Mask
 from softsample.blindlab.bodies import MODES, PRESSED, Body
 
-Array = NDArray[np.float64]
 Random = np.random.Generator
 Curve = Callable[[Array], Array]
 
@@ -61,7 +60,7 @@ class Trial:
         return -1.0 if self.mode == "compression" else 1.0
 
     @property
-    def comes_back(self) -> NDArray[np.bool_]:
+    def comes_back(self) -> Mask:
         """Whether the platen goes back, (n,)."""
         last = len(self.travel) - 1 - int(np.argmax(self.travel[::-1]))
         return np.arange(len(self.travel)) > last

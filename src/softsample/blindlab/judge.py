@@ -11,7 +11,7 @@ from typing import Any
 import numpy as np
 import pandas as pd
 
-from softsample.blindlab.bodies import ALPHA, MM, POISSON, Body
+from softsample.blindlab.bodies import ALPHA, POISSON, Body
 from softsample.blindlab.models import calibrated
 from softsample.blindlab.records import Record as Written
 from softsample.loop.diagnose import diagnose
@@ -23,6 +23,7 @@ from softsample.response.changes import for_all_fractions, split_laws
 from softsample.response.curves import ResponseCurves, before_zero
 from softsample.response.elastic import Elastic
 from softsample.response.law_response import LawResponse
+from softsample.units import MM
 
 WHEN = ("before", "after")
 

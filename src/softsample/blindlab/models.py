@@ -5,7 +5,7 @@ from collections.abc import Sequence
 import numpy as np
 import pandas as pd
 
-from softsample.blindlab.bodies import ALPHA, MM, MODES, POISSON, Body
+from softsample.blindlab.bodies import ALPHA, MODES, POISSON, Body
 from softsample.blindlab.curves import MODULUS, cuboid_mesh, glued, imperfect_mesh
 from softsample.constitutive.ogden import unit_modulus
 from softsample.fem.boundary import ContactSettings, mode_boundary
@@ -14,6 +14,7 @@ from softsample.meshing.sample import SampleMesh
 from softsample.response.perturbations import simulate_perturbations
 from softsample.response.pieces import MechanicalTest, MeshedSample, PerturbationSettings
 from softsample.response.unit import ResponseSettings, modulus_fractions, unit_runs
+from softsample.units import MM
 
 
 def calibrated(body: Body) -> float:

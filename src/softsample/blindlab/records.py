@@ -6,15 +6,13 @@ from dataclasses import dataclass
 import numpy as np
 import pandas as pd
 from numpy.polynomial import Legendre
-from numpy.typing import NDArray
 from scipy.interpolate import PchipInterpolator
 from scipy.signal import lfilter
 
+from softsample.arrays import Array
 from softsample.blindlab.bodies import MODES, Body
 from softsample.blindlab.curves import SLIP_BACK
 from softsample.blindlab.faults import Curve, Fault, Trial
-
-Array = NDArray[np.float64]
 
 SPEED = 0.3  # mm/s
 RATE = 100.0  # Hz

@@ -5,15 +5,13 @@ from collections.abc import Iterable, Mapping
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
+from softsample.arrays import Array
 from softsample.calibration.group import GroupCurves
 from softsample.constitutive.ogden import unit_modulus
 from softsample.fem.boundary import Boundary, Ends
 from softsample.fem.explicit import ExplicitModel, Run
 from softsample.fem.setup import Sample, set_up
-
-Array = NDArray[np.float64]
 
 
 class SimulatedCurves:

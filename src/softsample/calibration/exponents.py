@@ -7,10 +7,10 @@ from typing import Any, Self
 
 import numpy as np
 import pandas as pd
-from numpy.typing import NDArray
 from scipy.optimize import minimize
 from scipy.special import gammaincc
 
+from softsample.arrays import Array
 from softsample.calibration.likelihood import AreaLikelihood, Profile
 from softsample.calibration.measured import MeasuredCurve
 from softsample.calibration.slsqp import CalibrationSettings, fit_ogden
@@ -20,8 +20,6 @@ from softsample.protocol import travel_sign
 from softsample.response.closed_form import ClosedForm, two_terms
 from softsample.response.curves import ResponseCurves
 from softsample.response.law_response import REFERRED
-
-Array = NDArray[np.float64]
 
 
 def cardinal(nodes: Array, x: float) -> Array:

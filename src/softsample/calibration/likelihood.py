@@ -8,12 +8,10 @@ from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
+from softsample.arrays import Array
 from softsample.calibration.profile import least, profile, profile_interval
 from softsample.calibration.slsqp import Fit, Search
-
-Array = NDArray[np.float64]
 
 MODULI = ("mu", "mu1", "mu2")
 """What `moduli` returns, by name."""

@@ -6,14 +6,12 @@ from typing import Any, Self
 
 import numpy as np
 import pandas as pd
-from numpy.typing import NDArray
 
+from softsample.arrays import Array, Mask
 from softsample.errors import CalibrationError
 from softsample.holdout import held_out
 from softsample.protocol import travel_sign
 from softsample.records import Record
-
-Array = NDArray[np.float64]
 
 
 @dataclass(frozen=True)
@@ -65,9 +63,7 @@ class MeasuredCurve:
         return float(self.force @ force / (force @ force))
 
     @classmethod
-    def of_record(
-        cls, record: Record, mode: str, held_out: NDArray[np.bool_] | None = None
-    ) -> Self:
+    def of_record(cls, record: Record, mode: str, held_out: Mask | None = None) -> Self:
         """The marked loading of a record, without what is held out."""
         kept = record.calibrated.astype(bool)
         if held_out is not None:

@@ -10,11 +10,10 @@ doi:10.1002/9780470316757 (the signed root, in which a quadratic profile is a st
 from collections.abc import Callable, Mapping, Sequence
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.optimize import minimize
 from scipy.special import ndtri
 
-Array = NDArray[np.float64]
+from softsample.arrays import Array
 
 AT_BOUND = 1e-3
 """Part of a range within which a parameter is at its bound."""

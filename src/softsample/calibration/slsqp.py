@@ -6,15 +6,13 @@ from itertools import product
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.optimize import OptimizeResult, minimize
 
+from softsample.arrays import Array
 from softsample.calibration.measured import MeasuredCurve
 from softsample.calibration.profile import end_met
 from softsample.errors import CalibrationError
 from softsample.response.curves import Curves
-
-Array = NDArray[np.float64]
 
 STARTS_PER_PARAMETER = {"family": 3, "direct": 1}
 """Starting values of each parameter by method; SLSQP runs from every combination. Simulations at

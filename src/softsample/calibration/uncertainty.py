@@ -17,14 +17,12 @@ from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
+from softsample.arrays import Array
 from softsample.calibration.likelihood import MODULI, AreaLikelihood, moduli
 from softsample.calibration.measured import MeasuredCurve
 from softsample.calibration.slsqp import AreaObjective, CalibrationSettings, Fit, Search
 from softsample.response.curves import Curves, Scaled
-
-Array = NDArray[np.float64]
 
 STEPS = 1e-4, 0.1
 """Least and largest first step of a profile, as a part of the modulus."""

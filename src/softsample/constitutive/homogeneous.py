@@ -7,10 +7,9 @@ follow from faces without traction. The finite element tests with sliding ends a
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from softsample.arrays import Array
 from softsample.constitutive.material import Material, isotropic_response
 from softsample.errors import InputError
-
-Array = NDArray[np.float64]
 
 FREE = {
     "tension": (1.0, 1.0, 0.0),

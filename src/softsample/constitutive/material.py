@@ -6,10 +6,9 @@ from typing import Any, Self
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from softsample.arrays import Array
 from softsample.constitutive.law import FibreLaw, InvariantLaw, Law, SpectralLaw
 from softsample.constitutive.laws import LAWS
-
-Array = NDArray[np.float64]
 
 UPRIGHT = (0.0, 0.0, 1.0)
 """Direction along the height."""

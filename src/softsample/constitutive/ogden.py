@@ -3,12 +3,7 @@
 from collections.abc import Mapping, Sequence
 from typing import Any
 
-import numpy as np
-from numpy.typing import NDArray
-
 from softsample.constitutive.material import Material, Relaxation, Term
-
-Array = NDArray[np.float64]
 
 
 def OgdenMaterial(  # noqa: N802 - it makes a solid, as a class would

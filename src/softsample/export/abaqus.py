@@ -3,15 +3,16 @@
 from collections.abc import Iterable, Iterator
 
 import numpy as np
-from numpy.typing import NDArray
 
+from softsample.arrays import Array, Ids
 from softsample.constitutive.material import Material
 from softsample.errors import InputError
 from softsample.export.laws import family, polynomial, powers, refuse
-from softsample.export.model import MPA, Array, Plate, StaticTest
+from softsample.export.model import MPA, Plate, StaticTest
 from softsample.fem.boundary import Boundary
-from softsample.io import MM, PathLike, write_text
+from softsample.io import PathLike, write_text
 from softsample.meshing.mesh import HexMesh
+from softsample.units import MM
 
 MOST_TERMS = {"abaqus": 6, "calculix": 3}
 """Largest N of Ogden solids and foams."""
@@ -272,7 +273,7 @@ def _nodes(points: Array, first: int) -> Iterator[str]:
         yield f"{number}, {x:.10g}, {y:.10g}, {z:.10g}"
 
 
-def _elements(hexes: NDArray[np.int64], first: int) -> Iterator[str]:
+def _elements(hexes: Ids, first: int) -> Iterator[str]:
     """Lines of hexahedra (n, 8) after `first` elements; corners are counted as VTK counts them."""
     for number, corners in enumerate(hexes + 1, start=first + 1):
         yield ", ".join(map(str, (number, *corners)))

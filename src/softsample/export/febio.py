@@ -7,12 +7,14 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
+from softsample.arrays import Array
 from softsample.constitutive.material import Material, Term
 from softsample.export.laws import family, polynomial, powers, refuse
-from softsample.export.model import MPA, Array, StaticTest
+from softsample.export.model import MPA, StaticTest
 from softsample.fem.boundary import Boundary
-from softsample.io import MM, PathLike, write_text
+from softsample.io import PathLike, write_text
 from softsample.meshing.mesh import HexMesh
+from softsample.units import MM
 
 Law = tuple[str, dict[str, float], tuple[float, float, float] | None]
 """Type of a material in FEBio, its constants [MPa], and the direction of its fibres."""

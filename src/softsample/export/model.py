@@ -7,15 +7,14 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from softsample.arrays import Array, Ids
 from softsample.constitutive.material import Material
 from softsample.errors import InputError
 from softsample.fem.boundary import Boundary
 from softsample.fem.kernels import BASE, PLATEN
-from softsample.io import MM
 from softsample.meshing.cylinder import disc_of, extruded
 from softsample.meshing.mesh import HexMesh
-
-Array = NDArray[np.float64]
+from softsample.units import MM
 
 MPA = 1e6
 """One megapascal [Pa]; with mm and N it makes a consistent system of units."""
@@ -48,7 +47,7 @@ class Plate:
     friction: float
 
     @property
-    def faces(self) -> NDArray[np.int64]:
+    def faces(self) -> Ids:
         """(m, 4) nodes of the faces that the sample meets, normals towards the sample."""
         return self.body.hexes[:, (0, 3, 2, 1) if self.moves else (4, 5, 6, 7)]
 

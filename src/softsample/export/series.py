@@ -5,8 +5,9 @@ from collections.abc import Sequence
 from pathlib import Path
 
 from softsample.fem.fields import Snapshot, principal_hencky_strains
-from softsample.io import MM, PathLike, write_mesh, write_text
+from softsample.io import PathLike, write_mesh, write_text
 from softsample.meshing.mesh import HexMesh
+from softsample.units import MM
 
 
 def write_series(path: PathLike, mesh: HexMesh, snapshots: Sequence[Snapshot]) -> None:

@@ -3,6 +3,7 @@
 import numpy as np
 from numpy.typing import NDArray
 
+from softsample.arrays import Mask
 from softsample.fem.lanes import LANES, group
 
 
@@ -29,7 +30,7 @@ def groups_first(ids: NDArray, hexes: NDArray, precision: np.dtype) -> NDArray:
     return np.concatenate([ids[whole], ids[~whole]])
 
 
-def is_grouped(nodes: NDArray) -> NDArray[np.bool_]:
+def is_grouped(nodes: NDArray) -> Mask:
     """Whether each block of `nodes` (n_blocks, 8, n) is made of such groups only."""
     blocks, corners, count = nodes.shape
     steps = np.diff(nodes.reshape(blocks, corners, -1, group(count)), axis=-1)

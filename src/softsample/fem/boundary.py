@@ -5,6 +5,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
+from softsample.arrays import Array, Ids
 from softsample.errors import InputError
 from softsample.fem.kernels import BASE, FREE, PLATEN, Platens
 from softsample.meshing.bond import bonded_area
@@ -82,8 +83,8 @@ class Boundary:
 
     held: NDArray[np.int8]
     candidates: NDArray[np.int32]
-    planes: NDArray[np.float64]
-    direction: NDArray[np.float64]
+    planes: Array
+    direction: Array
     release: bool = False
     friction: tuple[float, float] = (np.inf, np.inf)
     confined: tuple[int, ...] = ()
@@ -99,7 +100,7 @@ class Boundary:
             self._mobile(),
         )  # fmt: skip
 
-    def _mobile(self) -> NDArray[np.float64]:
+    def _mobile(self) -> Array:
         """One for axes along which nodes may move, zero for confined ones."""
         return np.where(np.isin(np.arange(3), self.confined), 0.0, 1.0)
 
@@ -108,7 +109,7 @@ class Boundary:
         return np.setdiff1d(np.flatnonzero(self.held == holder), self.candidates).astype(np.int32)
 
 
-def _held(mesh: HexMesh, glued: NDArray[np.int64]) -> NDArray[np.int8]:
+def _held(mesh: HexMesh, glued: Ids) -> NDArray[np.int8]:
     held = np.full(len(mesh.points), FREE, dtype=np.int8)
     held[glued] = PLATEN
     held[mesh.bottom] = BASE
@@ -118,7 +119,7 @@ def _held(mesh: HexMesh, glued: NDArray[np.int64]) -> NDArray[np.int8]:
 def mode_boundary(
     mesh: HexMesh,
     mode: str,
-    glued: NDArray[np.int64],
+    glued: Ids,
     contact: ContactSettings,
     ends: Ends = BONDED,
 ) -> Boundary:
@@ -206,7 +207,7 @@ def rubbing(contact: ContactSettings, ends: PlatenEnds) -> ContactSettings:
     )
 
 
-def _sliding_boundary(mesh: HexMesh, mode: str, glued: NDArray[np.int64]) -> Boundary:
+def _sliding_boundary(mesh: HexMesh, mode: str, glued: Ids) -> Boundary:
     """Ends that move with their platens along z alone; planar tension keeps the width, along x."""
     bonded = glued_boundary(mesh, mode, glued)
     return replace(
@@ -217,7 +218,7 @@ def _sliding_boundary(mesh: HexMesh, mode: str, glued: NDArray[np.int64]) -> Bou
     )
 
 
-def glued_boundary(mesh: HexMesh, mode: str, glued: NDArray[np.int64]) -> Boundary:
+def glued_boundary(mesh: HexMesh, mode: str, glued: Ids) -> Boundary:
     """Base fixed, `glued` nodes moved rigidly: bonded ends in tension, shear and planar tension."""
     if len(glued) == 0:
         raise InputError("no node of the mesh is bonded to the platen; check the bond")
@@ -336,7 +337,7 @@ def _coefficient(friction: float | None) -> float:
     return np.inf if friction is None else friction
 
 
-def _tilted(angles_deg: tuple[float, float]) -> NDArray[np.float64]:
+def _tilted(angles_deg: tuple[float, float]) -> Array:
     """Unit normal of a plane z = const. after rotations about x and y [degrees]."""
     about_x, about_y = np.deg2rad(angles_deg)
     return np.array(
@@ -348,7 +349,7 @@ def _tilted(angles_deg: tuple[float, float]) -> NDArray[np.float64]:
     )
 
 
-def _upward_nodes(mesh: HexMesh, cosine: float = 0.2) -> NDArray[np.int64]:
+def _upward_nodes(mesh: HexMesh, cosine: float = 0.2) -> Ids:
     """Nodes of boundary faces whose unit normal has a z component above `cosine`."""
     normal = face_vectors(mesh.points, mesh.boundary_quads)
     up = normal[:, 2] > cosine * np.linalg.norm(normal, axis=1)

@@ -3,12 +3,10 @@
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
+from softsample.arrays import Array, Mask
 from softsample.errors import MeshError
 from softsample.meshing.mesh import HexMesh
-
-Array = NDArray[np.float64]
 
 CORNERS = np.array(
     [[-1, -1, -1], [1, -1, -1], [1, 1, -1], [-1, 1, -1],
@@ -51,7 +49,7 @@ class HexGeometry:
         return np.einsum("am,nai->nmi", CORNERS, self.gradient) / 8.0
 
     @property
-    def is_parallelepiped(self) -> NDArray[np.bool_]:
+    def is_parallelepiped(self) -> Mask:
         """(n,) whether opposite faces are parallel, so that slopes say all, to 1e-9."""
         rest = self.gradient - np.einsum("am,nmi->nai", CORNERS, self.slopes)
         size = np.abs(self.gradient).max(axis=(1, 2))

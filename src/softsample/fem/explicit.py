@@ -7,6 +7,7 @@ from itertools import pairwise
 import numpy as np
 from numpy.typing import NDArray
 
+from softsample.arrays import Array, Mask
 from softsample.constitutive.law import FibreLaw, InvariantLaw, SpectralLaw
 from softsample.constitutive.laws import LAWS
 from softsample.constitutive.material import Material, Term
@@ -23,7 +24,6 @@ from softsample.fem.stability import largest_eigenvalue
 from softsample.meshing.mesh import HexMesh
 from softsample.protocol import History
 
-Array = NDArray[np.float64]
 Progress = Callable[[float], None]
 
 JACOBI_SWEEPS = {"float32": 3, "float64": 4}
@@ -567,7 +567,7 @@ class _March:
         before, self.critical = self.critical, 2.0 / float(np.sqrt(value))
         return self.critical * min(1.0, self.critical / (before or self.critical))
 
-    def _movable(self) -> NDArray[np.bool_]:
+    def _movable(self) -> Mask:
         """Nodes that are free, or may slide on a platen."""
         sliding = np.zeros(len(self.motion.held), bool)
         if np.isfinite(self.platens.friction).any():

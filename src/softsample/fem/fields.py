@@ -5,11 +5,10 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from softsample.arrays import Array
 from softsample.fem.element import hex_geometry
 from softsample.fem.kernels import PLATEN
 from softsample.meshing.mesh import HexMesh, face_vectors
-
-Array = NDArray[np.float64]
 
 FLAT = np.cos(np.radians(30.0))
 """Faces that are held in part count as touching while they are this flat to the platen."""

@@ -4,11 +4,9 @@ from dataclasses import dataclass
 from itertools import pairwise
 
 import numpy as np
-from numpy.typing import NDArray
 
+from softsample.arrays import Array
 from softsample.protocol import History, smooth_step
-
-Array = NDArray[np.float64]
 
 HOLD_SHARE = 0.25
 """Solver time of a hold, in parts of the loading time: nothing moves but what relaxes."""

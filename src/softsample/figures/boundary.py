@@ -10,9 +10,9 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 from matplotlib.patches import Patch, Polygon
-from numpy.typing import NDArray
 from scipy.spatial import ConvexHull
 
+from softsample.arrays import Array, Ids
 from softsample.figures.render import Look, Renderer, draw_surface
 from softsample.figures.style import (
     MODE_COLOURS,
@@ -24,10 +24,9 @@ from softsample.figures.style import (
 from softsample.figures.surface import OBLIQUE, mesh_surface
 from softsample.meshing.mesh import HexMesh, face_vectors
 from softsample.protocol import DIRECTIONS, PRESSED_MODES
-from softsample.shapes import MM, Indenter
+from softsample.shapes import Indenter
+from softsample.units import MM
 from softsample.wording import spoken
-
-Array = NDArray[np.float64]
 
 BASE, GLUED = PALETTE[0], PALETTE[1]
 PLATEN_MARGIN_MM, ARROW_MM, LIFT_MM = 1.5, 6.0, 2.5
@@ -55,7 +54,7 @@ class HeldSample:
     mode: str
     geometry: str
     mesh: HexMesh
-    glued: NDArray[np.int64]
+    glued: Ids
     indenter: Indenter | None = None
 
 
@@ -113,7 +112,7 @@ def _draw(ax: Axes, held: HeldSample, renderer: Renderer) -> None:
     ax.annotate("", tip, tail, arrowprops=arrow, zorder=6)
 
 
-def _seen_nodes(mesh: HexMesh) -> NDArray[np.int64]:
+def _seen_nodes(mesh: HexMesh) -> Ids:
     """Nodes of the faces that are turned to the eye."""
     normal = face_vectors(mesh.points, mesh.boundary_quads)
     return np.unique(mesh.boundary_quads[normal @ OBLIQUE.towards_eye > 0.0])

@@ -9,13 +9,12 @@ from matplotlib.figure import Figure
 from numpy.typing import NDArray
 from scipy.ndimage import map_coordinates
 
+from softsample.arrays import Array
 from softsample.figures.render import Look, Renderer, draw_surface
 from softsample.figures.style import label_panel, page_figure, styled
 from softsample.figures.surface import OBLIQUE, Surface, above_base, level_surface
+from softsample.units import MM
 
-Array = NDArray[np.float64]
-
-MM = 1e-3
 CONTOUR = "#E69F00"
 FINE = 3
 """Points of a slice for each voxel at which the distance is taken for the contour."""

@@ -6,8 +6,8 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.patches import Rectangle
-from numpy.typing import NDArray
 
+from softsample.arrays import Array, Mask
 from softsample.figures.geometry import CONTOUR, SegmentedImage, draw_slice, extent
 from softsample.figures.style import (
     MODE_COLOURS,
@@ -18,9 +18,8 @@ from softsample.figures.style import (
     styled,
 )
 from softsample.figures.surface import FRONT, Surface, silhouette
-from softsample.shapes import MM, IdealShape
-
-Array = NDArray[np.float64]
+from softsample.shapes import IdealShape
+from softsample.units import MM
 
 ROW_MM, ALONE_MM = 58.0, 110.0
 """Height of a row of panels, and width of a record alone."""
@@ -32,7 +31,7 @@ MOST_POINTS = 2000
 @styled
 def inspected_figure(
     mode: str,
-    record: tuple[Array, Array, NDArray[np.bool_]] | None,
+    record: tuple[Array, Array, Mask] | None,
     shape: IdealShape | None = None,
     surface: Surface | None = None,
     image: SegmentedImage | None = None,
@@ -88,9 +87,7 @@ def _draw_outline(ax: Axes, surface: Surface, shape: IdealShape | None) -> None:
     ax.set(xlabel="x [mm]", ylabel="z [mm]")
 
 
-def _draw_record(
-    ax: Axes, mode: str, displacement: Array, force: Array, calibrated: NDArray[np.bool_]
-) -> None:
+def _draw_record(ax: Axes, mode: str, displacement: Array, force: Array, calibrated: Mask) -> None:
     every = max(1, len(force) // MOST_POINTS)
     ax.plot(displacement[::every], force[::every], color="0.7", lw=0.8)
     fitted = np.where(calibrated, force, np.nan)

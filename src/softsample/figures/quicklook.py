@@ -9,9 +9,10 @@ from matplotlib.figure import Figure
 from mpl_toolkits.mplot3d.art3d import Poly3DCollection
 from numpy.typing import NDArray
 
+from softsample.arrays import Array, Ids
 from softsample.meshing.mesh import FACES, HexMesh
+from softsample.units import MM
 
-MM = 1e-3
 LABELS = {
     "displacement_mm": "displacement [mm]",
     "force_N": "force [N]",
@@ -21,7 +22,7 @@ LABELS = {
 }
 
 
-def slices(data: NDArray[Any], affine: NDArray[np.float64], title: str) -> Figure:
+def slices(data: NDArray[Any], affine: Array, title: str) -> Figure:
     """Three orthogonal slices through the middle of a volume.
 
     Parameters
@@ -56,7 +57,7 @@ def slices(data: NDArray[Any], affine: NDArray[np.float64], title: str) -> Figur
 
 
 def faces(
-    corners: NDArray[np.float64],
+    corners: Array,
     title: str,
     name: str | None = None,
     values: NDArray[Any] | None = None,
@@ -90,7 +91,7 @@ def faces(
     return figure
 
 
-def owners(mesh: HexMesh) -> NDArray[np.int64]:
+def owners(mesh: HexMesh) -> Ids:
     """(n_quads,) element that each quad of the boundary belongs to, in the boundary's order."""
     quads = np.sort(mesh.hexes[:, FACES].reshape(-1, 4), axis=1)
     _, first, count = np.unique(quads, axis=0, return_index=True, return_counts=True)

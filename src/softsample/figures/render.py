@@ -11,11 +11,11 @@ from matplotlib.collections import PolyCollection
 from matplotlib.colors import Normalize, to_rgb
 from numpy.typing import NDArray
 
+from softsample.arrays import Array
 from softsample.figures.offscreen import ADVICE, rendering_works
 from softsample.figures.style import IMAGE_DOTS_PER_INCH, MM_PER_INCH, STRAIN_MAP, TISSUE
 from softsample.figures.surface import Surface, View
 
-Array = NDArray[np.float64]
 Renderer = Literal["vtk", "matplotlib"]
 
 logger = logging.getLogger(__name__)

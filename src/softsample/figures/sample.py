@@ -6,9 +6,9 @@ import matplotlib as mpl
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
-from numpy.typing import NDArray
 from scipy.ndimage import map_coordinates
 
+from softsample.arrays import Array
 from softsample.figures.geometry import (
     SegmentedImage,
     draw_slice,
@@ -20,10 +20,8 @@ from softsample.figures.render import Look, Renderer, draw_surface
 from softsample.figures.style import MODE_COLOURS, STRAIN_MAP, label_panel, page_figure, styled
 from softsample.figures.surface import OBLIQUE, Surface, mesh_surface
 from softsample.meshing.mesh import HexMesh
+from softsample.units import MM
 
-Array = NDArray[np.float64]
-
-MM = 1e-3
 QUALITY = (0.4, 1.0)
 """Ends of the colour map of the scaled Jacobian."""
 

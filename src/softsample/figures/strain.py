@@ -13,8 +13,8 @@ from matplotlib.cm import ScalarMappable
 from matplotlib.colors import Normalize
 from matplotlib.figure import Figure
 from matplotlib.patches import Circle, Rectangle
-from numpy.typing import NDArray
 
+from softsample.arrays import Array, Ids
 from softsample.figures.render import Look, Renderer, draw_surface
 from softsample.figures.style import (
     PAGE_WIDTH_MM,
@@ -25,10 +25,9 @@ from softsample.figures.style import (
 )
 from softsample.figures.surface import FRONT, Surface, mesh_surface, silhouette
 from softsample.meshing.mesh import HexMesh
-from softsample.shapes import MM, Indenter
+from softsample.shapes import Indenter
+from softsample.units import MM
 from softsample.wording import spoken
-
-Array = NDArray[np.float64]
 
 Fields = tuple[HexMesh, Mapping[str, Array], Mapping[str, Array]]
 """Mesh [m], node data and element data of a run, as its `fields` file has them."""
@@ -84,7 +83,7 @@ class Deformed:
         return cls.of_run(mesh, displacement_mm, strain, cut)
 
 
-def moved_surface(*fields: *Fields) -> tuple[Array, Array, NDArray[np.int64], Array]:
+def moved_surface(*fields: *Fields) -> tuple[Array, Array, Ids, Array]:
     """Points [mm] before and after a run, faces, and strain there; from its `fields` file."""
     shape = Deformed.of_fields(*fields)
     values = shape.after.values

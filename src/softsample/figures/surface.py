@@ -3,16 +3,13 @@
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 from skimage.draw import polygon
 from skimage.measure import find_contours
 
+from softsample.arrays import Array, Ids
 from softsample.meshing.mesh import HexMesh
 from softsample.meshing.surface import level_surface as closed_surface
-
-Array = NDArray[np.float64]
-
-MM = 1e-3
+from softsample.units import MM
 
 
 @dataclass(frozen=True)
@@ -30,7 +27,7 @@ class Surface:
     """
 
     points: Array
-    faces: NDArray[np.int64]
+    faces: Ids
     values: Array | None = None
 
 

@@ -9,10 +9,11 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
+from softsample.arrays import Array
 from softsample.errors import InputError
 from softsample.files import PathLike
 
-Volume = tuple[NDArray[np.float32], NDArray[np.float64]]
+Volume = tuple[NDArray[np.float32], Array]
 """Values (nx, ny, nz) and affine (4, 4) from voxel index to world RAS+ [mm]."""
 
 LPS_TO_RAS = np.diag([-1.0, -1.0, 1.0, 1.0])

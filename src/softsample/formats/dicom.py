@@ -21,11 +21,10 @@ from numpy.typing import NDArray
 from pydicom.errors import InvalidDicomError
 from pydicom.uid import DeflatedExplicitVRLittleEndian
 
+from softsample.arrays import Array
 from softsample.errors import InputError
 from softsample.files import PathLike
 from softsample.formats import LPS_TO_RAS, Volume, check_size, damage_refused, within
-
-Array = NDArray[np.float64]
 
 SAME_DIRECTION = 1e-3
 """Components of directions that differ by less are the same."""

@@ -23,6 +23,7 @@ import nrrd
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from softsample.arrays import Array
 from softsample.errors import InputError
 from softsample.files import PathLike
 from softsample.formats import LPS_TO_RAS, Volume, check_size, within
@@ -119,7 +120,7 @@ def _check_inflated(stream: IO[bytes], header: Mapping[str, Any], path: PathLike
 
 def _placed(
     data: NDArray[Any], header: Mapping[str, Any], path: PathLike
-) -> tuple[NDArray[Any], NDArray[np.float64]]:
+) -> tuple[NDArray[Any], Array]:
     """Volumes (layers, nx, ny, nz) of a file, one as a rule, and their affine to RAS+ [mm]."""
     for field in ("space", "space directions", "space origin"):
         if header.get(field) is None:

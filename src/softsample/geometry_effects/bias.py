@@ -5,13 +5,11 @@ from typing import Any
 
 import numpy as np
 import pandas as pd
-from numpy.typing import NDArray
 
 from softsample.calibration.measured import MeasuredCurve
 from softsample.calibration.slsqp import CalibrationSettings, fit_ogden
 from softsample.response.curves import ResponseCurves
 
-Array = NDArray[np.float64]
 Families = Mapping[str, ResponseCurves]
 
 BASE = ("real", "cuboid")

@@ -11,20 +11,17 @@ from functools import cached_property
 from typing import Any, Self
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.interpolate import RBFInterpolator
 
+from softsample.arrays import Array, Ids
 from softsample.errors import MeshError
 from softsample.meshing.mesh import HexMesh, face_vectors
 from softsample.meshing.sample import mesh_ideal, mesh_real
 from softsample.shapes import IdealShape, element_size
+from softsample.units import MM
 
-Array = NDArray[np.float64]
-Ids = NDArray[np.int64]
 HeightMap = Callable[[Array], Array]
 """Heights (n,) [m] at places (n, 2) [m]."""
-
-MM = 1e-3
 
 PROFILE = 201
 """Heights at which the sections of a sample are measured."""

@@ -6,8 +6,8 @@ from typing import Any, Self
 
 import numpy as np
 import pandas as pd
-from numpy.typing import NDArray
 
+from softsample.arrays import Ids
 from softsample.constitutive.ogden import unit_modulus
 from softsample.fem.boundary import Boundary, ContactSettings, glued_boundary, platen_boundary
 from softsample.fem.explicit import ExplicitModel, SolverSettings
@@ -18,10 +18,7 @@ from softsample.protocol import PRESSED_MODES
 from softsample.response.bond import CONTACT, BondSettings, touched_nodes
 from softsample.response.unit import ResponseSettings, modulus_fractions, unit_runs
 from softsample.shapes import IdealShape
-
-Array = NDArray[np.float64]
-
-MM = 1e-3
+from softsample.units import MM
 
 
 @dataclass(frozen=True)
@@ -63,7 +60,7 @@ class Variant:
     mesh: HexMesh
     bond_depth: float
     gap: float = 0.0
-    bonded: NDArray[np.int64] | None = None
+    bonded: Ids | None = None
 
     def boundary(self, mode: str, contact: ContactSettings) -> Boundary:
         """What holds the mesh in a test of a mode."""
@@ -78,7 +75,7 @@ def variants(
     mode: str,
     preload: float,
     settings: EffectSettings,
-    touched: NDArray[np.int64] | None = None,
+    touched: Ids | None = None,
     by_contact: bool = False,
 ) -> dict[str, Variant]:
     """All changed samples and cuboids of a test by name; `docs/geometry_effects.md` lists them.
@@ -200,7 +197,7 @@ class ShapeTest:
             loading_time,
         )
 
-    def touched(self, shape: Shape) -> NDArray[np.int64] | None:
+    def touched(self, shape: Shape) -> Ids | None:
         """Nodes of the sample that its platen touches in the pre-load, if it is glued then."""
         if self.mode in PRESSED_MODES:
             return None

@@ -6,10 +6,8 @@ from numpy.typing import NDArray
 from scipy import ndimage, sparse
 from scipy.sparse.linalg import spsolve
 
+from softsample.arrays import Array, Ids, Mask
 from softsample.imaging.frame import Surface
-
-Array = NDArray[np.float64]
-Mask = NDArray[np.bool_]
 
 BAND = 7.0
 """Distance up to which the nearest triangle is searched for, in grid spacings."""
@@ -44,7 +42,7 @@ def signed_distance(inside: Mask, surface: Surface, origin: Array, spacing: floa
 
 
 @numba.njit(cache=True)
-def _distance(start: NDArray[np.int32], corners: Array, first: NDArray[np.int64]) -> Array:
+def _distance(start: NDArray[np.int32], corners: Array, first: Ids) -> Array:
     """Distance (nx, ny, nz) of the grid points to triangles, in grid spacings.
 
     The search begins around the nearest cell that holds a triangle, `start` (3, nx, ny, nz), and

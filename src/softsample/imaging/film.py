@@ -15,17 +15,14 @@ from dataclasses import dataclass, replace
 
 import numba
 import numpy as np
-from numpy.typing import NDArray
 from scipy import linalg
 from scipy.ndimage import map_coordinates
 from scipy.spatial import cKDTree
 from scipy.spatial.distance import cdist
 from scipy.special import ndtr
 
-Array = NDArray[np.float64]
-
-MM = 1e-3
-"""One millimetre [m]."""
+from softsample.arrays import Array, Ids, Mask
+from softsample.units import MM
 
 BAND = (-1.2 * MM, 0.8 * MM)
 """Depth of the voxels that are fitted [m], from inside to outside."""
@@ -178,7 +175,7 @@ class Interpolation:
         Of the places taken at each point.
     """
 
-    which: NDArray[np.int64]
+    which: Ids
     weight: Array
 
     @classmethod
@@ -340,7 +337,7 @@ class _Model:
         ]
         return level * signal, slopes
 
-    def jacobian(self, slopes: list[Array]) -> tuple[NDArray[np.int64], Array]:
+    def jacobian(self, slopes: list[Array]) -> tuple[Ids, Array]:
         """Unknowns that each voxel depends on, and the derivatives by them, (n, k)."""
         starts = np.cumsum([0, *(len(place) for place in self.places)])
         which = [carry.which + start for carry, start in zip(self.carry, starts, strict=False)]
@@ -381,7 +378,7 @@ class _Model:
 
 @numba.njit(cache=True)
 def _add_products(
-    which: NDArray[np.int64],
+    which: Ids,
     jacobian: Array,
     residual: Array,
     weight: Array,
@@ -496,7 +493,7 @@ def voxels_near(
     power: Array,
     noise: Array,
     texture: float,
-    usable: NDArray[np.bool_],
+    usable: Mask,
     distance: Array,
     origin: Array,
     spacing: float,

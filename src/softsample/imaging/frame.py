@@ -4,13 +4,11 @@ from dataclasses import dataclass
 from typing import Literal
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy import ndimage
 from skimage.measure import marching_cubes
 
+from softsample.arrays import Array, Mask
 from softsample.errors import SegmentationError
-
-Array = NDArray[np.float64]
 
 BASE_CONE_DEG = 35.0
 """Faces whose normal is this close to straight down may belong to the base."""
@@ -43,7 +41,7 @@ class Surface:
         edge2 = self.corners[:, 2] - self.corners[:, 0]
         return np.asarray(0.5 * np.cross(edge1, edge2))
 
-    def where(self, chosen: NDArray[np.bool_]) -> "Surface":
+    def where(self, chosen: Mask) -> "Surface":
         """The part of the surface whose triangles are `chosen`, (n,)."""
         return Surface(self.corners[chosen])
 

@@ -1,14 +1,11 @@
 """Intensity of a sample image: noise, bias field, local level of the tissue."""
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy import ndimage
 from skimage.filters import threshold_otsu
 
+from softsample.arrays import Array, Mask
 from softsample.errors import SegmentationError
-
-Array = NDArray[np.float64]
-Mask = NDArray[np.bool_]
 
 RAYLEIGH_SD = np.sqrt(2.0 - np.pi / 2.0)
 """Standard deviation of a Rayleigh variable of unit scale: noise in the magnitude of nothing."""

@@ -9,18 +9,15 @@ from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 from skimage.measure import find_contours
 
+from softsample.arrays import Array
 from softsample.errors import InputError, SegmentationError
 from softsample.imaging import distance as sdf
 from softsample.imaging import frame
 from softsample.shapes import IdealShape
-
-Array = NDArray[np.float64]
-
-MM = 1e-3
-"""One millimetre [m]."""
+from softsample.units import MM
 
 ROUND = 0.7
 """A sample of at least this `circularity` is proposed to be idealised as a cylinder.

@@ -3,8 +3,9 @@
 from dataclasses import dataclass, replace
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
+from softsample.arrays import Array
 from softsample.errors import SegmentationError
 from softsample.imaging.measure import MeasurementSettings, circularity, measure, proposed_shape
 from softsample.imaging.segment import (
@@ -15,8 +16,6 @@ from softsample.imaging.segment import (
     voxel_size,
 )
 from softsample.shapes import IdealShape
-
-Array = NDArray[np.float64]
 
 SPACING_MM = 0.5
 """Edge of the voxels, and grid of the signed distance, that are enough to see the shape [mm]."""

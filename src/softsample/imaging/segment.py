@@ -10,15 +10,11 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 from scipy import ndimage
 
+from softsample.arrays import Array, Mask
 from softsample.errors import InputError, SegmentationError
 from softsample.imaging import distance as sdf
 from softsample.imaging import film, frame, intensity
-
-Array = NDArray[np.float64]
-Mask = NDArray[np.bool_]
-
-MM = 1e-3
-"""One millimetre [m]."""
+from softsample.units import MM
 
 HALF = 0.5
 """Share of tissue at the boundary: the local half-maximum."""

@@ -1,7 +1,7 @@
 """A closed surface made elsewhere in place of an image: the same result as a segmentation."""
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
 from softsample.imaging import frame
 from softsample.imaging.segment import (
@@ -11,11 +11,7 @@ from softsample.imaging.segment import (
     checked_axes,
 )
 from softsample.meshing.surface import TriangleSurface, base_centre, distance_grid
-
-Array = NDArray[np.float64]
-
-MM = 1e-3
-"""One millimetre [m]."""
+from softsample.units import MM
 
 CELLS_ACROSS = (24.0, 80.0)
 """Cells of the grid along the shortest extent of a surface, at least and at most."""

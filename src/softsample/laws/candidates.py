@@ -6,13 +6,11 @@ from itertools import product
 from typing import Self
 
 import numpy as np
-from numpy.typing import NDArray
 
+from softsample.arrays import Array
 from softsample.constitutive.laws import LAWS
 from softsample.constitutive.material import Material, Term
 from softsample.errors import InputError
-
-Array = NDArray[np.float64]
 
 FRACTION = "mu1_fraction"
 """Part of the shear modulus that is in the first of two terms."""

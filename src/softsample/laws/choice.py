@@ -16,12 +16,9 @@ from collections.abc import Collection, Mapping, Sequence
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
 from softsample.laws.candidates import Candidate
 from softsample.laws.folds import LEAST_ERROR
-
-Array = NDArray[np.float64]
 
 FEWEST_FOLDS = 2
 """Folds below which no choice is made."""

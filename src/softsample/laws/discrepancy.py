@@ -15,13 +15,11 @@ D. A. Harville, J. Am. Stat. Assoc. 72 (1977) 320, doi:10.2307/2286796 (restrict
 from functools import cached_property
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.linalg import cho_solve, cholesky, solve_triangular
 
+from softsample.arrays import Array, Mask
 from softsample.laws.fit import LawFit, Problem
-from softsample.laws.test import LawTest, Mask
-
-Array = NDArray[np.float64]
+from softsample.laws.test import LawTest
 
 LENGTH = 0.25
 """Correlation length of the error along the displacement, as a part of the largest one."""

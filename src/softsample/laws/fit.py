@@ -10,14 +10,13 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.optimize import least_squares
 
+from softsample.arrays import Array, Mask
 from softsample.calibration.profile import end_met
 from softsample.laws.candidates import Candidate
-from softsample.laws.test import LawTest, Mask
+from softsample.laws.test import LawTest
 
-Array = NDArray[np.float64]
 Contacts = dict[str, tuple[float, float]]
 Whiten = Callable[[int, Array], Array]
 

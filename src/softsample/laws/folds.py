@@ -5,10 +5,11 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from softsample.arrays import Mask
 from softsample.laws.candidates import Candidate
 from softsample.laws.discrepancy import Discrepancy
 from softsample.laws.fit import MOST_STARTS, LawFit, Problem
-from softsample.laws.test import LawTest, Mask
+from softsample.laws.test import LawTest
 from softsample.response.floor import rectangular
 
 LAST_PART = 0.75

@@ -7,13 +7,14 @@ from typing import Any
 
 import pandas as pd
 
+from softsample.arrays import Mask
 from softsample.errors import CalibrationError
 from softsample.laws.candidates import Candidate
 from softsample.laws.fit import LawFit, Problem
 from softsample.laws.folds import Fits, error_on
 from softsample.laws.intervals import intervals, left_open, simpler_laws
 from softsample.laws.simulate import simulate_law
-from softsample.laws.test import LawTest, Mask
+from softsample.laws.test import LawTest
 from softsample.protocol import travel_sign
 
 Progress = Callable[[str, float], None]

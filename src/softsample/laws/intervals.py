@@ -4,14 +4,12 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.stats import chi2
 
+from softsample.arrays import Array
 from softsample.calibration.profile import normal_quantile
 from softsample.laws.candidates import Shape
 from softsample.laws.fit import LawFit, Problem
-
-Array = NDArray[np.float64]
 
 OPEN = 1.0
 """Singular value of the white sensitivities to whole ranges below which a direction is open: all

@@ -3,14 +3,12 @@
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
+from softsample.arrays import Array
 from softsample.laws.candidates import Candidate
 from softsample.response import law_response
 from softsample.response.unit import homogeneous_area
 from softsample.shapes import IdealShape
-
-Array = NDArray[np.float64]
 
 REFERRED = {**law_response.REFERRED, "torsion": "shear"}
 """Homogeneous test that one which is never uniform is referred to, at the same nominal strain."""

@@ -15,9 +15,9 @@ from collections.abc import Collection, Sequence
 from dataclasses import dataclass, field
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.interpolate import RBFInterpolator
 
+from softsample.arrays import Array, Mask
 from softsample.errors import SimulationError
 from softsample.fem.boundary import Boundary
 from softsample.fem.explicit import ExplicitModel
@@ -25,10 +25,8 @@ from softsample.laws.candidates import Candidate
 from softsample.laws.fit import Problem
 from softsample.laws.folds import everything
 from softsample.laws.response import HomogeneousResponse
-from softsample.laws.test import LawTest, Mask
+from softsample.laws.test import LawTest
 from softsample.response.unit import unit_runs
-
-Array = NDArray[np.float64]
 
 BESIDE = 0.08
 """Distance of the runs beside the first optimum, as a part of each range."""

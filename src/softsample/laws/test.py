@@ -5,14 +5,11 @@ from dataclasses import dataclass, field
 from typing import Protocol, Self
 
 import numpy as np
-from numpy.typing import NDArray
 
+from softsample.arrays import Array, Mask
 from softsample.laws.candidates import Candidate
 from softsample.protocol import PRESSED_MODES, travel_sign
 from softsample.records import Record
-
-Array = NDArray[np.float64]
-Mask = NDArray[np.bool_]
 
 POINTS = 40
 """Points of a loading at most: a law is smooth, and what is rough is noise."""

@@ -8,12 +8,10 @@ from typing import Self
 import numpy as np
 from numpy.typing import NDArray
 
+from softsample.arrays import Array, Mask
 from softsample.protocol import denoised, travel_sign
 from softsample.records import Record
 from softsample.response.elastic import Elastic
-
-Array = NDArray[np.float64]
-Mask = NDArray[np.bool_]
 
 KINDS = {
     "pure_shear": "tension",

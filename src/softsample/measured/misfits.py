@@ -6,8 +6,8 @@ from typing import Any
 
 import numpy as np
 import pandas as pd
-from numpy.typing import NDArray
 
+from softsample.arrays import Array
 from softsample.io import read_table
 
 TRAVELS = np.linspace(0.0, 1.0, 41)
@@ -55,7 +55,7 @@ def _misfits(results: Path) -> Iterator[dict[str, Any]]:
             }
 
 
-def _misfit(record: pd.DataFrame) -> NDArray[np.float64]:
+def _misfit(record: pd.DataFrame) -> Array:
     """Misfit at `TRAVELS` [N] of the direction that goes further; zero if it has too few points."""
     fitted = record[~record["held_out"]]
     travel = fitted["displacement_mm"]

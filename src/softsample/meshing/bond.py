@@ -1,14 +1,12 @@
 """Which part of the top is glued: by a mask from the image, or peeled off from one side."""
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
+from softsample.arrays import Array, Ids
 from softsample.errors import InputError, MeshError
 from softsample.meshing.marks import MarkedImage
 from softsample.meshing.mesh import HexMesh, face_vectors
-
-Array = NDArray[np.float64]
-Ids = NDArray[np.int64]
 
 
 def bonded_nodes(mesh: HexMesh, mask: MarkedImage) -> Ids:

@@ -6,11 +6,9 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.ndimage import label
 
+from softsample.arrays import Array, Mask
 from softsample.errors import MeshError
 from softsample.meshing.mesh import HexMesh
-
-Array = NDArray[np.float64]
-Mask = NDArray[np.bool_]
 
 # The eight cells around a node, numbered by the bits (x, y, z) of their offset.
 OFFSETS = np.array([[i & 1, i >> 1 & 1, i >> 2 & 1] for i in range(8)])

@@ -1,13 +1,10 @@
 """Mesh of the idealised round sample: a cylinder with flat, parallel ends."""
 
 import numpy as np
-from numpy.typing import NDArray
 
+from softsample.arrays import Array, Ids
 from softsample.errors import MeshError
 from softsample.meshing.mesh import HexMesh
-
-Array = NDArray[np.float64]
-Ids = NDArray[np.int64]
 
 CORE = 0.7
 """Distance of the inner square's corners from the axis, in radii; it evens out the elements."""

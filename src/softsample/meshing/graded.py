@@ -1,15 +1,13 @@
 """Meshes of idealised samples that are fine where an indenter meets them."""
 
 import numpy as np
-from numpy.typing import NDArray
 
+from softsample.arrays import Array
 from softsample.errors import MeshError
 from softsample.meshing.cuboid import grid_of
 from softsample.meshing.cylinder import disc_of, extruded
 from softsample.meshing.mesh import HexMesh
 from softsample.shapes import IdealShape
-
-Array = NDArray[np.float64]
 
 GROWTH = 1.2
 """Largest ratio of neighbouring elements."""

@@ -3,18 +3,14 @@
 import logging
 
 import numpy as np
-from numpy.typing import NDArray
 
+from softsample.arrays import Array, Ids, Mask
 from softsample.errors import MeshError
 from softsample.meshing.castellate import add_buffer, castellated_mesh, core_cells
 from softsample.meshing.levelset import LevelSet
 from softsample.meshing.mesh import HexMesh
 from softsample.meshing.optimise import Problem, Stage, optimise
 from softsample.meshing.quality import check_topology, scaled_jacobian
-
-Array = NDArray[np.float64]
-Ids = NDArray[np.int64]
-
 
 LOGGER = logging.getLogger(__name__)
 
@@ -122,9 +118,7 @@ def _fit(mesh: HexMesh, inner: Ids, surface: LevelSet, size: float) -> HexMesh:
     return _snap(HexMesh(size * points, mesh.hexes), outer, base, pin, surface)
 
 
-def _spread(
-    mesh: HexMesh, points: Array, outer: Ids, base: NDArray[np.bool_], surface: LevelSet
-) -> Array:
+def _spread(mesh: HexMesh, points: Array, outer: Ids, base: Mask, surface: LevelSet) -> Array:
     """Even out projected surface nodes: means over neighbours, projected again."""
     position = np.full(len(mesh.points), -1)
     position[outer] = np.arange(len(outer))
@@ -147,9 +141,7 @@ def _spread(
     return points
 
 
-def _snap(
-    mesh: HexMesh, outer: Ids, base: NDArray[np.bool_], pin: Ids, surface: LevelSet
-) -> HexMesh:
+def _snap(mesh: HexMesh, outer: Ids, base: Mask, pin: Ids, surface: LevelSet) -> HexMesh:
     """Put the faces on the surface in the mean, as far as no element gets much worse by it."""
     goal = surface.project(mesh.points[outer], base[outer])
     sagitta = _sagitta(mesh, goal, outer, surface)

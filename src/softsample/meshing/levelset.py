@@ -5,12 +5,10 @@ from functools import cached_property
 
 import numba
 import numpy as np
-from numpy.typing import NDArray
 from scipy.ndimage import spline_filter
 
+from softsample.arrays import Array, Mask
 from softsample.errors import MeshError
-
-Array = NDArray[np.float64]
 
 
 @dataclass(frozen=True, eq=False)
@@ -62,7 +60,7 @@ class LevelSet:
         return value, gradient / self.spacing
 
     def project(
-        self, points: Array, in_plane: NDArray[np.bool_], level: Array | float = 0.0, steps: int = 8
+        self, points: Array, in_plane: Mask, level: Array | float = 0.0, steps: int = 8
     ) -> Array:
         """Move `points` along the gradient onto a level set.
 

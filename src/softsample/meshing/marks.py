@@ -6,9 +6,8 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from softsample.arrays import Array, Ids
 from softsample.errors import InputError
-
-Array = NDArray[np.float64]
 
 M_TO_MM = np.diag([1e3, 1e3, 1e3, 1.0])
 
@@ -64,7 +63,7 @@ class MarkedImage:
         to_index = np.linalg.inv(affine_mm) @ np.asarray(sample_to_world_mm) @ M_TO_MM
         return cls(np.rint(values).astype(np.int64), to_index, source)
 
-    def at(self, points: Array) -> NDArray[np.int64]:
+    def at(self, points: Array) -> Ids:
         """(n,) value of the voxel nearest to each of `points` (n, 3) [m]; 0 outside the image."""
         index = np.rint(points @ self.to_index[:3, :3].T + self.to_index[:3, 3]).astype(np.int64)
         inside = np.all((index >= 0) & (index < self.values.shape), axis=1)

@@ -4,7 +4,8 @@ from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
-from numpy.typing import NDArray
+
+from softsample.arrays import Array, Ids
 
 EDGES = np.array(
     [[0, 1], [1, 2], [2, 3], [3, 0], [4, 5], [5, 6], [6, 7], [7, 4], [0, 4], [1, 5], [2, 6], [3, 7]]
@@ -25,7 +26,7 @@ CORNERS = np.array(
 """Each corner of a hexahedron in VTK order with its three neighbours, right-handed."""
 
 
-def face_vectors(points: NDArray[np.float64], quads: NDArray[np.int64]) -> NDArray[np.float64]:
+def face_vectors(points: Array, quads: Ids) -> Array:
     """(n, 3) normals times area of the faces `quads` (n, 4) between `points` (n_nodes, 3)."""
     a, b, c, d = points[quads].transpose(1, 0, 2)
     return np.asarray(0.5 * np.cross(c - a, d - b))
@@ -44,11 +45,11 @@ class HexMesh:
         then the four above them).
     """
 
-    points: NDArray[np.float64]
-    hexes: NDArray[np.int64]
+    points: Array
+    hexes: Ids
 
     @cached_property
-    def boundary_quads(self) -> NDArray[np.int64]:
+    def boundary_quads(self) -> Ids:
         """(n_quads, 4) faces that belong to one element only, normals outward."""
         quads = self.hexes[:, FACES].reshape(-1, 4)
         _, first, count = np.unique(
@@ -57,7 +58,7 @@ class HexMesh:
         return quads[np.sort(first[count == 1])]
 
     @cached_property
-    def boundary(self) -> NDArray[np.int64]:
+    def boundary(self) -> Ids:
         """Sorted ids of the nodes on the surface."""
         return np.unique(self.boundary_quads)
 
@@ -69,7 +70,7 @@ class HexMesh:
         return float(np.median(diagonal) / np.sqrt(3.0))
 
     @cached_property
-    def bottom(self) -> NDArray[np.int64]:
+    def bottom(self) -> Ids:
         """Sorted ids of the nodes on the base plane z = 0 (glued to the fixed platen)."""
         tolerance = 1e-6 * self.edge_length
         return self.boundary[np.abs(self.points[self.boundary, 2]) <= tolerance]
@@ -79,7 +80,7 @@ class HexMesh:
         """Height of the highest node above the base plane [m]."""
         return float(self.points[:, 2].max())
 
-    def glued(self, depth: float) -> NDArray[np.int64]:
+    def glued(self, depth: float) -> Ids:
         """Sorted ids of surface nodes that a platen touches when lowered by `depth` [m].
 
         The pre-load rule of the protocol: the platen goes `depth` below the highest point and

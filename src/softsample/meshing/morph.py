@@ -1,14 +1,12 @@
 """The same mesh on a boundary that lies a little further in or out."""
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.sparse import coo_array
 from scipy.sparse.linalg import spsolve
 
+from softsample.arrays import Array, Mask
 from softsample.meshing.levelset import LevelSet
 from softsample.meshing.mesh import EDGES, HexMesh
-
-Array = NDArray[np.float64]
 
 
 def shifted(mesh: HexMesh, surface: LevelSet, sigma: LevelSet, times: float) -> HexMesh:
@@ -43,7 +41,7 @@ def shifted(mesh: HexMesh, surface: LevelSet, sigma: LevelSet, times: float) -> 
     return HexMesh(mesh.points + way, mesh.hexes)
 
 
-def _harmonic(mesh: HexMesh, values: Array, known: NDArray[np.bool_]) -> Array:
+def _harmonic(mesh: HexMesh, values: Array, known: Mask) -> Array:
     """Values whose unknown ones are the means of their neighbours along the edges."""
     ends = np.unique(np.sort(mesh.hexes[:, EDGES].reshape(-1, 2), axis=1), axis=0)
     n = len(mesh.points)

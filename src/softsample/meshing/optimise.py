@@ -5,13 +5,10 @@ from dataclasses import dataclass
 
 import numba
 import numpy as np
-from numpy.typing import NDArray
 from scipy.optimize import minimize
 
+from softsample.arrays import Array, Ids, Mask
 from softsample.meshing.mesh import CORNERS
-
-Array = NDArray[np.float64]
-Ids = NDArray[np.int64]
 
 
 @numba.njit(cache=True, error_model="numpy")
@@ -110,7 +107,7 @@ class Problem:
     """
 
     hexes: Ids
-    free: NDArray[np.bool_]
+    free: Mask
     surface: Ids
     faces: Ids
     distance: Callable[[Array], tuple[Array, Array]]

@@ -2,13 +2,11 @@
 
 import numba
 import numpy as np
-from numpy.typing import NDArray
 
+from softsample.arrays import Array, Ids
 from softsample.errors import MeshError
 from softsample.meshing.levelset import LevelSet
 from softsample.meshing.mesh import CORNERS, EDGES, FACES, HexMesh
-
-Array = NDArray[np.float64]
 
 _SIGNS = np.array(
     [[-1, 1, 1, -1, -1, 1, 1, -1], [-1, -1, 1, 1, -1, -1, 1, 1], [-1, -1, -1, -1, 1, 1, 1, 1]]
@@ -43,9 +41,7 @@ def _triple(a: Array, b: Array, c: Array) -> float:
 
 
 @numba.njit(cache=True)
-def _scaled_jacobian(
-    points: Array, hexes: NDArray[np.int64], corners: NDArray[np.int64], signs: NDArray[np.int64]
-) -> Array:
+def _scaled_jacobian(points: Array, hexes: Ids, corners: Ids, signs: Ids) -> Array:
     """Kernel of `scaled_jacobian`; arguments already checked."""
     least = np.empty(hexes.shape[0])
     axes = np.empty((3, 3))

@@ -3,14 +3,14 @@
 from collections.abc import Mapping
 
 import numpy as np
-from numpy.typing import NDArray
 
+from softsample.arrays import Array, Ids
 from softsample.errors import InputError
 from softsample.meshing.marks import MarkedImage
 from softsample.meshing.mesh import HexMesh
 
 
-def element_regions(mesh: HexMesh, labels: MarkedImage) -> NDArray[np.int64]:
+def element_regions(mesh: HexMesh, labels: MarkedImage) -> Ids:
     """(n_elements,) label of the voxel nearest to the middle of each element, 0 where none is.
 
     Raises
@@ -27,9 +27,7 @@ def element_regions(mesh: HexMesh, labels: MarkedImage) -> NDArray[np.int64]:
     return regions
 
 
-def relative_stiffness(
-    regions: NDArray[np.int64], mapping: Mapping[int | str, float]
-) -> NDArray[np.float64]:
+def relative_stiffness(regions: Ids, mapping: Mapping[int | str, float]) -> Array:
     """Stiffness of each element relative to the sample's, whose moduli are calibrated.
 
     Parameters

@@ -7,6 +7,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from softsample.arrays import Array, Ids
 from softsample.meshing.bond import bonded_nodes
 from softsample.meshing.cuboid import mesh_cuboid
 from softsample.meshing.cylinder import mesh_cylinder
@@ -37,13 +38,13 @@ class SampleMesh:
 
 
 def mesh_real(
-    distance: NDArray[np.float64],
-    origin: NDArray[np.float64],
+    distance: Array,
+    origin: Array,
     spacing: float,
     element_size: float,
     preload: float,
     *,
-    boundary_shift: float | NDArray[np.float64] = 0.0,
+    boundary_shift: float | Array = 0.0,
     bond_mask: MarkedImage | None = None,
     labels: MarkedImage | None = None,
 ) -> SampleMesh:
@@ -142,10 +143,10 @@ def ideal_hexes(shape: IdealShape, element_size: float) -> HexMesh:
 
 def _with_fields(
     mesh: HexMesh,
-    glued: NDArray[np.int64],
+    glued: Ids,
     report: dict[str, float | int],
     seconds: float,
-    regions: dict[str, NDArray[np.int64]] | None = None,
+    regions: dict[str, Ids] | None = None,
 ) -> SampleMesh:
     """Add the node flags, the element quality and the CPU seconds of the meshing."""
     flags = {"bottom": mesh.bottom, "glued": glued}

@@ -3,16 +3,13 @@
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.sparse import coo_matrix
 from scipy.sparse.csgraph import connected_components
 from skimage.measure import marching_cubes
 
+from softsample.arrays import Array, Ids, Mask
 from softsample.errors import MeshError
 from softsample.meshing.mesh import HexMesh
-
-Array = NDArray[np.float64]
-Ids = NDArray[np.int64]
 
 LONGEST, SMALLEST = 0.1, 3e-3**3
 """Length of a sample [m] at most, volume of the box about it [m3] at least; anything else was
@@ -67,7 +64,7 @@ class TriangleSurface:
         )
 
     @property
-    def free_sides(self) -> NDArray[np.bool_]:
+    def free_sides(self) -> Mask:
         """(3 m,) sides without a neighbour."""
         _, place, count = np.unique(
             np.sort(self.sides, axis=1), axis=0, return_inverse=True, return_counts=True
@@ -264,12 +261,12 @@ def base_centre(surface: TriangleSurface) -> Array:
     return np.array([middle[0], middle[1], low[2]])
 
 
-def _base(surface: TriangleSurface) -> NDArray[np.bool_]:
+def _base(surface: TriangleSurface) -> Mask:
     """(m,) triangles that look down and lie at the lowest height."""
     return _underside(surface, FLAT)
 
 
-def _underside(surface: TriangleSurface, part: float) -> NDArray[np.bool_]:
+def _underside(surface: TriangleSurface, part: float) -> Mask:
     """(m,) triangles that look down and lie in the lowest part of the height."""
     height = surface.points[surface.triangles, 2]
     flat = height <= height.min() + part * np.ptp(height)

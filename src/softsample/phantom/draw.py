@@ -3,12 +3,10 @@
 from typing import Literal
 
 import numpy as np
-from numpy.typing import NDArray
 
+from softsample.arrays import Array
 from softsample.phantom.scan import Scan
 from softsample.phantom.shapes import ImperfectCuboid, ImperfectCylinder, Shape, Waves, gradient
-
-Array = NDArray[np.float64]
 
 PROTOCOLS = {"fine": (0.25, 0.25, 0.5), "isotropic": (0.6, 0.6, 0.6)}
 """Voxel edges [mm] of the study's protocols: tension and compression; shear."""

@@ -5,10 +5,9 @@ from dataclasses import dataclass, field
 import numpy as np
 from numpy.typing import NDArray
 
+from softsample.arrays import Array, Mask
 from softsample.phantom.shapes import Shape
 from softsample.phantom.sizes import shares
-
-Array = NDArray[np.float64]
 
 TISSUE = 300.0
 """Mean intensity of tissue."""
@@ -113,7 +112,7 @@ class Scan:
         noise = np.random.default_rng(self.seed).normal(0.0, TISSUE / self.snr, (2, *count))
         return np.rint(np.hypot(signal + noise[0], noise[1])).astype(np.int16), affine
 
-    def tissue_mask(self, shape: Shape) -> NDArray[np.bool_]:
+    def tissue_mask(self, shape: Shape) -> Mask:
         """Voxels (nx, ny, nz) whose centre lies in the shape above its base."""
         count, affine = self._grid(shape)
         to_sample = np.linalg.inv(self.sample_to_world) @ affine

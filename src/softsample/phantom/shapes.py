@@ -4,9 +4,8 @@ from dataclasses import dataclass
 from typing import Protocol
 
 import numpy as np
-from numpy.typing import NDArray
 
-Array = NDArray[np.float64]
+from softsample.arrays import Array
 
 STEP = 1e-4
 """Half-width of the central differences of `gradient` [mm]."""

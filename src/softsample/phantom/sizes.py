@@ -3,12 +3,10 @@
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 from skimage.measure import marching_cubes
 
+from softsample.arrays import Array
 from softsample.phantom.shapes import Shape, gradient
-
-Array = NDArray[np.float64]
 
 SECTION_OFFSET = 0.75
 """Distance of the lower and upper section of the cuboid from base and top [mm]."""

@@ -4,9 +4,8 @@ from collections.abc import Mapping
 
 import numpy as np
 import pandas as pd
-from numpy.typing import NDArray
 
-Array = NDArray[np.float64]
+from softsample.arrays import Array
 
 START = 0.01
 """Nominal strain from which on two curves are compared; forces below are next to nothing."""

@@ -8,8 +8,9 @@ import numpy as np
 import pyvista
 from numpy.typing import NDArray
 
-Array = NDArray[np.float64]
-Shape = tuple[Array, Array, NDArray[np.int64], Array]
+from softsample.arrays import Array, Ids
+
+Shape = tuple[Array, Array, Ids, Array]
 """Points before and after, faces, values."""
 
 MOST_FACES = 12_000

@@ -6,8 +6,8 @@ from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
+from softsample.arrays import Array, Ids
 from softsample.constitutive.material import Material
 from softsample.constitutive.ogden import unit_modulus
 from softsample.errors import InputError, SoftsampleError
@@ -20,12 +20,9 @@ from softsample.meshing.regions import relative_stiffness
 from softsample.meshing.sample import SampleMesh
 from softsample.response.curves import Curves, Scaled
 from softsample.response.unit import find_pace, shortest_loading_time
+from softsample.units import MM
 
-Array = NDArray[np.float64]
-Ids = NDArray[np.int64]
 LOG = logging.getLogger(__name__)
-
-MM = 1e-3
 
 # ASSUME: the bond does not hang on how the modulus is split between the two terms.
 EVEN = 0.5

@@ -4,12 +4,10 @@ from collections.abc import Mapping
 
 import numpy as np
 import pandas as pd
-from numpy.typing import NDArray
 
+from softsample.arrays import Array
 from softsample.protocol import travel_sign
 from softsample.response.curves import ResponseCurves
-
-Array = NDArray[np.float64]
 
 TOUCH = 0.02
 """Part of the largest force below which the platen hardly touches, and a part of it says little."""

@@ -12,13 +12,12 @@ from functools import lru_cache
 
 import numpy as np
 from numba import njit
-from numpy.typing import NDArray
 
+from softsample.arrays import Array
 from softsample.constitutive.homogeneous import CLOSE, FREE
 from softsample.constitutive.material import compressibility
 from softsample.protocol import PRESSED_MODES, SHEARED_MODES, travel_sign
 
-Array = NDArray[np.float64]
 Terms = tuple[tuple[float, float], ...]
 
 SMALL = 1e-6

@@ -7,14 +7,12 @@ from typing import Protocol, Self
 
 import numpy as np
 import pandas as pd
-from numpy.typing import NDArray
 from scipy.interpolate import PchipInterpolator
 
+from softsample.arrays import Array
 from softsample.errors import CalibrationError
 from softsample.protocol import PRESSED_MODES, SHEARED_MODES, travel_sign
 from softsample.response.memory import remembered
-
-Array = NDArray[np.float64]
 
 SMOOTH = 12
 """Degree of polynomials that follow all of a curve but its roughness."""

@@ -7,8 +7,8 @@ from typing import Self
 
 import numpy as np
 import pandas as pd
-from numpy.typing import NDArray
 
+from softsample.arrays import Array
 from softsample.constitutive.material import Material, compressibility
 from softsample.protocol import PRESSED_MODES
 from softsample.response.changes import (
@@ -24,8 +24,6 @@ from softsample.response.curves import ResponseCurves
 from softsample.response.law_response import LawResponse
 from softsample.response.memory import remembered
 from softsample.shapes import IdealShape
-
-Array = NDArray[np.float64]
 
 LEAST_PART = 0.05
 """What a compliance is of the model's at least when the Poisson's ratio changes."""

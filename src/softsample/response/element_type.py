@@ -8,6 +8,7 @@ import numpy as np
 import pandas as pd
 from numpy.typing import NDArray
 
+from softsample.arrays import Ids
 from softsample.constitutive.material import Material
 from softsample.fem.boundary import ContactSettings, glued_boundary, platen_boundary
 from softsample.fem.explicit import ExplicitModel, Run, SolverSettings
@@ -33,7 +34,7 @@ class OtherElement:
 
     mode: str
     mesh: HexMesh
-    top: NDArray[np.int64]
+    top: Ids
     travel: float
     force: float
 

@@ -9,16 +9,14 @@ from itertools import product
 
 import numpy as np
 import pandas as pd
-from numpy.typing import NDArray
 
+from softsample.arrays import Array
 from softsample.constitutive.ogden import unit_modulus
 from softsample.errors import InputError
 from softsample.fem.boundary import Boundary
 from softsample.fem.explicit import ExplicitModel
 from softsample.protocol import travel_sign
 from softsample.response.unit import Progress, ResponseSettings, modulus_fractions, unit_runs
-
-Array = NDArray[np.float64]
 
 
 @dataclass(frozen=True)

@@ -3,8 +3,8 @@
 from collections.abc import Callable
 
 import numpy as np
-from numpy.typing import NDArray
 
+from softsample.arrays import Array
 from softsample.constitutive.material import Material
 from softsample.fem.boundary import BONDED, Boundary, ContactSettings, Ends, mode_boundary
 from softsample.fem.explicit import ExplicitModel, Run, SolverSettings
@@ -17,8 +17,6 @@ from softsample.response.unit import (
     shortest_loading_time,
 )
 from softsample.shapes import IdealShape, Indenter
-
-Array = NDArray[np.float64]
 
 
 def force_curve(

@@ -24,15 +24,13 @@ from dataclasses import dataclass, field, replace
 from functools import cached_property, lru_cache
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.interpolate import PchipInterpolator
 
+from softsample.arrays import Array
 from softsample.protocol import NEVER_UNIFORM, PRESSED_MODES
 from softsample.response.closed_form import ClosedForm, Terms, two_terms
 from softsample.response.curves import ResponseCurves
 from softsample.shapes import IdealShape
-
-Array = NDArray[np.float64]
 
 POINTS, BEYOND, END = 64, 1.25, 0.05
 """Steps of the grid on which laws are computed, and how far it goes over the model's curves, to the

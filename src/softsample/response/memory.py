@@ -5,9 +5,9 @@ from functools import wraps
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
-Array = NDArray[np.float64]
+from softsample.arrays import Array
+
 Method = Callable[..., Array]
 
 LAST = 16

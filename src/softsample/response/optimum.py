@@ -8,6 +8,7 @@ import numpy as np
 import pandas as pd
 from numpy.typing import NDArray
 
+from softsample.arrays import Array
 from softsample.constitutive.homogeneous import thickness_stretch
 from softsample.constitutive.material import Material
 from softsample.fem.boundary import Boundary, Ends
@@ -18,8 +19,6 @@ from softsample.meshing.mesh import HexMesh
 from softsample.response.curves import Curves
 from softsample.response.unit import homogeneous_area, run_report, shortest_loading_time
 from softsample.shapes import IdealShape
-
-Array = NDArray[np.float64]
 
 SNAPSHOTS = tuple(np.linspace(0.05, 1.0, 20))
 """Parts of the displacement at which contact is recorded."""

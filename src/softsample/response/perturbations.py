@@ -8,8 +8,8 @@ from functools import partial
 
 import numpy as np
 import pandas as pd
-from numpy.typing import NDArray
 
+from softsample.arrays import Array
 from softsample.constitutive.material import Material
 from softsample.constitutive.ogden import Fibres, OgdenMaterial, unit_modulus
 from softsample.errors import SimulationError, TooFarError
@@ -45,7 +45,6 @@ from softsample.response.unit import (
 )
 from softsample.shapes import IdealShape
 
-Array = NDArray[np.float64]
 LOG = logging.getLogger(__name__)
 
 MARGIN = 1.05

@@ -5,8 +5,8 @@ from dataclasses import dataclass, replace
 from typing import Any, Self
 
 import numpy as np
-from numpy.typing import NDArray
 
+from softsample.arrays import Array, Ids
 from softsample.constitutive.material import Material
 from softsample.constitutive.ogden import unit_modulus
 from softsample.fem.boundary import Boundary, ContactSettings, Ends, mode_boundary, rubbing
@@ -18,13 +18,10 @@ from softsample.meshing.sample import SampleMesh, mesh_ideal, mesh_real
 from softsample.protocol import PRESSED_MODES
 from softsample.response.bond import CONTACT, BondSettings, bonded_by_contact
 from softsample.shapes import IdealShape, Indenter, element_size
-
-Array = NDArray[np.float64]
+from softsample.units import MM
 
 RealGeometry = tuple[tuple[Array, Array, float], dict[str, MarkedImage]]
 """Signed distance [m], its origin [m] and spacing [m]; marks in the image by their column."""
-
-MM = 1e-3
 
 INNER = (0.02, 0.98)
 """Modulus fractions between which changed models are simulated."""
@@ -144,7 +141,7 @@ class MeshedSample:
     """
 
     mesh: HexMesh
-    glued: NDArray[np.int64]
+    glued: Ids
     stiffness: Array | None = None
 
     @classmethod

@@ -5,15 +5,13 @@ from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
+from softsample.arrays import Array
 from softsample.constitutive.material import Material
 from softsample.fem.boundary import Ends
 from softsample.fem.setup import Sample, set_up
 from softsample.response.optimum import loading_time
 from softsample.response.unit import CLOSED_FORM, curve_difference
-
-Array = NDArray[np.float64]
 
 SOFTER, STIFFER = "half the hourglass stiffness", "twice the hourglass stiffness"
 COARSE = "elements of twice the size"

@@ -11,8 +11,8 @@ from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
+from softsample.arrays import Array
 from softsample.constitutive.homogeneous import homogeneous_force, homogeneous_normal
 from softsample.constitutive.material import Material
 from softsample.constitutive.ogden import unit_modulus
@@ -22,7 +22,6 @@ from softsample.fem.explicit import ExplicitModel, Run
 from softsample.protocol import NEVER_UNIFORM, travel_sign
 from softsample.shapes import IdealShape
 
-Array = NDArray[np.float64]
 Test = tuple[ExplicitModel, Boundary]
 Progress = Callable[[str, float], None]
 Response = tuple[dict[str, Array], dict[str, Any]]

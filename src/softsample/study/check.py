@@ -28,6 +28,7 @@ from softsample.records import Record, RecordSettings, aligned_record
 from softsample.shapes import ANY_DIMENSION, DIMENSIONS, IdealShape
 from softsample.study import ROOT, SETTINGS, TABLE, schema, table_of
 from softsample.study.compare import Seen, compared
+from softsample.units import MM
 from softsample.validation import (
     DEFAULT_AXES,
     check_config,
@@ -38,8 +39,6 @@ from softsample.validation import (
     sample_rows,
     stated_shape,
 )
-
-MM = 1e-3
 
 SLIDING_MODES = ("tension", "compression", "shear", "pure_shear")
 """Modes of a stated shape whose ends may slide."""

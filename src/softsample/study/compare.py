@@ -4,19 +4,14 @@ from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
 
-import numpy as np
-from numpy.typing import NDArray
-
+from softsample.arrays import Array
 from softsample.imaging.propose import Glance
 from softsample.meshing.surface import TriangleSurface
 from softsample.plausibility import Limits, figures
 from softsample.protocol import ALIKE
 from softsample.records import Record
 from softsample.shapes import IdealShape
-
-Array = NDArray[np.float64]
-
-MM = 1e-3
+from softsample.units import MM
 
 FEWEST = 2
 """Samples of other groups that one is compared with."""

@@ -97,14 +97,13 @@ def _counted(precision: str, spectral: bool) -> int:
     originals = {name: getattr(place, name) for name, place in places.items()}
     for name, plain in originals.items():
         setattr(places[name], name, function(name, plain))
-    solid = model.solid(material, spectral)
-    solid = solid._replace(sweeps=JACOBI_SWEEPS[precision] if spectral else 0)
+    solid = model.solid(material)._replace(sweeps=JACOBI_SWEEPS[precision] if spectral else 0)
     kernels._regular_element(counting(u), elements, solid, None, None, force, state, False, 0, 0)
     for name, plain in originals.items():
         setattr(places[name], name, plain)
     corners = row.hexes[0]
     alone = ExplicitModel(one, model.settings)
-    expected, _ = alone.internal_force(u[corners, :3], material, spectral)
+    expected, _ = alone.internal_force(u[corners, :3], material)
     np.testing.assert_allclose(
         force[corners, :3].astype(float), expected, atol=1e-9 * np.abs(expected).max()
     )

@@ -7,7 +7,6 @@ from scipy.optimize import brentq
 
 from softsample.arrays import Array
 from softsample.constitutive.material import Material
-from softsample.constitutive.material import stress as ogden_stress
 from softsample.constitutive.ogden import OgdenMaterial
 from softsample.fem.boundary import Boundary, ContactSettings, platen_boundary
 from softsample.fem.element import CORNERS
@@ -16,6 +15,7 @@ from softsample.fem.schedule import Schedule
 from softsample.meshing.cuboid import mesh_cuboid
 from softsample.meshing.mesh import HexMesh
 from softsample.protocol import History
+from spectral import stress as ogden_stress
 
 DOUBLE = SolverSettings(precision="float64")
 
@@ -121,7 +121,7 @@ def lame_frequency(
     mesh = HexMesh(block.points + distortion * length / cells * shift, block.hexes)
     material = OgdenMaterial((1000.0,), (2.0,), poisson_ratio)
     model = ExplicitModel(mesh, DOUBLE)
-    plate = _March(model, material, _free(mesh), Schedule(History.ramp(1.0), 1.0), None, None)
+    plate = _March(model, material, _free(mesh), Schedule(History.ramp(1.0), 1.0), None)
     k = np.pi / length
     x, y = k * (mesh.points[:, :2] + 0.5 * length).T
     mode = np.column_stack([np.cos(x) * np.sin(y), -np.sin(x) * np.cos(y), 0.0 * x])

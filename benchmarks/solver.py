@@ -76,7 +76,7 @@ def by_law() -> dict[str, dict[str, float]]:
     ogden = rates(1e-3, "float32", spectral=True)["element_steps_per_cpu_s"]
     found = {}
     for name, material in law_materials().items():
-        rate = rates(1e-3, "float32", spectral=None, material=material)["element_steps_per_cpu_s"]
+        rate = rates(1e-3, "float32", material=material)["element_steps_per_cpu_s"]
         found[name] = {"element_steps_per_cpu_s": rate, "cost_over_ogden": ogden / rate}
         print(
             f"{name}: {rate / 1e6:.1f} million elements per CPU s, "

@@ -26,13 +26,13 @@ import peers
 from case import EDGES, MATERIAL, TRAVEL, boundary_of, cuboid
 from machine import processor
 from softsample.arrays import Array
-from softsample.constitutive.material import stress as ogden_stress
 from softsample.constitutive.ogden import OgdenMaterial
 from softsample.fem.boundary import ContactSettings, platen_boundary
 from softsample.fem.explicit import ExplicitModel, Run, SolverSettings
 from softsample.io import write_json, write_text
 from softsample.meshing.mesh import HexMesh
 from softsample.workflow import versions
+from spectral import stress as ogden_stress
 
 ROOT = Path(__file__).parents[1]
 REFERENCE = ROOT / "tests" / "data" / "reference"

@@ -29,7 +29,7 @@ def memory() -> float:
 
 def rate() -> float:
     """Element-steps per CPU second at 47,840 elements, even exponents, single precision."""
-    return rates(0.5e-3, "float32", False, repeats=60)["element_steps_per_cpu_s"]
+    return rates(0.5e-3, "float32", repeats=60)["element_steps_per_cpu_s"]
 
 
 def _run(size: float, loading_time: float) -> None:

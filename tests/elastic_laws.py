@@ -1,4 +1,4 @@
-"""Solids of every elastic law, and any of them in felupe."""
+"""Solids of every elastic law, any of them in felupe, and the solver by eigenvalues alone."""
 
 from types import SimpleNamespace
 
@@ -6,8 +6,10 @@ import numpy as np
 from scipy.sparse import csr_matrix
 
 import naive
-from softsample.constitutive.material import Material, Term, stress
+from softsample.constitutive.material import Material, Term
+from softsample.fem.explicit import JACOBI_SWEEPS, ExplicitModel
 from softsample.protocol import DIRECTIONS
+from spectral import stress
 
 SHAPES = {
     "neo_hooke": [()],
@@ -53,6 +55,13 @@ TYPICAL = {
 
 CORK = Material((Term("foam", 900.0, (8.0, 0.0)),), 0.0)
 """Foam that does not bulge."""
+
+
+class BySpectrum(ExplicitModel):
+    """The solver by eigenvalues, for even exponents too, which it takes by products."""
+
+    def solid(self, material):
+        return super().solid(material)._replace(sweeps=JACOBI_SWEEPS[self.settings.precision])
 
 
 def named(solid):

@@ -115,20 +115,13 @@ def _counts(content: Any) -> int:
     return seen
 
 
-def read_table(path: PathLike, text_columns: tuple[str, ...] = ()) -> pd.DataFrame:
+def read_table(path: PathLike) -> pd.DataFrame:
     """Read a CSV (`.tsv`: tab-separated) table with a header; lines with `#` are comments.
 
-    Empty cells are NaN, and nothing else is: `NA` may be the name of a sample.
-
-    Parameters
-    ----------
-    path
-        Comma-separated, or tab-separated if it ends in `.tsv`.
-    text_columns
-        Columns to keep as text even where they look like numbers, beside `sample` and `group`
-        (ids such as `007`).
+    Empty cells are NaN, and nothing else is: `NA` may be the name of a sample. Samples and groups
+    are text even where they look like numbers (`007`).
     """
-    text = dict.fromkeys(("sample", "group", *text_columns), str)
+    text = dict.fromkeys(("sample", "group"), str)
     separator = "\t" if Path(path).suffix == ".tsv" else ","
     try:
         return pd.read_csv(

@@ -126,11 +126,11 @@ class History:
             )
 
     @classmethod
-    def ramp(cls, travel: float, duration: float = 1.0) -> "History":
-        """A single ramp to `travel` > 0 [m] in `duration` [s]."""
+    def ramp(cls, travel: float) -> "History":
+        """A single ramp to `travel` > 0 [m] in 1 s."""
         if not travel > 0.0:
             raise InputError(f"the platen must travel, got {travel:g} m; check the record")
-        return cls(np.array([0.0, duration]), np.array([0.0, travel]))
+        return cls(np.array([0.0, 1.0]), np.array([0.0, travel]))
 
     @property
     def reach(self) -> float:

@@ -722,11 +722,11 @@ def _off_zero(
         )
 
 
-def _is_clipped(force: Array, run: int = 10) -> bool:
-    """Whether the largest force is repeated exactly by `run` samples in a row."""
+def _is_clipped(force: Array) -> bool:
+    """Whether the largest force is repeated exactly by ten samples in a row."""
     at_peak = np.abs(force) == np.abs(force).max()
     length = longest = 0
     for value in at_peak:
         length = length + 1 if value else 0
         longest = max(longest, length)
-    return longest >= run
+    return longest >= 10

@@ -9,10 +9,11 @@ import numpy as np
 import pytest
 
 from peers import read_calculix_forces
-from softsample.constitutive.material import Material, Relaxation, Term, stress
+from softsample.constitutive.material import Material, Relaxation, Term
 from softsample.constitutive.ogden import OgdenMaterial
 from softsample.errors import InputError
 from softsample.export.cards import write_card
+from spectral import stress
 
 
 def one(law, *shape, nu=0.45):

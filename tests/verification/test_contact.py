@@ -104,7 +104,7 @@ def test_no_force_before_the_platen_arrives(tissue):
     mesh = mesh_cuboid(6e-3, 5e-3, 4e-3, 1e-3)
     model = ExplicitModel(mesh, replace(SETTINGS, curve_points=70, loading_time_s=0.2))
     contact = ContactSettings()
-    late = model.run(tissue, platen_boundary(mesh, contact, start=4.4e-3), 1.4e-3)
+    late = model.run(tissue, platen_boundary(mesh, contact, gap=0.4e-3), 1.4e-3)
     prompt = model.run(tissue, platen_boundary(mesh, contact), 1e-3)
     waiting = late.displacement < 0.4e-3 - 1e-9
     np.testing.assert_array_equal(late.force[waiting], 0.0)

@@ -13,13 +13,8 @@ from softsample.constitutive.homogeneous import (
 )
 from softsample.constitutive.law import FibreLaw, InvariantLaw, SpectralLaw
 from softsample.constitutive.laws import LAWS
-from softsample.constitutive.material import (
-    Material,
-    Term,
-    energy,
-    isotropic_response,
-    stress,
-)
+from softsample.constitutive.material import Material, Term, isotropic_response
+from spectral import energy, stress
 
 every_solid = pytest.mark.parametrize("solid", SOLIDS, ids=named)
 isotropic_solid = pytest.mark.parametrize("solid", [s for s in SOLIDS if s.isotropic], ids=named)

@@ -10,9 +10,9 @@ from softsample.constitutive.homogeneous import (
     homogeneous_force,
     homogeneous_normal,
 )
-from softsample.constitutive.material import stress as ogden_stress
 from softsample.constitutive.ogden import Fibres, OgdenMaterial
 from softsample.errors import InputError
+from spectral import stress as ogden_stress
 
 pytestmark = pytest.mark.nojit
 

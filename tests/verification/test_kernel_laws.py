@@ -7,11 +7,12 @@ import pytest
 
 from elastic_laws import CORK, FIBRES, SOLIDS, TYPICAL, felupe_force, named
 from softsample.constitutive.homogeneous import homogeneous_force
-from softsample.constitutive.material import Material, Relaxation, Term, energy, stress
+from softsample.constitutive.material import Material, Relaxation, Term
 from softsample.errors import SimulationError
 from softsample.fem.boundary import ContactSettings, glued_boundary, mode_boundary
 from softsample.fem.explicit import ExplicitModel, SolverSettings
 from softsample.meshing.cuboid import mesh_cuboid
+from spectral import energy, stress
 
 DOUBLE = SolverSettings(precision="float64", loading_time_s=0.2, curve_points=20)
 SINGLE = replace(DOUBLE, precision="float32")

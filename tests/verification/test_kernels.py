@@ -7,8 +7,8 @@ import numpy as np
 import pytest
 
 import naive
+from elastic_laws import BySpectrum
 from softsample.constitutive.ogden import OgdenMaterial
-from softsample.errors import SimulationError
 from softsample.fem import kernels
 from softsample.fem.boundary import Boundary, ContactSettings, glued_boundary, platen_boundary
 from softsample.fem.explicit import BACKENDS, JACOBI_SWEEPS, ExplicitModel, SolverSettings
@@ -38,9 +38,9 @@ def row_of_elements(count, seed=2):
     return HexMesh(mesh.points + shift, mesh.hexes)
 
 
-def assert_twins_agree(mesh, material, settings, tolerance, spectral=None):
+def assert_twins_agree(mesh, material, settings, tolerance, solver=ExplicitModel):
     u = deformed(mesh)
-    force, state = ExplicitModel(mesh, settings).internal_force(u, material, spectral)
+    force, state = solver(mesh, settings).internal_force(u, material)
     twin = naive.Twin(mesh, settings.hourglass_coefficient)
     wanted, wanted_state = twin.internal_force(u, material)
     np.testing.assert_allclose(force, wanted, atol=tolerance * np.abs(wanted).max())
@@ -65,12 +65,12 @@ def test_count_of_elements_need_not_fill_the_lanes(count, tissue):
     assert_twins_agree(row_of_elements(count), tissue, DOUBLE, 1e-10)
 
 
-@pytest.mark.parametrize("spectral", [False, True])
+@pytest.mark.parametrize("solver", [ExplicitModel, BySpectrum])
 @pytest.mark.parametrize("alpha", [(-8.0, 16.0), (2.0,), (-4.0, 6.0), (-2.0, 12.0, -10.0)])
-def test_both_paths_are_the_twin_at_even_exponents(crooked, alpha, spectral):
+def test_both_paths_are_the_twin_at_even_exponents(crooked, alpha, solver):
     mu = (1000.0, 300.0, 50.0)[: len(alpha)]
     material = OgdenMaterial(mu, alpha, 0.49)
-    assert_twins_agree(crooked, material, DOUBLE, 1e-10, spectral)
+    assert_twins_agree(crooked, material, DOUBLE, 1e-10, solver)
 
 
 @pytest.mark.parametrize("nu", [0.3, 0.49, 0.4995])
@@ -78,10 +78,10 @@ def test_volumetric_part_is_the_twin(crooked, nu):
     assert_twins_agree(crooked, OgdenMaterial((700.0, 200.0), (-3.5, 4.2), nu), DOUBLE, 1e-10)
 
 
-@pytest.mark.parametrize("spectral", [False, True])
-def test_single_precision_keeps_five_digits(crooked, tissue, spectral):
+@pytest.mark.parametrize("solver", [ExplicitModel, BySpectrum])
+def test_single_precision_keeps_five_digits(crooked, tissue, solver):
     """A product of 16 stretches amplifies the rounding 6e-8 of each some hundred times."""
-    assert_twins_agree(crooked, tissue, SINGLE, 3e-5, spectral)
+    assert_twins_agree(crooked, tissue, SINGLE, 3e-5, solver)
 
 
 def test_single_precision_keeps_small_strains(crooked, tissue):
@@ -94,11 +94,10 @@ def test_single_precision_keeps_small_strains(crooked, tissue):
 
 def test_both_paths_agree_where_stretches_coincide(block, tissue):
     """Repeated eigenvalues: no strain, two equal stretches, volume change only."""
-    model = ExplicitModel(block, DOUBLE)
     for gradient in (np.zeros(3), [0.2, 0.2, -0.3], [0.1, 0.1, 0.1]):
         u = block.points * np.asarray(gradient)
-        product, _ = model.internal_force(u, tissue, spectral=False)
-        spectral, _ = model.internal_force(u, tissue, spectral=True)
+        product, _ = ExplicitModel(block, DOUBLE).internal_force(u, tissue)
+        spectral, _ = BySpectrum(block, DOUBLE).internal_force(u, tissue)
         scale = max(np.abs(product).max(), 1e-9)
         np.testing.assert_allclose(product, spectral, atol=1e-11 * scale)
 
@@ -178,14 +177,6 @@ def test_jacobi_rotations_find_eigenvalues_and_vectors():
         np.testing.assert_allclose(np.sort(squared), np.linalg.eigvalsh(C), rtol=1e-13, atol=1e-13)
         basis = np.array(vectors).T
         np.testing.assert_allclose((basis * squared) @ basis.T, C, atol=1e-13)
-
-
-def test_product_path_refuses_exponents_that_are_not_even(block):
-    material = OgdenMaterial((1000.0,), (3.0,), 0.49)
-    with pytest.raises(SimulationError, match=r"\(3.0,\) are not all even.*spectral path"):
-        ExplicitModel(block, DOUBLE).internal_force(
-            np.zeros((len(block.points), 3)), material, False
-        )
 
 
 def marched(mesh, material, boundary, path, dt):

@@ -8,7 +8,6 @@ from scipy.optimize import brentq, minimize
 
 import naive
 from softsample.constitutive.material import Relaxation
-from softsample.constitutive.material import energy as ogden_energy
 from softsample.constitutive.ogden import Fibres, OgdenMaterial
 from softsample.errors import InputError, SimulationError
 from softsample.fem import explicit
@@ -19,6 +18,7 @@ from softsample.meshing.cuboid import mesh_cuboid
 from softsample.meshing.cylinder import mesh_cylinder
 from softsample.meshing.mesh import HexMesh
 from softsample.protocol import History
+from spectral import energy as ogden_energy
 
 SETTINGS = SolverSettings(precision="float64", loading_time_s=0.2, curve_points=20)
 SMOOTH = ContactSettings(friction=0.0, base_friction=0.0)

@@ -4,10 +4,10 @@ import numpy as np
 import pytest
 
 from softsample.constitutive.laws import LAWS
-from softsample.constitutive.material import energy as ogden_energy
-from softsample.constitutive.material import isochoric_stretches
-from softsample.constitutive.material import stress as ogden_stress
 from softsample.constitutive.ogden import OgdenMaterial, unit_modulus
+from spectral import energy as ogden_energy
+from spectral import isochoric_stretches
+from spectral import stress as ogden_stress
 
 pytestmark = pytest.mark.nojit
 

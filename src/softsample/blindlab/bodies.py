@@ -85,6 +85,6 @@ class Body:
         """Travel of a test [mm]."""
         return STROKE[mode] * self.height
 
-    def toward(self, angle: float = 0.0) -> tuple[float, float]:
-        """Unit vector in the x-y plane, `angle` [rad] from the body's azimuth."""
-        return float(np.cos(self.azimuth + angle)), float(np.sin(self.azimuth + angle))
+    def toward(self) -> tuple[float, float]:
+        """Unit vector in the x-y plane along the body's azimuth."""
+        return float(np.cos(self.azimuth)), float(np.sin(self.azimuth))

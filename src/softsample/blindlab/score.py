@@ -308,13 +308,13 @@ def _size_errors(case: Case) -> list[float]:
     ]
 
 
-def confusion(cases: Sequence[Case], size: float = 1.0) -> pd.DataFrame:
+def confusion(cases: Sequence[Case]) -> pd.DataFrame:
     """Share of answers (columns: first effect, or the verdict) for what was planted (rows).
 
     An answer whose first class holds what was planted counts for that, whichever member of the
     class stands first.
     """
-    kept = [c for c in cases if c.planted["kind"] != "pair" and c.planted["size"] == size]
+    kept = [c for c in cases if c.planted["kind"] != "pair" and c.planted["size"] == 1.0]
     rows = [
         {"floor_percent": c.planted["floor_percent"], "design": c.planted["design"],
          "planted": " and ".join(c.names) or "nothing", "answered": _counted(c)}

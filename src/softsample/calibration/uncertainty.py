@@ -179,15 +179,15 @@ class Uncertainty:
             draws.append(self.refit(measured=measured))
         return np.array(draws)
 
-    def per_force(self, percent: float = 1.0) -> dict[str, Array]:
+    def per_force(self) -> dict[str, Array]:
         """By sample: change of the moduli (3,) [Pa] per percent more modelled force of it."""
         change = {}
         for sample, curves in self.families.items():
             up, down = (
-                self.refit({**self.families, sample: Scaled(curves, [1.0 + 0.01 * step])})
-                for step in (percent, -percent)
+                self.refit({**self.families, sample: Scaled(curves, [scale])})
+                for scale in (1.01, 0.99)
             )
-            change[sample] = (up - down) / (2.0 * percent)
+            change[sample] = (up - down) / 2.0
         return change
 
     def per_shift(self, sample: str, shift: float) -> Array:

@@ -235,7 +235,6 @@ def glued_boundary(mesh: HexMesh, mode: str, glued: Ids) -> Boundary:
 def platen_boundary(
     mesh: HexMesh,
     contact: ContactSettings,
-    start: float | None = None,
     *,
     tilt_deg: tuple[float, float] = (0.0, 0.0),
     gap: float = 0.0,
@@ -248,9 +247,6 @@ def platen_boundary(
         The sample on its base.
     contact : ContactSettings
         Rules of contact.
-    start : float, optional
-        Height [m] at which the platen's plane crosses the z axis; by default it touches the
-        first node. Nodes it starts on are held from the first step.
     tilt_deg : tuple of float
         Rotation of the platen about x and y [degrees], in this order.
     gap : float
@@ -266,7 +262,7 @@ def platen_boundary(
         candidates = np.union1d(candidates, mesh.bottom)
     normal = _tilted(tilt_deg)
     # ASSUME: at zero displacement the platen meets the highest point; the paper fixes no zero.
-    top = (mesh.points[candidates] @ normal).max() if start is None else start * normal[2]
+    top = (mesh.points[candidates] @ normal).max()
     base_offset = 0.0 if contact.base_platen or not base_glued else np.inf
     planes = np.array([[0.0, 0.0, -1.0, base_offset], [*normal, top + gap * normal[2]]])
     return Boundary(
@@ -349,8 +345,8 @@ def _tilted(angles_deg: tuple[float, float]) -> Array:
     )
 
 
-def _upward_nodes(mesh: HexMesh, cosine: float = 0.2) -> Ids:
-    """Nodes of boundary faces whose unit normal has a z component above `cosine`."""
+def _upward_nodes(mesh: HexMesh) -> Ids:
+    """Nodes of boundary faces whose unit normal has a z component above 0.2."""
     normal = face_vectors(mesh.points, mesh.boundary_quads)
-    up = normal[:, 2] > cosine * np.linalg.norm(normal, axis=1)
+    up = normal[:, 2] > 0.2 * np.linalg.norm(normal, axis=1)
     return np.unique(mesh.boundary_quads[up])

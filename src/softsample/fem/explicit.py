@@ -225,18 +225,15 @@ class ExplicitModel:
         values[..., self._order] = state.reshape(*state.shape[:-2], -1)[..., : len(self._order)]
         return values
 
-    def internal_force(
-        self, displacement: Array, material: Material, spectral: bool | None = None
-    ) -> tuple[Array, Array]:
+    def internal_force(self, displacement: Array, material: Material) -> tuple[Array, Array]:
         """Internal forces (n_nodes, 3) [N] and element state of given displacements [m].
 
         The element state (3, n_elements) holds strain energy [J], hourglass energy [J] and J - 1.
-        `spectral` forces the path by eigenvalues (default: only for exponents that need it).
         Relaxation has no part in it.
         """
         u = self.nodal(displacement)
         force, state = np.empty_like(u), self.blank_state()
-        solid = _instantaneous(self.solid(material, spectral))
+        solid = _instantaneous(self.solid(material))
         elements = self.elements(material.shear_modulus)
         self.add_up(u, elements, solid, force, state)
         return force[:, :3].astype(np.float64), self.flat(state).astype(np.float64)
@@ -265,14 +262,8 @@ class ExplicitModel:
         """Zeros for the state of the elements."""
         return aligned((3, *self._unit_elements.volume.shape), self.settings.dtype)
 
-    def solid(self, material: Material, spectral: bool | None = None) -> kernels.Solid:
-        """Kernel argument `solid`.
-
-        Raises
-        ------
-        SimulationError
-            If the path by products is asked for with exponents that are not even integers.
-        """
+    def solid(self, material: Material) -> kernels.Solid:
+        """Kernel argument `solid`."""
         by_shape = sorted(material.terms, key=lambda term: [abs(x) for x in term.shape])
         kinds = SpectralLaw, InvariantLaw, FibreLaw
         groups = [[t for t in by_shape if isinstance(t.rule, kind)] for kind in kinds]
@@ -289,20 +280,14 @@ class ExplicitModel:
             len(groups[0]),
             len(groups[0]) + len(groups[1]),
             material.volumetric_modulus,
-            self._sweeps(groups[0], spectral),
+            self._sweeps(groups[0]),
             np.array(relaxation.g if relaxation else (), float),
         )
 
-    def _sweeps(self, terms: Sequence[Term], spectral: bool | None) -> int:
+    def _sweeps(self, terms: Sequence[Term]) -> int:
         """Jacobi sweeps for the terms in principal stretches; none where products do."""
         products = all(term.rule.even_power(term.shape) for term in terms)
-        if spectral is False and not products:
-            exponents = tuple(term.shape[0] for term in terms)
-            raise SimulationError(
-                f"exponents {exponents} are not all even integers: use the spectral path"
-            )
-        by_eigenvalues = bool(terms) and (spectral or not products)
-        return JACOBI_SWEEPS[self.settings.precision] if by_eigenvalues else 0
+        return 0 if products else JACOBI_SWEEPS[self.settings.precision]
 
     def run(
         self,
@@ -314,7 +299,6 @@ class ExplicitModel:
         gravity: Gravity | None = None,
         start: Array | None = None,
         snapshots: Sequence[float] = (),
-        spectral: bool | None = None,
         progress: Progress | None = None,
     ) -> Run:
         """Move the platen and record the forces.
@@ -339,8 +323,6 @@ class ExplicitModel:
         snapshots : sequence of float
             Times of the test [s] at which to keep the deformed shape, ascending from above 0; a
             single ramp lasts 1 s.
-        spectral : bool, optional
-            Force the path by eigenvalues.
         progress : callable, optional
             Told the finished fraction now and then.
 
@@ -358,9 +340,9 @@ class ExplicitModel:
         pace = np.sqrt(self.settings.reference_modulus_pa / material.shear_modulus)
         duration = float(pace) * (loading_time or self.settings.loading_time_s)
         schedule = Schedule(history, duration, duration if gravity else 0.0)
-        march = _March(self, material, boundary, schedule, gravity, spectral)
+        march = _March(self, material, boundary, schedule, gravity)
         if start is not None:
-            march.begin(start, self.internal_force(start, material, spectral)[1][:2].sum())
+            march.begin(start, self.internal_force(start, material)[1][:2].sum())
         with flushed_denormals():
             march.go(times[1:], progress)
         return march.result()
@@ -393,7 +375,6 @@ class _March:
         boundary: Boundary,
         schedule: Schedule,
         gravity: Gravity | None,
-        spectral: bool | None,
     ) -> None:
         self.model, self.boundary, self.schedule = model, boundary, schedule
         self.relaxation, self.gravity = material.relaxation, gravity
@@ -401,7 +382,7 @@ class _March:
         volume = model.mass.sum() / model.settings.density_kg_m3
         # of the strain energy of elements at rest, in single precision
         self.rounding = float(np.finfo(model.settings.dtype).eps * material.shear_modulus * volume)
-        self.solid = model.solid(material, spectral)
+        self.solid = model.solid(material)
         self.platens = boundary.platens()
         self.dt = self.clock = self.critical = self.first_step = 0.0
         self.rng = np.random.default_rng(0)

@@ -10,17 +10,15 @@ KEYS = ["design", "floor_percent", "planted"]
 
 
 @styled
-def confusion_figure(table: pd.DataFrame, design: str = "B") -> Figure:
-    """One matrix for each floor of a design; rows are what was planted.
+def confusion_figure(table: pd.DataFrame) -> Figure:
+    """One matrix for each floor of design B; rows are what was planted.
 
     Parameters
     ----------
     table : DataFrame
         As of `softsample.blindlab.score.confusion`.
-    design : str
-        Design of the experiments.
     """
-    of_design = table[table["design"] == design]
+    of_design = table[table["design"] == "B"]
     floors = list(of_design.groupby("floor_percent"))
     figure = page_figure(110.0 * len(floors) + 30.0)
     axes = figure.subplots(len(floors), 1, squeeze=False, sharex=True)[:, 0]

@@ -110,9 +110,9 @@ def colours(count: int) -> list[str]:
     return [to_hex(c) for c in mpl.colormaps["cividis"](np.linspace(0.0, 0.95, count))]
 
 
-def map_colours(count: int = 32) -> list[str]:
-    """The map of strains in `count` steps, for pictures that are drawn elsewhere."""
-    return [to_hex(c) for c in mpl.colormaps[STRAIN_MAP](np.linspace(0.0, 1.0, count))]
+def map_colours() -> list[str]:
+    """The map of strains in 32 steps, for pictures that are drawn elsewhere."""
+    return [to_hex(c) for c in mpl.colormaps[STRAIN_MAP](np.linspace(0.0, 1.0, 32))]
 
 
 def axis_labels(loading: str) -> tuple[str, str]:
@@ -123,15 +123,15 @@ def axis_labels(loading: str) -> tuple[str, str]:
     return f"Displacement of the {part} [mm]", "Force [N]"
 
 
-def lightened(colour: str, share: float = 0.6) -> str:
-    """`colour` mixed with white; `share` is the part of white."""
-    red, green, blue = ((1.0 - share) * part + share for part in to_rgb(colour))
+def lightened(colour: str) -> str:
+    """`colour` mixed with 60 % of white."""
+    red, green, blue = ((1.0 - 0.6) * part + 0.6 for part in to_rgb(colour))
     return to_hex((red, green, blue))
 
 
-def darkened(colour: str, share: float = 0.45) -> str:
-    """`colour` mixed with black; `share` is the part of black."""
-    red, green, blue = ((1.0 - share) * part for part in to_rgb(colour))
+def darkened(colour: str) -> str:
+    """`colour` mixed with 45 % of black."""
+    red, green, blue = ((1.0 - 0.45) * part for part in to_rgb(colour))
     return to_hex((red, green, blue))
 
 

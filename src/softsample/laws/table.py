@@ -243,12 +243,12 @@ def _root_mean_square(errors: Sequence[float]) -> float:
     return float(np.sqrt(np.mean(np.square(errors)))) if errors else float("nan")
 
 
-def best_laws(group: str, reports: Reports, chosen: Reports, count: int = 3) -> list[str]:
-    """Laws of a group that predict best, the recommended one first."""
+def best_laws(group: str, reports: Reports, chosen: Reports) -> list[str]:
+    """The three laws of a group that predict best, the recommended one first."""
     choice, laws = chosen[group], reports[group]["laws"]
     score = {name: choice["log_likelihood"].get(name, -99.0) for name in laws}
     if choice["refused"]:
         score = {name: -law["error_fitted_percent"] for name, law in laws.items()}
     first = [name for name in (choice["recommended"],) if name in laws]
     rest = sorted((name for name in laws if name not in first), key=lambda name: -score[name])
-    return [*first, *rest][:count]
+    return [*first, *rest][:3]

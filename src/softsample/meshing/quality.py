@@ -100,16 +100,16 @@ def characteristic_lengths(mesh: HexMesh) -> Array:
     return np.sign(volume) * np.sqrt(1.5 / np.einsum("ein,ein->e", gradient, gradient))
 
 
-def surface_samples(mesh: HexMesh, divisions: int = 3) -> tuple[Array, Array]:
+def surface_samples(mesh: HexMesh) -> tuple[Array, Array]:
     """Points (q, 3) [m] on the sides and top of a mesh and the area (q,) [m2] of each.
 
-    Each bilinear quad is sampled at the centres of `divisions` x `divisions` parts.
+    Each bilinear quad is sampled at the centres of 3 x 3 parts.
     """
     quads = mesh.boundary_quads
     on_base = np.zeros(len(mesh.points), dtype=bool)
     on_base[mesh.bottom] = True
     corner = mesh.points[quads[~np.all(on_base[quads], axis=1)]]
-    places = (np.arange(divisions) + 0.5) / divisions
+    places = (np.arange(3) + 0.5) / 3
     points, areas = [], []
     for s in places:
         for t in places:
@@ -117,7 +117,7 @@ def surface_samples(mesh: HexMesh, divisions: int = 3) -> tuple[Array, Array]:
             along_s = np.array([t - 1, 1 - t, t, -t]) @ corner
             along_t = np.array([s - 1, -s, s, 1 - s]) @ corner
             points.append(weight @ corner)
-            areas.append(np.linalg.norm(np.cross(along_s, along_t), axis=1) / divisions**2)
+            areas.append(np.linalg.norm(np.cross(along_s, along_t), axis=1) / 9)
     return np.concatenate(points), np.concatenate(areas)
 
 

@@ -14,16 +14,17 @@ from typing import Any
 import numpy as np
 from scipy.ndimage import map_coordinates
 
+from phantom.draw import random_cylinder, random_scan
+from phantom.scan import Scan
+from phantom.shapes import ImperfectCylinder, Turned
+from phantom.sizes import Sizes, measured, surface_points
 from softsample.arrays import Array
+from softsample.blindlab.phantom import Shape, random_cuboid
 from softsample.errors import SoftsampleError
 from softsample.imaging.measure import measure
 from softsample.imaging.segment import Segmentation, segment
 from softsample.io import write_json
 from softsample.meshing.sample import mesh_real
-from softsample.phantom.draw import random_cuboid, random_cylinder, random_scan
-from softsample.phantom.scan import Scan
-from softsample.phantom.shapes import ImperfectCylinder, Shape, Turned
-from softsample.phantom.sizes import Sizes, measured, surface_points
 from softsample.units import MM
 from softsample.workflow import versions
 

@@ -21,14 +21,14 @@ import pandas as pd
 
 from laws import noisy_record
 from peers import read_calculix_forces
+from phantom.draw import random_scan
+from phantom.scan import Scan
+from phantom.sizes import measured
 from softsample.arrays import Array, Ids, Mask
+from softsample.blindlab.phantom import ImperfectCuboid, gradient, random_cuboid
 from softsample.constitutive.material import Material, Term
 from softsample.export.abaqus import material_lines
 from softsample.io import write_json, write_text
-from softsample.phantom.draw import random_cuboid, random_scan
-from softsample.phantom.scan import Scan
-from softsample.phantom.shapes import ImperfectCuboid, gradient
-from softsample.phantom.sizes import measured
 
 ROOT = Path(__file__).parents[1]
 COHORT = ROOT / "resources" / "second-cohort"

@@ -23,7 +23,6 @@ ALLOWED = {
     "shapes": {"errors"},
     "meshing": {"errors", "shapes"},
     "imaging": {"errors", "meshing", "shapes"},
-    "phantom": set(),
     "constitutive": {"errors"},
     "protocol": {"errors"},
     "validation": {"errors", "shapes"},
@@ -55,7 +54,7 @@ ALLOWED = {
     "checks": {"errors", "fem", "meshing"},
     "scoring": {"calibration", "records", "response"},
     "report": {"errors", "protocol", "response", "wording"},
-    "blindlab": {"loop", "phantom", "protocol", "records", "response"} | MECHANICS,
+    "blindlab": {"loop", "protocol", "records", "response"} | MECHANICS,
     "export": {"errors", "meshing", "constitutive", "fem", "io"},
     "figures": {"files", "loop", "meshing", "protocol", "report", "shapes", "wording"},
     "study": {
@@ -150,6 +149,13 @@ def test_the_blind_laboratory_shares_nothing_with_the_effects():
         of_loop = {name for name in imports(path) if name.startswith("softsample.loop")}
         assert path.name in knowing or not of_loop, path.name
         assert "loop.effects" not in path.read_text(encoding="utf-8")
+
+
+def test_phantoms_share_nothing_with_the_segmentation_that_they_judge():
+    shapes = ROOT / "src/softsample/blindlab/phantom.py"
+    for path in [shapes, *(ROOT / "benchmarks/phantom").glob("*.py")]:
+        known = {name for name in imports(path) if name.startswith("softsample.")}
+        assert known <= {"softsample.arrays", "softsample.blindlab.phantom"}, path.name
 
 
 def test_only_the_report_reads_values_of_the_paper():

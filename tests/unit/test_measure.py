@@ -3,6 +3,8 @@
 import numpy as np
 import pytest
 
+from phantom.draw import random_cylinder
+from softsample.blindlab.phantom import random_cuboid
 from softsample.errors import InputError, SegmentationError
 from softsample.imaging.measure import (
     ROUND,
@@ -13,7 +15,6 @@ from softsample.imaging.measure import (
     proposed_shape,
     section_area,
 )
-from softsample.phantom.draw import random_cuboid, random_cylinder
 
 SPACING = 0.25e-3
 ORIGIN = np.array([-12.0e-3, -10.0e-3, -2.5e-3])

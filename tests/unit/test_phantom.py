@@ -5,16 +5,17 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from softsample.phantom.draw import random_cuboid, random_cylinder, random_scan
-from softsample.phantom.scan import TISSUE, Scan
-from softsample.phantom.shapes import (
+from phantom.draw import random_cylinder, random_scan
+from phantom.scan import TISSUE, Scan
+from phantom.shapes import ImperfectCylinder
+from phantom.sizes import measured, surface_points
+from softsample.blindlab.phantom import (
     ImperfectCuboid,
-    ImperfectCylinder,
     Waves,
     gradient,
+    random_cuboid,
     signed_distance,
 )
-from softsample.phantom.sizes import measured, surface_points
 
 FLAT = Waves()
 BOX = ImperfectCuboid(10.0, 8.0, 6.0, (FLAT,) * 4, FLAT, 0.0, (0.0, 0.0), 1.0)

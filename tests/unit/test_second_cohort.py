@@ -8,7 +8,7 @@ import pandas as pd
 import pytest
 
 import second_cohort
-from softsample.phantom.sizes import measured
+from phantom.sizes import measured
 from templates import recovered
 
 COHORT = second_cohort.COHORT

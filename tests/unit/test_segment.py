@@ -7,6 +7,11 @@ import numpy as np
 import pytest
 from scipy.ndimage import binary_dilation, map_coordinates
 
+from phantom.draw import turned
+from phantom.scan import Scan
+from phantom.shapes import ImperfectCylinder
+from phantom.sizes import measured, surface_points
+from softsample.blindlab.phantom import ImperfectCuboid, Waves, signed_distance
 from softsample.errors import InputError, SegmentationError
 from softsample.images import one_label
 from softsample.imaging import distance as sdf
@@ -14,10 +19,6 @@ from softsample.imaging import film, frame, intensity
 from softsample.imaging.measure import measure
 from softsample.imaging.propose import coarsened, glance
 from softsample.imaging.segment import segment, segmentation_from_mask
-from softsample.phantom.draw import turned
-from softsample.phantom.scan import Scan
-from softsample.phantom.shapes import ImperfectCuboid, ImperfectCylinder, Waves, signed_distance
-from softsample.phantom.sizes import measured, surface_points
 
 WALL = Waves((0.2,), ((0.5, 0.3),), (0.4,), (0.01, 0.0))
 SHAPE = ImperfectCuboid(

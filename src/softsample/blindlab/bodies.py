@@ -5,7 +5,7 @@ from typing import Self
 
 import numpy as np
 
-from softsample.phantom.draw import random_cuboid
+from softsample.blindlab.phantom import random_cuboid
 from softsample.shapes import IdealShape
 from softsample.units import MM
 

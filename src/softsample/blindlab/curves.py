@@ -9,14 +9,13 @@ import pandas as pd
 
 from softsample.arrays import Array, Ids
 from softsample.blindlab.bodies import ALPHA, MODES, POISSON, PRESSED, Body
+from softsample.blindlab.phantom import random_cuboid, signed_distance
 from softsample.constitutive.material import Material
 from softsample.constitutive.ogden import Fibres, OgdenMaterial, unit_modulus
 from softsample.fem.boundary import Boundary, ContactSettings, mode_boundary, platen_boundary
 from softsample.fem.explicit import ExplicitModel, Run, SolverSettings
 from softsample.meshing.bond import partial_bond
 from softsample.meshing.sample import SampleMesh, mesh_ideal, mesh_real
-from softsample.phantom.draw import random_cuboid
-from softsample.phantom.shapes import signed_distance
 from softsample.protocol import History
 from softsample.units import MM
 

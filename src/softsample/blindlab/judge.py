@@ -107,7 +107,7 @@ def answer(
     found = diagnose(specimens, settings)
     verdict = judgement(found, settings)
     held_out = {
-        fold: {when: _root_mean_square(verdict[f"held_out_{when}"][fold]) for when in WHEN}
+        fold: {when: _fold_error(verdict[f"held_out_{when}"][fold]) for when in WHEN}
         for fold in verdict["held_out_before"]
     }
     return {
@@ -128,7 +128,7 @@ def answer(
     }
 
 
-def _root_mean_square(errors: Mapping[str, Mapping[str, float]]) -> float:
+def _fold_error(errors: Mapping[str, Mapping[str, float]]) -> float:
     """Structured error of a fold over its tests [% of peak]."""
     squares = [error["rms_percent_structured"] ** 2 for error in errors.values()]
     return float(np.sqrt(np.mean(squares)))

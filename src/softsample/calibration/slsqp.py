@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 from scipy.optimize import OptimizeResult, minimize
 
-from softsample.arrays import Array
+from softsample.arrays import Array, root_mean_square
 from softsample.calibration.measured import MeasuredCurve
 from softsample.calibration.profile import end_met
 from softsample.errors import CalibrationError
@@ -316,6 +316,6 @@ def _fit(search: Search, x: Array, starts: list[dict[str, Any]]) -> Fit:
     for sample, curve in objective.measured.items():
         force = objective.force(sample, mu, *shape)
         area_error[sample] = curve.area_between(force) / curve.area
-        rms[sample] = float(np.sqrt(np.mean((force - curve.force) ** 2)))
+        rms[sample] = root_mean_square(force - curve.force)
     named = dict(zip(objective.bounds, shape, strict=True))
     return Fit(mu, named, area_error, rms, starts, active)

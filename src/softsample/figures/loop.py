@@ -4,6 +4,7 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
+from softsample.arrays import root_mean_square
 from softsample.figures.style import colours, page_figure, styled
 from softsample.loop.diagnose import Diagnosis
 from softsample.loop.residual import Predicted, predicted
@@ -27,7 +28,7 @@ def loop_figure(found: Diagnosis) -> Figure:
     Of many tests those with the largest error before are shown, held out or not.
     """
     tests = predicted(found)
-    errors = [np.sqrt(np.mean((t.test.force - t.before) ** 2)) / t.test.peak for t in tests]
+    errors = [root_mean_square(t.test.force - t.before) / t.test.peak for t in tests]
     worst = np.argsort([-error for error in errors], kind="stable")
     shown = [tests[k] for k in sorted(worst[:MOST])]
     figure = page_figure(140.0)

@@ -1,6 +1,6 @@
 """Unit-modulus curves of a sample with its shape, its cuboid and their boundaries changed."""
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from typing import Any, Self
 
@@ -16,7 +16,7 @@ from softsample.meshing.mesh import HexMesh
 from softsample.meshing.sample import ideal_hexes
 from softsample.protocol import PRESSED_MODES
 from softsample.response.bond import CONTACT, BondSettings, touched_nodes
-from softsample.response.unit import ResponseSettings, modulus_fractions, unit_runs
+from softsample.response.unit import Progress, ResponseSettings, modulus_fractions, unit_runs
 from softsample.shapes import IdealShape
 from softsample.units import MM
 
@@ -210,9 +210,7 @@ class ShapeTest:
         by_contact = self.bond.rule == CONTACT
         return variants(shape, self.mode, self.preload, settings, self.touched(shape), by_contact)
 
-    def simulate(
-        self, found: dict[str, Variant], progress: Callable[[str, float], None] | None = None
-    ) -> pd.DataFrame:
+    def simulate(self, found: dict[str, Variant], progress: Progress | None = None) -> pd.DataFrame:
         """Curves of all variants and modulus fractions in one table.
 
         Parameters

@@ -1,7 +1,7 @@
 """All laws of the dictionary on the tests of one group, and on what is left of them in turn."""
 
 import time
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import asdict, dataclass
 from typing import Any
 
@@ -16,8 +16,7 @@ from softsample.laws.intervals import intervals, left_open, simpler_laws
 from softsample.laws.simulate import simulate_law
 from softsample.laws.test import LawTest
 from softsample.protocol import travel_sign
-
-Progress = Callable[[str, float], None]
+from softsample.response.unit import Progress
 
 ALL = "all"
 """Name of the part of a group that leaves nothing out but what the study holds out."""

@@ -6,6 +6,7 @@ from typing import Any
 import numpy as np
 import pandas as pd
 
+from softsample.arrays import root_mean_square
 from softsample.calibration.profile import normal_quantile
 from softsample.laws.candidates import Candidate
 from softsample.laws.choice import Choice, choose
@@ -189,8 +190,8 @@ def _row(
         "mu_high_pa": _further(law["mu_pa"], mu["high"], half),
         "shape": "; ".join(_shape_words(law)),
         "error_fitted_percent": law["error_fitted_percent"],
-        "error_folds_percent": 100.0 * _root_mean_square(folds),
-        "error_held_out_percent": 100.0 * _root_mean_square(held_out),
+        "error_folds_percent": 100.0 * root_mean_square(folds),
+        "error_held_out_percent": 100.0 * root_mean_square(held_out),
         "behind": choice["behind"].get(name),
         "standard_error": choice["standard_error"].get(name),
         "remark": "; ".join(remarks(law, choice, report["reached"])),
@@ -237,10 +238,6 @@ def remarks(
         for sample, part in reached.items()
     ]
     return [*found, choice["refused"]] if choice["refused"] else found
-
-
-def _root_mean_square(errors: Sequence[float]) -> float:
-    return float(np.sqrt(np.mean(np.square(errors)))) if errors else float("nan")
 
 
 def best_laws(group: str, reports: Reports, chosen: Reports) -> list[str]:

@@ -7,7 +7,7 @@ from typing import Any
 import numpy as np
 import pandas as pd
 
-from softsample.arrays import Array
+from softsample.arrays import Array, root_mean_square
 from softsample.io import read_table
 
 TRAVELS = np.linspace(0.0, 1.0, 41)
@@ -42,7 +42,7 @@ def _misfits(results: Path) -> Iterator[dict[str, Any]]:
         records = read_table(path).groupby(["sample", "mode", "channel"])
         for (sample, mode, _), record in [*records][:MOST]:
             misfit = _misfit(record)
-            rms = float(np.sqrt(np.mean(misfit**2)))
+            rms = root_mean_square(misfit)
             if not rms > 0.0:
                 continue
             yield {

@@ -1,12 +1,10 @@
 """What was found of one sample on its way through the workflow, in words."""
 
 from collections.abc import Mapping, Sequence
-from typing import Any
 
 from softsample.report.html import written
+from softsample.report.results import Report
 from softsample.report.tables import doubt_of
-
-Report = Mapping[str, Any]
 
 
 def sample_facts(

@@ -6,6 +6,8 @@ from typing import Any
 import numpy as np
 import pandas as pd
 
+from softsample.arrays import root_mean_square
+
 Verdicts = Mapping[tuple[str, str], Mapping[str, Any]]
 
 
@@ -53,7 +55,7 @@ def verdict_table(verdicts: Verdicts) -> pd.DataFrame:
 
 def _whole(verdict: Mapping[str, Any], when: str) -> float:
     parts = [test["all"]["rms_percent_structured"] for test in verdict[f"error_{when}"].values()]
-    return float(np.sqrt(np.mean(np.square(parts))))
+    return root_mean_square(parts)
 
 
 def _held_out(verdict: Mapping[str, Any], when: str) -> float:

@@ -6,6 +6,8 @@ from typing import Any
 import numpy as np
 import pandas as pd
 
+from softsample.arrays import root_mean_square
+
 Verdict = Mapping[str, Any]
 
 SUMMARY = (
@@ -51,8 +53,8 @@ def _cells(group: str, verdict: Verdict) -> tuple[Any, ...]:
         correction = verdict["correction"]
         effects = "; ".join([f"class: {correction['class']}", *correction["with"]])
     errors = (
-        *(root_mean_square(held_out(verdict[f"held_out_{when}"])) for when in WHEN),
-        *(root_mean_square(fitted(verdict[f"error_{when}"])) for when in WHEN),
+        *(root_mean_square([*held_out(verdict[f"held_out_{when}"])]) for when in WHEN),
+        *(root_mean_square([*fitted(verdict[f"error_{when}"])]) for when in WHEN),
     )
     law = (verdict["elastic_law"] or {}).get("name", "")
     return verdict["rule"], group, verdict["verdict"], law, effects, *errors
@@ -73,12 +75,6 @@ def fitted(tests: Mapping[str, Mapping[str, Mapping[str, float]]] | None) -> Ite
     for phases in (tests or {}).values():
         if "all" in phases:
             yield phases["all"]["rms_percent"]
-
-
-def root_mean_square(values: Iterable[float]) -> float:
-    """Root mean square; NaN of nothing."""
-    squares = [value**2 for value in values]
-    return float(np.sqrt(np.mean(squares))) if squares else float("nan")
 
 
 def overview_table(summary: pd.DataFrame) -> pd.DataFrame:

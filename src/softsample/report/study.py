@@ -19,11 +19,10 @@ from softsample.report.html import (
     picture,
     render_report,
 )
-from softsample.report.results import brief
+from softsample.report.results import Report, brief
 from softsample.report.scene import Shape, scene
 from softsample.report.tables import moduli_shown
 
-Report = Mapping[str, Any]
 """Content of a result file in JSON."""
 
 Run = tuple[str, str]

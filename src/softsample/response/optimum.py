@@ -17,7 +17,7 @@ from softsample.fem.fields import CONTACT, contact_report, max_principal_hencky_
 from softsample.fem.setup import Sample, set_up
 from softsample.meshing.mesh import HexMesh
 from softsample.response.curves import Curves
-from softsample.response.unit import homogeneous_area, run_report, shortest_loading_time
+from softsample.response.unit import Progress, homogeneous_area, run_report, shortest_loading_time
 from softsample.shapes import IdealShape
 
 SNAPSHOTS = tuple(np.linspace(0.05, 1.0, 20))
@@ -98,7 +98,7 @@ def optimum(
     material: Material,
     travel: float,
     response: Mapping[str, Any],
-    progress: Callable[[str, float], None],
+    progress: Progress,
 ) -> Optimum:
     """The test of a sample, by the solver or in closed form.
 

@@ -37,6 +37,7 @@ from softsample.response.pieces import (
 from softsample.response.unit import (
     REACHED,
     Pace,
+    Progress,
     check_stands,
     find_pace,
     homogeneous_area,
@@ -88,7 +89,7 @@ def perturbations_of(
     shape: IdealShape,
     mesh_shifted: Callable[[float], MeshedSample],
     test: MechanicalTest,
-    progress: Callable[[str, float], None] | None = None,
+    progress: Progress | None = None,
 ) -> pd.DataFrame:
     """File of the changes by all perturbations, in closed form where the response is.
 
@@ -114,7 +115,7 @@ def perturbations_of(
 def simulate_perturbations(
     mesh_shifted: Callable[[float], MeshedSample],
     test: MechanicalTest,
-    progress: Callable[[str, float], None] | None = None,
+    progress: Progress | None = None,
     turn: float | None = None,
 ) -> tuple[Array, Mapping[str, Array]]:
     """Change of the force per modulus by each perturbation of the model.

@@ -11,7 +11,7 @@ from softsample.constitutive.material import Material
 from softsample.fem.boundary import Ends
 from softsample.fem.setup import Sample, set_up
 from softsample.response.optimum import loading_time
-from softsample.response.unit import CLOSED_FORM, curve_difference
+from softsample.response.unit import CLOSED_FORM, Progress, curve_difference
 
 SOFTER, STIFFER = "half the hourglass stiffness", "twice the hourglass stiffness"
 COARSE = "elements of twice the size"
@@ -55,7 +55,7 @@ def forces_with_changes(
     travel: float,
     response: Mapping[str, Any],
     reference: tuple[Array, Array],
-    progress: Callable[[str, float], None],
+    progress: Progress,
 ) -> dict[str, Array]:
     """Force (n,) [N] of the test with each change.
 

@@ -5,11 +5,10 @@ from dataclasses import dataclass, field
 from functools import cached_property
 
 from softsample.errors import InputError
+from softsample.holdout import Row
 from softsample.protocol import PRESSED_MODES
 from softsample.shapes import BONDED
 from softsample.validation import DEFAULT_AXES, ends_of, resolved
-
-Row = Mapping[str, str]
 
 GEOMETRIES = ("real", "ideal")
 

@@ -4,28 +4,13 @@ from typing import Literal
 
 import numpy as np
 
+from phantom.scan import Scan
+from phantom.shapes import ImperfectCylinder
 from softsample.arrays import Array
-from softsample.phantom.scan import Scan
-from softsample.phantom.shapes import ImperfectCuboid, ImperfectCylinder, Shape, Waves, gradient
+from softsample.blindlab.phantom import Shape, gradient, waves
 
 PROTOCOLS = {"fine": (0.25, 0.25, 0.5), "isotropic": (0.6, 0.6, 0.6)}
 """Voxel edges [mm] of the study's protocols: tension and compression; shear."""
-
-
-def random_cuboid(seed: int, bumps: float = 1.0) -> ImperfectCuboid:
-    """Imperfect cuboid of about 23 x 20 x 13 mm; `bumps` scales its waves."""
-    random = np.random.default_rng([seed, 1])
-    walls = tuple(_waves(random, 3, 0.22 * bumps, 0.012) for _ in range(4))
-    return ImperfectCuboid(
-        length=random.uniform(19.0, 25.0),
-        width=random.uniform(16.0, 22.0),
-        height=random.uniform(9.0, 14.0),
-        walls=walls,  # type: ignore[arg-type]  # four of them
-        top=_waves(random, 4, 0.3 * bumps, 0.006),
-        taper=random.uniform(-0.02, 0.06),
-        slope=(random.uniform(-0.05, 0.05), random.uniform(-0.05, 0.05)),
-        edge=random.uniform(0.7, 1.8),
-    )
 
 
 def random_cylinder(seed: int, bumps: float = 1.0) -> ImperfectCylinder:
@@ -36,26 +21,11 @@ def random_cylinder(seed: int, bumps: float = 1.0) -> ImperfectCylinder:
         diameter=random.uniform(15.0, 24.0),
         height=random.uniform(8.0, 14.0),
         lobes=tuple((0.2 * bumps * random.uniform(0.3, 1.0), float(p)) for p in phase),
-        wall=_waves(random, 2, 0.15 * bumps, 0.0),
-        top=_waves(random, 4, 0.3 * bumps, 0.006),
+        wall=waves(random, 2, 0.15 * bumps, 0.0),
+        top=waves(random, 4, 0.3 * bumps, 0.006),
         taper=random.uniform(-0.02, 0.06),
         slope=(random.uniform(-0.05, 0.05), random.uniform(-0.05, 0.05)),
         edge=random.uniform(0.7, 1.8),
-    )
-
-
-def _waves(random: np.random.Generator, count: int, size: float, bow: float) -> Waves:
-    """Waves of 6 to 16 mm length and about `size` amplitude altogether, bow up to `bow`."""
-    angle, length = random.uniform(0.0, np.pi, count), random.uniform(6.0, 16.0, count)
-    share = random.uniform(0.3, 1.0, count)
-    return Waves(
-        amplitude=tuple(map(float, size * share / share.sum() * length / length.mean())),
-        direction=tuple(
-            (float(k * np.cos(a)), float(k * np.sin(a)))
-            for k, a in zip(2.0 * np.pi / length, angle, strict=True)
-        ),
-        phase=tuple(map(float, random.uniform(0.0, 2.0 * np.pi, count))),
-        bow=(float(random.uniform(-bow, bow)), float(random.uniform(-bow, bow))),
     )
 
 

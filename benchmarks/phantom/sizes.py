@@ -6,7 +6,7 @@ import numpy as np
 from skimage.measure import marching_cubes
 
 from softsample.arrays import Array
-from softsample.phantom.shapes import Shape, gradient
+from softsample.blindlab.phantom import Shape, gradient
 
 SECTION_OFFSET = 0.75
 """Distance of the lower and upper section of the cuboid from base and top [mm]."""

@@ -5,9 +5,9 @@ from dataclasses import dataclass, field
 import numpy as np
 from numpy.typing import NDArray
 
+from phantom.sizes import shares
 from softsample.arrays import Array, Mask
-from softsample.phantom.shapes import Shape
-from softsample.phantom.sizes import shares
+from softsample.blindlab.phantom import Shape
 
 TISSUE = 300.0
 """Mean intensity of tissue."""

@@ -1,4 +1,7 @@
-"""Imperfect cuboids and cylinders as zero sets of smooth functions."""
+"""Phantoms: imperfect cuboids as zero sets of smooth functions, drawn from a seed.
+
+Lengths are in mm and directions in the shape's own frame: base on z = 0, loading axis +z.
+"""
 
 from dataclasses import dataclass
 from typing import Protocol
@@ -49,7 +52,7 @@ class Waves:
         return np.asarray(height)
 
 
-class _Standing:
+class Standing:
     """What imperfect samples have in common: a tilted, bumpy top, and edges that are rounded."""
 
     height: float
@@ -77,7 +80,7 @@ class _Standing:
 
 
 @dataclass(frozen=True)
-class ImperfectCuboid(_Standing):
+class ImperfectCuboid(Standing):
     """Cuboid with taper, bowed and wavy walls, rounded edges and a tilted, bumpy top.
 
     Attributes
@@ -116,68 +119,6 @@ class ImperfectCuboid(_Standing):
             y - 0.5 * self.width + lean - self.walls[2](x, middle),
             -y - 0.5 * self.width + lean - self.walls[3](x, middle),
         ]
-
-
-@dataclass(frozen=True)
-class ImperfectCylinder(_Standing):
-    """Round sample with taper, lobes, a wavy wall, a rounded rim and a tilted, bumpy top.
-
-    Attributes
-    ----------
-    diameter, height : float
-        Nominal sizes [mm].
-    lobes : tuple of (float, float)
-        Amplitude [mm] and phase [rad] of the radius' waves of two, three, ... around.
-    wall : Waves
-        Over (x + y, z - height / 2).
-    top, taper, slope, edge
-        As of `ImperfectCuboid`.
-    """
-
-    diameter: float
-    height: float
-    lobes: tuple[tuple[float, float], ...]
-    wall: Waves
-    top: Waves
-    taper: float
-    slope: tuple[float, float]
-    edge: float
-
-    def _half_widths(self) -> tuple[float, float]:
-        return 0.5 * self.diameter, 0.5 * self.diameter
-
-    def _beyond_walls(self, x: Array, y: Array, z: Array) -> list[Array]:
-        angle = np.arctan2(y, x)
-        radius = 0.5 * self.diameter - self.taper * z + self.wall(x + y, z - 0.5 * self.height)
-        for order, (size, phase) in enumerate(self.lobes, start=2):
-            radius = radius + size * np.cos(order * angle + phase)
-        return [np.hypot(x, y) - radius]
-
-
-@dataclass(frozen=True)
-class Turned:
-    """A shape seen in axes that are turned about z.
-
-    Attributes
-    ----------
-    shape : Shape
-    angle : float
-        From the shape's x axis to the new one [rad].
-    """
-
-    shape: Shape
-    angle: float
-
-    @property
-    def box(self) -> Array:
-        """Half-lengths in x and y, and height, of a box that holds the solid, (3,) [mm]."""
-        reach = float(np.hypot(*self.shape.box[:2]))
-        return np.array([reach, reach, self.shape.box[2]])
-
-    def value(self, x: Array, y: Array, z: Array) -> Array:
-        """Function that is negative inside and close to the signed distance near the surface."""
-        c, s = np.cos(self.angle), np.sin(self.angle)
-        return self.shape.value(c * x - s * y, s * x + c * y, z)
 
 
 def _rounded(sides: list[Array], radius: float) -> Array:
@@ -219,3 +160,34 @@ def signed_distance(shape: Shape, points: Array, steps: int = 8) -> Array:
         foot = foot + to_point - (along + value / size)[:, None] * slope
     gap = np.linalg.norm(points - foot, axis=1)
     return np.where(shape.value(*points.T) < 0.0, -gap, gap)
+
+
+def random_cuboid(seed: int, bumps: float = 1.0) -> ImperfectCuboid:
+    """Imperfect cuboid of about 23 x 20 x 13 mm; `bumps` scales its waves."""
+    random = np.random.default_rng([seed, 1])
+    walls = tuple(waves(random, 3, 0.22 * bumps, 0.012) for _ in range(4))
+    return ImperfectCuboid(
+        length=random.uniform(19.0, 25.0),
+        width=random.uniform(16.0, 22.0),
+        height=random.uniform(9.0, 14.0),
+        walls=walls,  # type: ignore[arg-type]  # four of them
+        top=waves(random, 4, 0.3 * bumps, 0.006),
+        taper=random.uniform(-0.02, 0.06),
+        slope=(random.uniform(-0.05, 0.05), random.uniform(-0.05, 0.05)),
+        edge=random.uniform(0.7, 1.8),
+    )
+
+
+def waves(random: np.random.Generator, count: int, size: float, bow: float) -> Waves:
+    """Waves of 6 to 16 mm length and about `size` amplitude altogether, bow up to `bow`."""
+    angle, length = random.uniform(0.0, np.pi, count), random.uniform(6.0, 16.0, count)
+    share = random.uniform(0.3, 1.0, count)
+    return Waves(
+        amplitude=tuple(map(float, size * share / share.sum() * length / length.mean())),
+        direction=tuple(
+            (float(k * np.cos(a)), float(k * np.sin(a)))
+            for k, a in zip(2.0 * np.pi / length, angle, strict=True)
+        ),
+        phase=tuple(map(float, random.uniform(0.0, 2.0 * np.pi, count))),
+        bow=(float(random.uniform(-bow, bow)), float(random.uniform(-bow, bow))),
+    )

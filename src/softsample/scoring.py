@@ -50,33 +50,21 @@ def score_table(
     ends = _interval_ends(intervals)
     rows = []
     for group, samples in groups.items():
+        real, ideal, quoted = fits[group, "real"], fits[group, "ideal"], recommended[group]
         for sample in samples:
-            shape = truths[sample]["shape"]["statistics"]
-            material, measured = truths[sample]["material"], cuboids[sample]
+            material = truths[sample]["material"]
             mu = material["mu1_Pa"] + material["mu2_Pa"]
-            quoted = recommended[group]
             rows.append(
                 {
                     "sample": sample,
                     "group": group,
-                    "volume_error_percent": percent(
-                        measured["volume_real_mm3"], shape["volume_mm3"]
-                    ),
-                    "length_error_mm": measured["length_mm"] - shape["L_mm"],
-                    "width_error_mm": measured["width_mm"] - shape["W_mm"],
-                    "height_error_mm": measured["height_mm"] - shape["H_mm"],
-                    "bottom_area_error_percent": percent(
-                        measured["bottom_area_mm2"], shape["bottom_area_mm2"]
-                    ),
-                    "top_area_error_percent": percent(
-                        measured["top_area_mm2"], shape["top_area_mm2"]
-                    ),
+                    **_shape_errors(truths[sample]["shape"]["statistics"], cuboids[sample]),
                     "mu_true_pa": mu,
                     "mu1_true_pa": material["mu1_Pa"],
-                    "mu_real_pa": fits[group, "real"]["mu_pa"],
-                    "mu1_real_pa": fits[group, "real"]["mu1_pa"],
-                    "mu_ideal_pa": fits[group, "ideal"]["mu_pa"],
-                    "mu_real_error_percent": percent(fits[group, "real"]["mu_pa"], mu),
+                    "mu_real_pa": real["mu_pa"],
+                    "mu1_real_pa": real["mu1_pa"],
+                    "mu_ideal_pa": ideal["mu_pa"],
+                    "mu_real_error_percent": percent(real["mu_pa"], mu),
                     **{
                         f"inside{which}": low <= mu <= high
                         for which, (low, high) in ends[group].items()
@@ -86,12 +74,25 @@ def score_table(
                     "recommended_low_pa": quoted["low"],
                     "recommended_high_pa": quoted["high"],
                     "inside_recommended": quoted["low"] <= mu <= quoted["high"],
-                    "bias_percent": percent(
-                        fits[group, "ideal"]["mu_pa"], fits[group, "real"]["mu_pa"]
-                    ),
+                    "bias_percent": percent(ideal["mu_pa"], real["mu_pa"]),
                 }
             )
     return pd.DataFrame(rows)
+
+
+def _shape_errors(true: Truth, measured: Mapping[str, Any]) -> dict[str, float]:
+    return {
+        "volume_error_percent": percent(measured["volume_real_mm3"], true["volume_mm3"]),
+        "length_error_mm": measured["length_mm"] - true["L_mm"],
+        "width_error_mm": measured["width_mm"] - true["W_mm"],
+        "height_error_mm": measured["height_mm"] - true["H_mm"],
+        **{
+            f"{face}_area_error_percent": percent(
+                measured[f"{face}_area_mm2"], true[f"{face}_area_mm2"]
+            )
+            for face in ("bottom", "top")
+        },
+    }
 
 
 def _interval_ends(intervals: pd.DataFrame) -> dict[str, dict[str, tuple[float, float]]]:

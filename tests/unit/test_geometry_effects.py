@@ -9,8 +9,9 @@ from softsample.errors import MeshError, SimulationError
 from softsample.fem.boundary import ContactSettings
 from softsample.geometry_effects.bias import experiments, families, group_bias
 from softsample.geometry_effects.prescribed import as_far_as_it_goes
-from softsample.geometry_effects.shapes import Shape, section_areas, top_quads
+from softsample.geometry_effects.shapes import Shape, section_areas
 from softsample.geometry_effects.variants import EffectSettings, Variant, variants
+from softsample.meshing.bond import top_quads
 from softsample.meshing.cuboid import mesh_cuboid
 from softsample.meshing.mesh import HexMesh
 from softsample.report.geometry_effects import (

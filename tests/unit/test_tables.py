@@ -8,7 +8,7 @@ import pytest
 import yaml
 
 from softsample.errors import InputError
-from softsample.report.captions import caption_numbers, substitutions
+from softsample.report.captions import CaptionedStudy, caption_numbers, substitutions
 from softsample.report.contact import contact_share, contact_table
 from softsample.report.html import caption
 from softsample.report.stress import mean_curve, nominal_curve, stress_strain_table
@@ -303,22 +303,20 @@ def test_contact_area_by_hand():
     assert table["ideal_sd_percent"].isna().all()
 
 
-def shown(samples=2, imaged=2, surfaces=0, geometries=("real", "ideal"), ideal="cuboid"):
-    meshes = [{"elements": 40633}, {"elements": 36244}][-len(geometries) :]
-    return {
-        "meshes": meshes, "geometries": geometries, "shown": "S1", "samples": samples,
-        "imaged": imaged, "surfaces": surfaces, "ideal": ideal,
-    }  # fmt: skip
+def captioned(tables, fits, cohort="study a", shipped=False, **changes):
+    how = {"geometries": ("real", "ideal"), "samples": 2, "imaged": 2, "surfaces": 0,
+           "ideal": "cuboid"} | changes  # fmt: skip
+    meshes = [{"elements": 40633}, {"elements": 36244}][-len(how["geometries"]) :]
+    study = CaptionedStudy(cohort=cohort, shipped=shipped, shown="S1", **how)
+    return caption_numbers(study, *tables, fits, meshes)
 
 
 def study_numbers(shipped=True, **changes):
     fits = [fit("S1", "real", 500.0, 500.0, **changes), fit("S1", "ideal", 500.0, 400.0)]
     moduli, _ = moduli_table(fits, "ogden2")
     stress = stress_strain_table([("shear", np.array([0.0, 0.3]), np.array([0.0, 500.0]))])
-    return caption_numbers(
-        summary_table({"ogden2": moduli}, two_samples()), stress, fits,
-        cohort="virtual cohort", shipped=shipped, **shown(),
-    )  # fmt: skip
+    summary = summary_table({"ogden2": moduli}, two_samples())
+    return captioned((summary, stress), fits, "virtual cohort", shipped)
 
 
 def test_caption_numbers():
@@ -335,7 +333,7 @@ def dimensions_only(*more, **how):
     moduli, _ = moduli_table(fits, "ogden2")
     stress = stress_strain_table([("pure_shear", np.array([0.0, 0.3]), np.array([0.0, 500.0]))])
     summary = summary_table({"ogden2": moduli}, geometry_table({"D1": CYLINDER}, {"D1": "shear"}))
-    return caption_numbers(summary, stress, fits, cohort="study a", shipped=False, **shown(**how))
+    return captioned((summary, stress), fits, **how)
 
 
 def test_captions_say_that_the_bias_is_not_known_without_a_true_shape():

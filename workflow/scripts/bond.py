@@ -4,9 +4,8 @@ from softsample.calibration.measured import MeasuredCurve
 from softsample.constitutive.ogden import of_fit
 from softsample.io import read_json, read_mesh_with_data, read_record, write_json
 from softsample.response.bond import BondSettings, by_rule
+from softsample.units import MM
 from softsample.workflow import logged_to, provenance
-
-MM = 1e-3
 
 with logged_to(snakemake):
     given, files = snakemake.params, snakemake.input

@@ -6,6 +6,7 @@ from softsample.calibration.group import GroupCurves
 from softsample.calibration.slsqp import CalibrationSettings, fit_ogden
 from softsample.calibration.uncertainty import Uncertainty, UncertaintySettings
 from softsample.shapes import IdealShape
+from softsample.units import MM
 from softsample.validation import modelled_ends
 from softsample.workflow import logged_to, provenance
 
@@ -21,7 +22,7 @@ with logged_to(snakemake):
         simulated = simulated_curves(group, *samples, map(io.read_json, files.reports), given)
     fit = fit_ogden(simulated or group.responses, group.measured, settings)
     known = group.responses, group.measured, fit, settings, UncertaintySettings(**given.uncertainty)
-    shifts = group.contact_zero(of.geometry, io.MM * given.contact_zero_mm)
+    shifts = group.contact_zero(of.geometry, MM * given.contact_zero_mm)
     report = group.report(of, given.material, fit) | simulation_costs(simulated)
     report["uncertainty"] = Uncertainty(*known).report(shifts)
     io.write_table(snakemake.output.curve, group.compared(fit))

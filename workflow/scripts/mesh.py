@@ -6,9 +6,8 @@ from softsample import io
 from softsample.meshing.surface import boundary_surface
 from softsample.response.pieces import sample_mesher
 from softsample.shapes import IdealShape, element_size
+from softsample.units import MM
 from softsample.workflow import logged_to, provenance
-
-MM = 1e-3
 
 with logged_to(snakemake):
     given, files = snakemake.params, snakemake.input

@@ -103,11 +103,7 @@ def geometry_figure(
     figure = page_figure(height_mm=130.0)
     parts: Any = figure.subfigures(2, 1, height_ratios=[1.0, 1.0], hspace=0.04)
     upper, lower = parts
-    widths = [extent(image, axis)[0] for axis, _ in image.views]
-    slices = upper.subplots(1, 3, width_ratios=widths)
-    for ax, letter, (axis, name) in zip(slices, "abc", image.views, strict=True):
-        draw_slice(ax, image, axis)
-        label_panel(ax, letter, name)
+    draw_slices(upper, image)
     shapes = (
         (image.surface(), "Segmented surface", False),
         (real[0], f"Real mesh, {real[1]} elements", True),
@@ -121,6 +117,15 @@ def geometry_figure(
         label_panel(ax, letter, name)
         scale_bar(ax, 10.0)
     return figure
+
+
+def draw_slices(part: Any, image: SegmentedImage) -> None:
+    """The slices of an image, panels a to c of a part of a figure."""
+    widths = [extent(image, axis)[0] for axis, _ in image.views]
+    slices = part.subplots(1, 3, width_ratios=widths)
+    for ax, letter, (axis, name) in zip(slices, "abc", image.views, strict=True):
+        draw_slice(ax, image, axis)
+        label_panel(ax, letter, name)
 
 
 def extent(image: SegmentedImage, axis: int) -> tuple[float, float]:

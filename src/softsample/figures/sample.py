@@ -9,13 +9,7 @@ from matplotlib.figure import Figure
 from scipy.ndimage import map_coordinates
 
 from softsample.arrays import Array
-from softsample.figures.geometry import (
-    SegmentedImage,
-    draw_slice,
-    extent,
-    page_limits,
-    scale_bar,
-)
+from softsample.figures.geometry import SegmentedImage, draw_slices, page_limits, scale_bar
 from softsample.figures.render import Look, Renderer, draw_surface
 from softsample.figures.style import MODE_COLOURS, STRAIN_MAP, label_panel, page_figure, styled
 from softsample.figures.surface import OBLIQUE, Surface, mesh_surface
@@ -51,12 +45,7 @@ def sample_figure(
     """
     figure = page_figure(height_mm=130.0)
     parts: Any = figure.subfigures(2, 1, hspace=0.04)
-    slices = parts[0].subplots(
-        1, 3, width_ratios=[extent(image, axis)[0] for axis, _ in image.views]
-    )
-    for ax, letter, (axis, name) in zip(slices, "abc", image.views, strict=True):
-        draw_slice(ax, image, axis)
-        label_panel(ax, letter, name)
+    draw_slices(parts[0], image)
     surface = uncertain_surface(image, sigma)
     quality = mesh_surface(mesh, element_values=scaled_jacobian)
     top = float(np.quantile(np.asarray(surface.values), 0.995))

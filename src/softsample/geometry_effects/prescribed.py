@@ -10,7 +10,7 @@ from softsample.constitutive.material import Material
 from softsample.errors import SimulationError
 from softsample.fem.boundary import ContactSettings, glued_boundary, platen_boundary
 from softsample.fem.explicit import ExplicitModel, Run
-from softsample.geometry_effects.shapes import top_quads
+from softsample.meshing.bond import top_quads
 
 SHARES = (1.0, 0.95, 0.9, 0.85, 0.8, 0.75, 0.7)
 """Parts of the travel that are tried, the largest first."""

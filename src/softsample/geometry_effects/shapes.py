@@ -15,7 +15,8 @@ from scipy.interpolate import RBFInterpolator
 
 from softsample.arrays import Array, Ids
 from softsample.errors import MeshError
-from softsample.meshing.mesh import HexMesh, face_vectors
+from softsample.meshing.bond import top_quads
+from softsample.meshing.mesh import HexMesh
 from softsample.meshing.sample import mesh_ideal, mesh_real
 from softsample.shapes import IdealShape, element_size
 from softsample.units import MM
@@ -25,14 +26,6 @@ HeightMap = Callable[[Array], Array]
 
 PROFILE = 201
 """Heights at which the sections of a sample are measured."""
-
-
-def top_quads(mesh: HexMesh, normal_deg: float) -> Ids:
-    """(n, 4) faces of the upper half whose normals are within `normal_deg` of vertical."""
-    normal = face_vectors(mesh.points, mesh.boundary_quads)
-    steep = normal[:, 2] > np.cos(np.radians(normal_deg)) * np.linalg.norm(normal, axis=1)
-    middle = mesh.points[mesh.boundary_quads, 2].mean(axis=1)
-    return mesh.boundary_quads[steep & (middle > 0.5 * mesh.highest)]
 
 
 def section_areas(mesh: HexMesh, heights: Array) -> Array:

@@ -334,19 +334,8 @@ def tissue_share(image: Array, spacing: Array, settings: SegmentationSettings) -
     left_out = _left_out(bright, spacing)
     rough = intensity.largest_component(bright)
     bright |= rough
-    if np.count_nonzero(rough) * np.prod(spacing) < settings.min_volume_mm3 * MM**3:
-        raise SegmentationError(
-            f"no sample found: the largest bright region is smaller than"
-            f" {settings.min_volume_mm3:g} mm3; check the image and its scale"
-        )
     margin = max(LEVEL_MARGIN_MM * MM, float(np.max(spacing))) + 0.25 * MM
-    interior = intensity.eroded(rough, spacing, margin)
-    interior &= image > HALF * np.median(image[rough])  # no bubbles
-    if np.count_nonzero(interior) < 100:
-        raise SegmentationError(
-            "no sample found: the largest bright region has no interior; check the image and"
-            " its scale"
-        )
+    interior = _interior(image, rough, spacing, margin, settings)
     around = intensity.surroundings(image, bright, spacing, 2.0 * margin)
     level = float(np.median(image[interior]))
     if np.median(around) < -LEAST_NOISE * level:
@@ -389,6 +378,25 @@ def tissue_share(image: Array, spacing: Array, settings: SegmentationSettings) -
         threshold=floor + HALF * (level - floor),
         left_out=left_out,
     )
+
+
+def _interior(
+    image: Array, rough: Mask, spacing: Array, margin: float, settings: SegmentationSettings
+) -> Mask:
+    """Voxels at least `margin` [m] inside the largest bright region; refuses one too small."""
+    if np.count_nonzero(rough) * np.prod(spacing) < settings.min_volume_mm3 * MM**3:
+        raise SegmentationError(
+            f"no sample found: the largest bright region is smaller than"
+            f" {settings.min_volume_mm3:g} mm3; check the image and its scale"
+        )
+    interior = intensity.eroded(rough, spacing, margin)
+    interior &= image > HALF * np.median(image[rough])  # no bubbles
+    if np.count_nonzero(interior) < 100:
+        raise SegmentationError(
+            "no sample found: the largest bright region has no interior; check the image and"
+            " its scale"
+        )
+    return interior
 
 
 def _left_out(regions: Mask, spacing: Array) -> float:

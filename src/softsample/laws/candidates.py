@@ -25,14 +25,13 @@ class Shape:
 
     Parameters
     ----------
-    name, unit : str
-        Name in tables, with the number of its term where both have it; unit, `1` for none.
+    name : str
+        Name in tables, with the number of its term where both have it.
     low, high, default : float
         Range of the search, and a value to set out from.
     """
 
     name: str
-    unit: str
     low: float
     high: float
     default: float
@@ -110,12 +109,10 @@ class Candidate:
     @property
     def shape(self) -> tuple[Shape, ...]:
         """Shape parameters that are fitted: those of the terms, after the first one's share."""
-        found = [Shape(FRACTION, "1", 0.0, 1.0, 0.5)] if len(self.laws) > 1 else []
+        found = [Shape(FRACTION, 0.0, 1.0, 0.5)] if len(self.laws) > 1 else []
         for number, law in enumerate(() if self.fixed else self.laws, 1):
             end = str(number) if self.laws.count(law) > 1 else ""
-            found += [
-                Shape(p.name + end, p.unit, p.low, p.high, p.default) for p in LAWS[law].shape
-            ]
+            found += [Shape(p.name + end, p.low, p.high, p.default) for p in LAWS[law].shape]
         return tuple(found)
 
     @property

@@ -63,6 +63,19 @@ def finite(path: Path, table: pd.DataFrame, columns: Sequence[str]) -> pd.DataFr
     return found.astype(float)
 
 
+def check_stress(path: Path, stress: pd.Series, expected: pd.Series, what: str) -> None:
+    """Refuse a file whose derived stress is not that of its force within 1 % of its peak.
+
+    Raises
+    ------
+    InputError
+        If unit or size of the sample is not what it is taken for.
+    """
+    apart = (stress - expected).abs().max() / expected.abs().max()
+    if not apart < 0.01:
+        raise InputError(f"{path}: {what.format(100 * apart)}")
+
+
 def sheets(path: Path) -> dict[str, pd.DataFrame]:
     """Cells of every sheet of a workbook (.xls, .xlsx) by the sheet's name, without a header.
 

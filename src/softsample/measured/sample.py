@@ -6,6 +6,9 @@ from dataclasses import dataclass
 import pandas as pd
 from numpy.typing import ArrayLike
 
+KPA = 1e-3
+"""One kPa [N/mm2]."""
+
 
 @dataclass(frozen=True)
 class Sample:

@@ -31,7 +31,7 @@ def bonded_nodes(mesh: HexMesh, mask: MarkedImage) -> Ids:
     InputError
         If the mask marks none of these.
     """
-    nodes = np.unique(_top_quads(mesh))
+    nodes = np.unique(top_quads(mesh, 45.0))
     glued = nodes[mask.at(mesh.points[nodes]) != 0]
     if len(glued) == 0:
         low, high = (1e3 * f(mesh.points[nodes, 2]) for f in (np.min, np.max))
@@ -89,18 +89,16 @@ def bonded_area(mesh: HexMesh, glued: Ids) -> Array:
 
     Each face gives a quarter to each of its corners; faces with other corners too do not count.
     """
-    position = np.full(len(mesh.points), -1)
-    position[glued] = np.arange(len(glued))
-    corners = position[mesh.boundary_quads]
+    corners = mesh.quads_among(glued)
     area = face_vectors(mesh.points, mesh.boundary_quads)[:, 2]
     whole = np.all(corners >= 0, axis=1) & (area > 0.0)
     shares = np.repeat(0.25 * area[whole], 4)
     return np.bincount(corners[whole].ravel(), shares, len(glued)).astype(np.float64)
 
 
-def _top_quads(mesh: HexMesh) -> Ids:
-    """(n, 4) faces in the upper half of a mesh that look more up than sideways."""
-    vectors = face_vectors(mesh.points, mesh.boundary_quads)
-    upward = vectors[:, 2] > np.sqrt(0.5) * np.linalg.norm(vectors, axis=1)
+def top_quads(mesh: HexMesh, normal_deg: float) -> Ids:
+    """(n, 4) faces of the upper half whose normals are within `normal_deg` of vertical."""
+    normal = face_vectors(mesh.points, mesh.boundary_quads)
+    steep = normal[:, 2] > np.cos(np.radians(normal_deg)) * np.linalg.norm(normal, axis=1)
     middle = mesh.points[mesh.boundary_quads, 2].mean(axis=1)
-    return mesh.boundary_quads[upward & (middle > 0.5 * mesh.highest)]
+    return mesh.boundary_quads[steep & (middle > 0.5 * mesh.highest)]

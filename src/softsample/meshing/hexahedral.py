@@ -120,9 +120,7 @@ def _fit(mesh: HexMesh, inner: Ids, surface: LevelSet, size: float) -> HexMesh:
 
 def _spread(mesh: HexMesh, points: Array, outer: Ids, base: Mask, surface: LevelSet) -> Array:
     """Even out projected surface nodes: means over neighbours, projected again."""
-    position = np.full(len(mesh.points), -1)
-    position[outer] = np.arange(len(outer))
-    quads = position[mesh.boundary_quads]
+    quads = mesh.quads_among(outer)
     quads = quads[np.all(quads >= 0, axis=1)]
     ends = np.concatenate([quads, np.roll(quads, -1, axis=1)], axis=1).reshape(-1, 2, 4)
     a, b = ends.transpose(1, 0, 2).reshape(2, -1)
@@ -164,9 +162,7 @@ def _snap(mesh: HexMesh, outer: Ids, base: Mask, pin: Ids, surface: LevelSet) ->
 
 def _sagitta(mesh: HexMesh, places: Array, outer: Ids, surface: LevelSet) -> Array:
     """(n,) mean depth [m] of the faces around each surface node, were the nodes at `places`."""
-    position = np.full(len(mesh.points), -1)
-    position[outer] = np.arange(len(outer))
-    quads = position[mesh.boundary_quads]
+    quads = mesh.quads_among(outer)
     quads = quads[np.all(quads >= 0, axis=1)]
     near, far = 0.5 * (1.0 + np.array([1.0, -1.0]) / np.sqrt(3.0))
     depth = np.zeros(len(quads))

@@ -57,6 +57,12 @@ class HexMesh:
         )
         return quads[np.sort(first[count == 1])]
 
+    def quads_among(self, nodes: Ids) -> Ids:
+        """(n_quads, 4) places of the corners of `boundary_quads` in `nodes` (n,), -1 for others."""
+        place = np.full(len(self.points), -1)
+        place[nodes] = np.arange(len(nodes))
+        return place[self.boundary_quads]
+
     @cached_property
     def boundary(self) -> Ids:
         """Sorted ids of the nodes on the surface."""

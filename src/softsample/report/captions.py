@@ -4,7 +4,8 @@ Every name is always defined, so that one set of captions serves studies of any 
 """
 
 import re
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
@@ -25,24 +26,45 @@ NONE_HERE = "no such sample in this study"
 OWN = "The samples are not those of the paper, whose values are therefore not shown beside them"
 
 
+@dataclass(frozen=True)
+class CaptionedStudy:
+    """What captions say of a study before anything is computed.
+
+    Parameters
+    ----------
+    cohort, shipped
+        What the samples are, and whether they are the shipped virtual ones.
+    shown, geometries
+        Sample of figure 2, and its geometries.
+    samples, imaged, surfaces
+        Number of samples, and of those with an image and with a surface.
+    ideal
+        What samples are idealised as: `cuboid`, `cylinder`, or both.
+    """
+
+    cohort: str
+    shipped: bool
+    shown: str
+    geometries: Sequence[str]
+    samples: int
+    imaged: int
+    surfaces: int
+    ideal: str
+
+
 def caption_numbers(
+    study: CaptionedStudy,
     summary: pd.DataFrame,
     stress: pd.DataFrame,
-    fits: Iterable[Mapping[str, Any]],
+    fits: Sequence[Mapping[str, Any]],
     meshes: Sequence[Mapping[str, Any]],
-    cohort: str,
-    shipped: bool,
-    shown: str,
-    geometries: Sequence[str],
-    samples: int,
-    imaged: int,
-    surfaces: int,
-    ideal: str,
 ) -> dict[str, str]:
     """Texts by name, each a phrase that fits into a sentence.
 
     Parameters
     ----------
+    study
+        Where they stand.
     summary
         `softsample.report.tables.summary_table`.
     stress
@@ -50,33 +72,21 @@ def caption_numbers(
     fits
         Calibration results of all groups, geometries and models.
     meshes
-        Quality reports of the meshes of the sample `shown`, one for each of `geometries`.
-    cohort, shipped
-        What the samples are, and whether they are the shipped virtual ones.
-    shown
-        Sample of figure 2.
-    geometries
-        Geometries of this sample.
-    samples, imaged, surfaces
-        Number of samples, and of those with an image and with a surface.
-    ideal
-        What samples are idealised as: `cuboid`, `cylinder`, or both.
+        Quality reports of the meshes of the sample shown, one for each of its geometries.
     """
-    fits = list(fits)
-    elements = {name: str(mesh["elements"]) for name, mesh in zip(geometries, meshes, strict=True)}
+    of_meshes = zip(study.geometries, meshes, strict=True)
+    elements = {name: str(mesh["elements"]) for name, mesh in of_meshes}
     groups = {fit["group"] for fit in fits}
     real = {fit["group"] for fit in fits if fit["geometry"] == "real"}
     where, missing = WHOLE if real == groups else PART, NONE_HERE if real else UNKNOWN
     return {
-        "cohort": cohort,
-        "materials": RECOVERY if shipped else OWN,
-        "samples": str(samples),
-        "shown": shown,
-        "ideal": ideal,
-        "modelled": _modelled(samples, imaged, surfaces, ideal, where)
-        if real
-        else _idealised(imaged + surfaces, ideal),
-        **_seen(ideal, where, bool(real)),
+        "cohort": study.cohort,
+        "materials": RECOVERY if study.shipped else OWN,
+        "samples": str(study.samples),
+        "shown": study.shown,
+        "ideal": study.ideal,
+        "modelled": _modelled(study, where) if real else _idealised(study),
+        **_seen(study.ideal, where, bool(real)),
         "elements_real": elements.get("real", "no"),
         "elements_ideal": elements["ideal"],
         "bias_two_term": _means(summary, "modulus_two_term", missing),
@@ -90,24 +100,25 @@ def caption_numbers(
     }
 
 
-def _modelled(samples: int, imaged: int, surfaces: int, ideal: str, where: str) -> str:
+def _modelled(study: CaptionedStudy, where: str) -> str:
     """How shapes were found and modelled, if some are known: the middle of a sentence."""
-    if imaged == samples:
-        return f"segmented in their images, meshed as they are{where} and as a {ideal}"
-    kinds = (f"{imaged} with an image", f"{surfaces} with a surface")
+    if study.imaged == study.samples:
+        return f"segmented in their images, meshed as they are{where} and as a {study.ideal}"
+    kinds = (f"{study.imaged} with an image", f"{study.surfaces} with a surface")
     there = " and ".join(kind for kind in kinds if kind[0] != "0")
-    stated = samples - imaged - surfaces
-    return f"meshed as they are ({there}){where} and as a {ideal}" + (
+    stated = study.samples - study.imaged - study.surfaces
+    return f"meshed as they are ({there}){where} and as a {study.ideal}" + (
         f" ({stated} by the stated dimensions alone)" if stated else ""
     )
 
 
-def _idealised(known: int, ideal: str) -> str:
+def _idealised(study: CaptionedStudy) -> str:
     """The same where no group has a real geometry."""
+    known = study.imaged + study.surfaces
     size, of_all = ("", " of all its samples") if known else (" of the stated dimensions", "")
     return (
-        f"meshed as a {ideal}{size} (no group has an image or a surface{of_all}, so that the bias "
-        "by the idealised geometry is not known)"
+        f"meshed as a {study.ideal}{size} (no group has an image or a surface{of_all}, so that "
+        "the bias by the idealised geometry is not known)"
     )
 
 

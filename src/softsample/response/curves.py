@@ -30,9 +30,6 @@ FOLLOWED = 0.2
 CHANNELS = {"force": "force_per_mu_mm2", "force_normal": "normal_force_per_mu_mm2"}
 """Forces of a test, and the columns of their curves."""
 
-BEFORE = ("none", "smooth", "odd", "even")
-"""What a curve is at negative displacements: no contact, goes on as it begins, or mirrored."""
-
 
 def refined(displacement: Array, curve: Array, times: int) -> Array:
     """Curve (n,) on a grid `times` as fine, ((n - 1) times + 1,), by a shape-preserving spline."""
@@ -56,7 +53,8 @@ class ResponseCurves:
     force_per_mu : (k, n) float64
         Force along the displacement per shear modulus [m2].
     before : str
-        What the curves are at negative displacements, one of `BEFORE`.
+        What the curves are at negative displacements: `none` (no contact), `smooth` (they go on
+        as they begin), `odd` or `even` (mirrored).
 
     Raises
     ------

@@ -7,7 +7,7 @@ import pandas as pd
 
 from softsample.errors import InputError
 from softsample.measured.files import finite, headed, sheets
-from softsample.measured.sample import Sample, cuboid, record
+from softsample.measured.sample import KPA, Sample, cuboid, record
 
 ABOUT = (
     "Human brain of four regions (cortex CX, corona radiata CR, basal ganglia BG, corpus callosum "
@@ -25,8 +25,6 @@ EDGE_MM = 5.0
 REGIONS = ("CX", "CR", "BG", "CC")
 HEADER = 4
 """Lines above the numbers: source, region, quantity, unit."""
-KPA = 1e-3
-"""One kPa [N/mm2]."""
 
 
 def read(folder: Path) -> list[Sample]:

@@ -4,10 +4,9 @@ import re
 from pathlib import Path
 
 import numpy as np
-import pandas as pd
 
 from softsample.errors import InputError
-from softsample.measured.files import lines_of, numbers
+from softsample.measured.files import check_stress, lines_of, numbers
 from softsample.measured.sample import Sample, cylinder, record
 
 ABOUT = (
@@ -21,8 +20,6 @@ UNSTATED = (
 )
 TIME, TRAVEL, LOAD = "Time (s)", "Compression (mm)", "Load (N)"
 STRESS = "Engineering Stress (kPa)"
-DISAGREEMENT = 0.01
-"""Largest difference of the derived stress from load over area, as a part of its peak."""
 
 
 def read(folder: Path) -> list[Sample]:
@@ -46,7 +43,13 @@ def read_file(path: Path) -> Sample:
         _stated_mm(path, lines[: starts[0]], name) for name in ("Diameter", "Height")
     )
     table = numbers(path, lines[starts[0] :], (TIME, TRAVEL, LOAD, STRESS))
-    _check_stress(path, table, 0.25 * np.pi * diameter**2)
+    check_stress(
+        path,
+        table[STRESS],
+        -1e3 * table[LOAD] / (0.25 * np.pi * diameter**2),
+        "stress [kPa] and load [N] over area differ by {:.3g} %; "
+        "is a unit another one, or the area?",
+    )
     group, repeat = path.stem.rsplit("_", 1)
     return Sample(
         path.stem,
@@ -63,14 +66,3 @@ def _stated_mm(path: Path, header: list[str], name: str) -> float:
     if found is None:
         raise InputError(f"{path}: the header states no {name} in mm; not a file of this set")
     return float(found.group(1))
-
-
-def _check_stress(path: Path, table: pd.DataFrame, area_mm2: float) -> None:
-    """The files hold load and stress: they agree if units and area are what we take them for."""
-    expected = -1e3 * table[LOAD] / area_mm2
-    apart = (table[STRESS] - expected).abs().max() / expected.abs().max()
-    if not apart < DISAGREEMENT:
-        raise InputError(
-            f"{path}: stress [kPa] and load [N] over area differ by {100 * apart:.3g} %; "
-            "is a unit another one, or the area?"
-        )

@@ -6,7 +6,7 @@ import pandas as pd
 
 from softsample.errors import InputError
 from softsample.measured.files import finite, headed, sheets
-from softsample.measured.sample import Sample, cuboid, record
+from softsample.measured.sample import KPA, Sample, cuboid, record
 
 ABOUT = (
     "Porcine skeletal muscle compressed along and across the fibres and held for 300 s, at 0.5, 1 "
@@ -21,8 +21,6 @@ UNSTATED = (
     "friction (ends are taken as sliding, as a homogeneous stress is stated)",
 )
 EDGE_MM = 10.0
-KPA = 1e-3
-"""One kPa [N/mm2]."""
 DIRECTIONS = {"F": "along", "XF": "across"}
 """Group by the first part of a sheet's name."""
 TIMES, STRESSES, STRETCH = ("t-s", "t", "x"), ("Cauchy-kPa", "y"), "str"

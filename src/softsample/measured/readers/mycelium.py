@@ -7,7 +7,7 @@ import numpy as np
 import pandas as pd
 
 from softsample.errors import InputError
-from softsample.measured.files import finite, headed, sheets
+from softsample.measured.files import check_stress, finite, headed, sheets
 from softsample.measured.sample import Sample, cylinder, record
 
 ABOUT = (
@@ -28,8 +28,6 @@ SEGMENTS = tuple(f"Axial - {k}" for k in (1, 2, 3, 4))
 TIME, STRESS, FORCE, GAP = "Step time s", "Normal stress Pa", "Axial force N", "Gap µm"
 AREA = 0.25e-6 * np.pi * DIAMETER_MM**2
 """Of the plugs [m2]."""
-DISAGREEMENT = 0.01
-"""Largest difference of the derived stress from force over area, as a part of its peak."""
 
 
 def read(folder: Path) -> list[Sample]:
@@ -83,12 +81,12 @@ def _check(path: Path, table: pd.DataFrame) -> None:
 
     The rheometer's normal stress is the first normal stress difference of a cone, ``2 F / A``.
     """
-    expected = 2.0 * table[FORCE] / AREA
-    apart = (table[STRESS] - expected).abs().max() / expected.abs().max()
-    if not apart < DISAGREEMENT:
-        raise InputError(
-            f"{path}: stress [Pa] and twice the force [N] over area differ by {100 * apart:.3g} %; "
-            "is a unit another one, or the diameter?"
-        )
+    check_stress(
+        path,
+        table[STRESS],
+        2.0 * table[FORCE] / AREA,
+        "stress [Pa] and twice the force [N] over area differ by {:.3g} %; is a unit another one, "
+        "or the diameter?",
+    )
     if not table[FORCE].iloc[int(table[GAP].argmin())] > 0.0:
         raise InputError(f"{path}: the force is not positive at the smallest gap")

@@ -100,10 +100,7 @@ def one_label(mask: NDArray[np.float32], source: str) -> NDArray[np.float32]:
 
 
 def on_grid_of(
-    image: tuple[NDArray[np.float32], Array],
-    mask: NDArray[np.float32],
-    affine: Array,
-    source: str,
+    image: tuple[NDArray[np.float32], Array], mask: NDArray[np.float32], affine: Array, source: str
 ) -> NDArray[np.float32]:
     """A mask of any grid on the grid of an image, by the nearest voxel.
 

@@ -150,9 +150,7 @@ def _contradictions(config: Mapping[str, Any]) -> Iterator[tuple[str, str]]:
 
 
 def _of_accuracy(
-    floor: Mapping[str, Any],
-    solver: Mapping[str, Any],
-    checks: Mapping[str, Any],
+    floor: Mapping[str, Any], solver: Mapping[str, Any], checks: Mapping[str, Any]
 ) -> Iterator[tuple[str, str]]:
     sizes = floor["element_size_mm"]
     if sizes != sorted(set(sizes)):
@@ -410,10 +408,7 @@ def _wrong_ends(row: Mapping[str, str]) -> Iterator[tuple[str, str]]:
     ends, mode = row.get("ends", "bonded"), row.get("mode", "")
     real = "image" in row or "surface" in row
     if ends == "unknown" and mode == "indentation":
-        yield (
-            "ends",
-            "unknown on an indenter; give bonded, sliding or a coefficient of friction",
-        )
+        yield ("ends", "unknown on an indenter; give bonded, sliding or a coefficient of friction")
     if ends in ("unknown", "sliding") and mode == "torsion":
         yield "ends", f"{ends!r} in torsion, where only bonded ends turn a sample; leave it empty"
     if _is_number(ends) and mode not in ("compression", "indentation"):

@@ -425,11 +425,7 @@ class Kind:
 
 
 EFFECTS: dict[str, Kind] = {
-    "viscoelastic_relaxation": Kind(
-        _relaxation,
-        "g 0.3, 10 s",
-        "log-normal spectrum of times",
-    ),
+    "viscoelastic_relaxation": Kind(_relaxation, "g 0.3, 10 s", "log-normal spectrum of times"),
     "mullins_softening": Kind(_softening, "d 0.2", "error function of the work given back"),
     "residual_precompression": Kind(
         _precompressed,
@@ -457,16 +453,10 @@ EFFECTS: dict[str, Kind] = {
         "own run, strip on any side",
     ),
     "bond_peel": Kind(_peeling, "10 % at peak", "sin^4 of the furthest travel"),
-    "platen_slip": Kind(
-        _slip,
-        "coefficient 0.25",
-        "own run with Coulomb friction, there and back",
-    ),
+    "platen_slip": Kind(_slip, "coefficient 0.25", "own run with Coulomb friction, there and back"),
     "machine_compliance": Kind(_compliance, "0.05 mm/N", "spring in series, solved"),
     "poisson_ratio": Kind(
-        _of_curve("poisson_ratio", "poisson", lambda s: {"nu": 0.49 - 0.01 * s}),
-        "0.48",
-        "own run",
+        _of_curve("poisson_ratio", "poisson", lambda s: {"nu": 0.49 - 0.01 * s}), "0.48", "own run"
     ),
     "boundary_shift": Kind(
         _of_curve("boundary_shift", "larger", lambda s: {"shift_mm": 0.1 * s}),
@@ -485,11 +475,7 @@ EFFECTS: dict[str, Kind] = {
         "own run, fibres 15 degrees off the axis",
     ),
     "self_weight": Kind(_weight, "half the weight", "constant, axial tests"),
-    "adhesion": Kind(
-        _sticky,
-        "5 mN",
-        "(1 + u/a) exp(-1.7 u/a), half more on return",
-    ),
+    "adhesion": Kind(_sticky, "5 mN", "(1 + u/a) exp(-1.7 u/a), half more on return"),
     "force_offset": Kind(_offset, "5 mN, a sign for each test", "constant"),
     "force_drift": Kind(_drift, "0.1 mN/s", "creep of 900 s"),
     "channel_lag": Kind(_lag, "0.1 s", "delay on the finer clock"),

@@ -10,14 +10,7 @@ import pandas as pd
 
 from softsample.blindlab.bodies import Body
 from softsample.blindlab.faults import EFFECTS, KINDS, SCALES, STRANGERS, Fault
-from softsample.blindlab.records import (
-    FAMILIES,
-    MU_PA,
-    Floor,
-    Record,
-    make_records,
-    of_misfits,
-)
+from softsample.blindlab.records import FAMILIES, MU_PA, Floor, Record, make_records, of_misfits
 
 GROUPS: dict[str, tuple[str, ...]] = {
     "ratio of shear to axial": (

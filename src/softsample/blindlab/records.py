@@ -70,11 +70,7 @@ def of_misfits(misfits: pd.DataFrame) -> Draw:
     return draw
 
 
-FAMILIES: dict[str, Draw] = {
-    "gaussian": _smooth,
-    "exponential": _rough,
-    "polynomial": _polynomial,
-}
+FAMILIES: dict[str, Draw] = {"gaussian": _smooth, "exponential": _rough, "polynomial": _polynomial}
 """Random errors along the travel over the stroke, of standard deviation 1."""
 
 

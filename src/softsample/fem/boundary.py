@@ -117,11 +117,7 @@ def _held(mesh: HexMesh, glued: Ids) -> NDArray[np.int8]:
 
 
 def mode_boundary(
-    mesh: HexMesh,
-    mode: str,
-    glued: Ids,
-    contact: ContactSettings,
-    ends: Ends = BONDED,
+    mesh: HexMesh, mode: str, glued: Ids, contact: ContactSettings, ends: Ends = BONDED
 ) -> Boundary:
     """Boundary conditions of a test mode.
 
@@ -225,10 +221,7 @@ def glued_boundary(mesh: HexMesh, mode: str, glued: Ids) -> Boundary:
     # ASSUME: the adhesive neither yields nor slips, and the platens are rigid.
     nowhere = np.array([[0.0, 0.0, -1.0, np.inf], [0.0, 0.0, 1.0, np.inf]])
     return Boundary(
-        _held(mesh, glued),
-        np.empty(0, dtype=np.int32),
-        nowhere,
-        np.array(DIRECTIONS[mode]),
+        _held(mesh, glued), np.empty(0, dtype=np.int32), nowhere, np.array(DIRECTIONS[mode])
     )
 
 
@@ -337,11 +330,7 @@ def _tilted(angles_deg: tuple[float, float]) -> Array:
     """Unit normal of a plane z = const. after rotations about x and y [degrees]."""
     about_x, about_y = np.deg2rad(angles_deg)
     return np.array(
-        [
-            np.sin(about_y) * np.cos(about_x),
-            -np.sin(about_x),
-            np.cos(about_y) * np.cos(about_x),
-        ]
+        [np.sin(about_y) * np.cos(about_x), -np.sin(about_x), np.cos(about_y) * np.cos(about_x)]
     )
 
 

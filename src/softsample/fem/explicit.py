@@ -183,10 +183,7 @@ class ExplicitModel:
     """
 
     def __init__(
-        self,
-        mesh: HexMesh,
-        settings: SolverSettings,
-        relative_stiffness: Array | None = None,
+        self, mesh: HexMesh, settings: SolverSettings, relative_stiffness: Array | None = None
     ) -> None:
         self.mesh = mesh
         self.settings = settings

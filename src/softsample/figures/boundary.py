@@ -14,13 +14,7 @@ from scipy.spatial import ConvexHull
 
 from softsample.arrays import Array, Ids
 from softsample.figures.render import Look, Renderer, draw_surface
-from softsample.figures.style import (
-    MODE_COLOURS,
-    PALETTE,
-    label_panel,
-    page_figure,
-    styled,
-)
+from softsample.figures.style import MODE_COLOURS, PALETTE, label_panel, page_figure, styled
 from softsample.figures.surface import OBLIQUE, mesh_surface
 from softsample.meshing.mesh import HexMesh, face_vectors
 from softsample.protocol import DIRECTIONS, PRESSED_MODES

@@ -106,9 +106,7 @@ def moduli_figure(
         travel, force = axis_labels(loading)
         left.set(xlabel=travel, ylabel=force)
         label_panel(
-            right,
-            ascii_lowercase[next(letters)],
-            f"{spoken(loading).capitalize()}: modulus",
+            right, ascii_lowercase[next(letters)], f"{spoken(loading).capitalize()}: modulus"
         )
         draw_moduli(right, moduli[moduli["group"].isin(list(palette))], palette, members)
     names = geometry_names(ideal, {name for group in groups for name in group.curves})

@@ -57,10 +57,7 @@ def slices(data: NDArray[Any], affine: Array, title: str) -> Figure:
 
 
 def faces(
-    corners: Array,
-    title: str,
-    name: str | None = None,
-    values: NDArray[Any] | None = None,
+    corners: Array, title: str, name: str | None = None, values: NDArray[Any] | None = None
 ) -> Figure:
     """Faces of a surface, coloured if they have values (matplotlib).
 

@@ -16,13 +16,7 @@ from matplotlib.patches import Circle, Rectangle
 
 from softsample.arrays import Array, Ids
 from softsample.figures.render import Look, Renderer, draw_surface
-from softsample.figures.style import (
-    PAGE_WIDTH_MM,
-    STRAIN_MAP,
-    label_panel,
-    page_figure,
-    styled,
-)
+from softsample.figures.style import PAGE_WIDTH_MM, STRAIN_MAP, label_panel, page_figure, styled
 from softsample.figures.surface import FRONT, Surface, mesh_surface, silhouette
 from softsample.meshing.mesh import HexMesh
 from softsample.shapes import Indenter

@@ -25,10 +25,7 @@ from softsample.formats.workbook import is_workbook, read_sheets
 
 Form = Mapping[str, Sequence[str]]
 
-NEEDED: Form = {
-    "displacement": ("displacement", "strain", "stretch"),
-    "force": ("force", "stress"),
-}
+NEEDED: Form = {"displacement": ("displacement", "strain", "stretch"), "force": ("force", "stress")}
 """What every record holds, and the quantities that may stand for it, the first one first."""
 
 TURNED: Form = {"displacement": ("angle",), "force": ("torque",)}
@@ -300,12 +297,7 @@ def _heading(text: _Text, wanted: Mapping[str, str], block: str, form: Form) -> 
 
 
 def _no_titles(
-    text: _Text,
-    number: int,
-    titles: Sequence[str],
-    missing: Sequence[str],
-    block: str,
-    form: Form,
+    text: _Text, number: int, titles: Sequence[str], missing: Sequence[str], block: str, form: Form
 ) -> NoReturn:
     """Refuse a text without a line of titles; `missing` quantities lack in the best line."""
     if not any(line.strip() for line in text.lines):

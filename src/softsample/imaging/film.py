@@ -378,12 +378,7 @@ class _Model:
 
 @numba.njit(cache=True)
 def _add_products(
-    which: Ids,
-    jacobian: Array,
-    residual: Array,
-    weight: Array,
-    hessian: Array,
-    descent: Array,
+    which: Ids, jacobian: Array, residual: Array, weight: Array, hessian: Array, descent: Array
 ) -> None:
     """Add J'WJ (lower half) to `hessian` and J'Wr to `descent`; J has the entries `which`."""
     for row in range(which.shape[0]):

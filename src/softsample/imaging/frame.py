@@ -222,12 +222,7 @@ def sampled(
     """Values of a field on another grid of `shape`, whose indices `to_index` (4, 4) maps."""
     return np.asarray(
         ndimage.affine_transform(
-            field,
-            to_index[:3, :3],
-            to_index[:3, 3],
-            output_shape=shape,
-            order=order,
-            cval=outside,
+            field, to_index[:3, :3], to_index[:3, 3], output_shape=shape, order=order, cval=outside
         )
     )
 

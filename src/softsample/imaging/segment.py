@@ -601,14 +601,7 @@ def _fitted(
     height = origin[2] + spacing * np.arange(rough.shape[2])
     usable = seen & (height > settings.base_clearance_mm * MM)
     voxels = film.voxels_near(
-        share.power,
-        share.relative_noise,
-        share.texture,
-        usable,
-        rough,
-        origin,
-        spacing,
-        to_sample,
+        share.power, share.relative_noise, share.texture, usable, rough, origin, spacing, to_sample
     )
     fit = film.fit(voxels, settings.fluid_brightness)
     near = np.abs(rough) < 1.0 * MM

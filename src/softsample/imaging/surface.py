@@ -4,12 +4,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from softsample.imaging import frame
-from softsample.imaging.segment import (
-    PADDING_MM,
-    Segmentation,
-    SegmentationSettings,
-    checked_axes,
-)
+from softsample.imaging.segment import PADDING_MM, Segmentation, SegmentationSettings, checked_axes
 from softsample.meshing.surface import TriangleSurface, base_centre, distance_grid
 from softsample.units import MM
 

@@ -77,9 +77,7 @@ def force_terms(
 
 
 def interval_rows(
-    fit: Mapping[str, Any],
-    forces: Mapping[str, Mapping[str, float]],
-    piece_of: Mapping[str, str],
+    fit: Mapping[str, Any], forces: Mapping[str, Mapping[str, float]], piece_of: Mapping[str, str]
 ) -> list[dict[str, Any]]:
     """One row for each modulus of a fit.
 

@@ -107,9 +107,7 @@ def for_all_fractions(
     """
     r, there = curves.fractions, curves.curve(fraction)
     forces = np.stack([curves.curve(x) for x in r])
-    follows = {
-        **{name: np.tile(there, (len(r), 1)) for name in changes if name.startswith(FIBRES)},
-    }
+    follows = {**{name: np.tile(there, (len(r), 1)) for name in changes if name.startswith(FIBRES)}}
     parts = {
         name: _smooth_part(curves.displacement, change, there)
         for name, change in changes.items()

@@ -28,12 +28,7 @@ from softsample.response.changes import (
     lower_ratio,
     table_of_changes,
 )
-from softsample.response.pieces import (
-    INNER,
-    MechanicalTest,
-    MeshedSample,
-    PerturbationSettings,
-)
+from softsample.response.pieces import INNER, MechanicalTest, MeshedSample, PerturbationSettings
 from softsample.response.unit import (
     REACHED,
     Pace,

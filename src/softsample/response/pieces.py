@@ -157,10 +157,7 @@ class MeshedSample:
 
 
 def mesher(
-    geometry: str,
-    shape: IdealShape,
-    real: Callable[[], RealGeometry],
-    given: Mapping[str, Any],
+    geometry: str, shape: IdealShape, real: Callable[[], RealGeometry], given: Mapping[str, Any]
 ) -> Callable[[float], MeshedSample]:
     """Meshes a sample as the loop does, with its surface moved out by a length [m].
 

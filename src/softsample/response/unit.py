@@ -384,11 +384,7 @@ def response_table(curves: dict[str, Array], mode: str) -> dict[str, Array]:
 
 
 def homogeneous_area(
-    shape: IdealShape,
-    mode: str,
-    displacement: Array,
-    solid: Material,
-    normal: bool = False,
+    shape: IdealShape, mode: str, displacement: Array, solid: Material, normal: bool = False
 ) -> Array:
     """Force (n,) along the displacement [m], or along +z, over the shear modulus [m2]."""
     strain = displacement / shape.height

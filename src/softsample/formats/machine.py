@@ -93,6 +93,16 @@ class Column:
         """Size of the unit in ours."""
         return UNITS[self.quantity][self.unit]
 
+    def told(self, line: int) -> dict[str, str | float]:
+        """What was understood of it; `line` is that of the titles."""
+        return {
+            "title": self.title,
+            "unit": self.unit,
+            "factor": self.factor,
+            "unit_from": self.unit_from,
+            "unit_line": line + (self.unit_from == "below"),
+        }
+
 
 @dataclass(frozen=True)
 class MachineRecord:
@@ -204,16 +214,7 @@ def read(
     reading = {
         "kind": _kind(text.lines[: heading.line + 1], own),
         **({"sheet": text.sheet} if text.sheet else {}),
-        "columns": {
-            COLUMNS[column.quantity]: {
-                "title": column.title,
-                "unit": column.unit,
-                "factor": column.factor,
-                "unit_from": column.unit_from,
-                "unit_line": heading.line + 1 + (column.unit_from == "below"),
-            }
-            for column in found
-        },
+        "columns": {COLUMNS[column.quantity]: column.told(heading.line + 1) for column in found},
         "decimal_comma": comma,
         "compressive": [column.quantity for column in found if column.compressive],
         "ignored": ignored,

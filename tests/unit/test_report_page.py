@@ -197,6 +197,10 @@ def test_a_verdict_in_one_sentence():
     assert verdict_sentence(verdict).startswith("Effects: late contact or platen tilt. Error")
     assert "3 % of peak before" in verdict_sentence(verdict)
     assert verdict_sentence({**verdict, "effects": []}).startswith("Error")
+    noise = {"tension": {"all": {"rms_percent_structured": 0.0}}}
+    assert verdict_sentence({**verdict, "error_after": noise}).endswith(
+        "less than the noise after."
+    )
     slides = verdict_sentence({**verdict, "effects": [{"class": ["ends"]}]})
     assert slides.startswith("Effects: sliding ends. Error")
 

@@ -5,6 +5,7 @@ from typing import Any
 
 from softsample.report.html import written
 from softsample.report.tables import doubt_of
+from softsample.wording import NO_ERROR
 
 Report = Mapping[str, Any]
 
@@ -121,9 +122,13 @@ def verdict_sentence(verdict: Report) -> str:
     )
     named = f"Effects: {effects}. " if effects else ""
     return (
-        f"{named}Error, noise taken out, of the test with the largest: {written(before)} % of peak "
-        f"before, {written(after)} % after."
+        f"{named}Error, noise taken out, of the test with the largest: {_of_peak(before)} before, "
+        f"{_of_peak(after)} after."
     )
+
+
+def _of_peak(percent: float) -> str:
+    return f"{written(percent)} % of peak" if percent >= NO_ERROR else "less than the noise"
 
 
 def findings_of(fits: Sequence[Report]) -> list[str]:

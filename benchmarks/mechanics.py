@@ -126,7 +126,7 @@ def main(target: str) -> None:
     figure = Figure(figsize=(15, 7), layout="constrained")
     for axes, (title, draw) in zip(figure.subplots(2, 4).flat, PANELS.items(), strict=True):
         draw(axes)
-        axes.set(title=title, xlabel="travel [mm]", ylabel="force [N]")
+        axes.set(title=title, xlabel="displacement [mm]", ylabel="force [N]")
         axes.legend(fontsize="small")
         if draw is relaxation:
             axes.set(xlabel="time [s]")

@@ -282,7 +282,7 @@ def live() -> dict[str, dict[str, float]]:
 
 
 def refinement() -> dict[str, Any]:
-    """Compression of the cuboid on finer meshes: forces at 80 and 100 % of the travel [N].
+    """Compression of the cuboid on finer meshes: forces at 80 and 100 % of the displacement [N].
 
     With clamped ends and no contact the side walls pass the platens' planes. On the finest mesh
     one run in the default time has to do, corrected by what that time changes on the mesh before.
@@ -437,12 +437,12 @@ def draw_programs(rows: list[dict[str, Any]]) -> None:
             axes[1].plot(1e3 * other[:, 0], 100.0 * gap / other[-1, 1], marker + "-", color=colour,
                          ms=5, lw=0.8, label=f"{mode}, {name}")  # fmt: skip
     axes[0].set(
-        xlabel="travel [mm]",
+        xlabel="displacement [mm]",
         ylabel="force [N]",
         title="1 mm cuboid: lines ours, x CalculiX, + felupe",
     )
     axes[0].title.set_fontsize(8)
-    axes[1].set(xlabel="travel [mm]", ylabel="ours less theirs [% of peak]")
+    axes[1].set(xlabel="displacement [mm]", ylabel="ours less theirs [% of peak]")
     axes[1].axhline(0.0, color="k", lw=0.8)
     for axis in axes:
         axis.legend(fontsize=7)
@@ -461,7 +461,7 @@ def draw_refinement(cube: dict[str, Any], shapes: dict[str, Any]) -> None:
             forces = cube[name][k]
             axes[0].semilogx(sizes[: len(forces)], forces, "o-", color=colour, ms=4, lw=1,
                              fillstyle=fill, label=f"{label}, {part} %")  # fmt: skip
-    axes[0].set(title="cuboid, at 80 and 100 % of the travel", ylabel="force [N]")
+    axes[0].set(title="cuboid, at 80 and 100 % of the displacement", ylabel="force [N]")
     for (name, row), colour in zip(shapes["meshes"].items(), ("C0", "C2"), strict=True):
         size = row["edge_mm"] / 2.0 ** np.arange(len(row["own_n"]))
         axes[1].semilogx(size, row["own_n"], "o-", color=colour, ms=4, lw=1, label=f"ours, {name}")

@@ -1,4 +1,4 @@
-"""What the loop answered for what was planted, as shares of the experiments."""
+"""What the loop answered, by ground truth, as shares of the experiments."""
 
 import pandas as pd
 from matplotlib.axes import Axes
@@ -11,7 +11,7 @@ KEYS = ["design", "floor_percent", "planted"]
 
 @styled
 def confusion_figure(table: pd.DataFrame, design: str = "B") -> Figure:
-    """One matrix for each floor of a design; rows are what was planted.
+    """One matrix for each floor of a design; rows are the ground truth.
 
     Parameters
     ----------
@@ -43,4 +43,4 @@ def _matrix(ax: Axes, shares: pd.DataFrame) -> None:
     labels = [str(name).replace("_", " ") for name in shares.columns]
     ax.set_xticks(range(len(labels)), labels, rotation=90)
     ax.tick_params(labelsize=6.0, length=0.0)
-    ax.set_ylabel("planted")
+    ax.set_ylabel("ground truth")

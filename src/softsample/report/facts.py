@@ -55,7 +55,7 @@ def record_fact(record: Report) -> str:
     rate, speed = record.get("sampling_rate_hz"), record.get("ramp_speed_mm_s")
     phases = ", ".join(phase["kind"] for phase in record["phases"])
     return (
-        f"{record['samples']} points{_given(' at {} Hz', rate)}; travel "
+        f"{record['samples']} points{_given(' at {} Hz', rate)}; displacement "
         f"{written(record['travel_mm'])} mm,{_given(' ramp {} mm/s,', speed)} "
         f"peak {written(record['peak_force_N'])} N, noise "
         f"{written(record['force_noise_N'])} N; {phases}"

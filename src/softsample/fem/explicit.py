@@ -630,7 +630,8 @@ class _March:
         if not strain.any():
             raise SimulationError(
                 f"nothing was strained in {1e3 * along['displacement'][-1]:.3g} mm of "
-                "displacement: the platen does not reach the sample; choose a smaller gap, or a longer record"
+                "displacement: the platen does not reach the sample; choose a smaller gap, or a "
+                "longer record"
             )
         missing = np.abs(strain + hourglass + along["kinetic"] - along["work"]).max()
         imbalance = max(missing - self.rounding, 0.0)

@@ -1,5 +1,5 @@
 # One command each: make run | quick | test | check | clean. Needs python3 (3.11 or newer) and make.
-# The environment is built from requirements.lock, and built anew whenever that file changes.
+# The environment is built from requirements.lock, and rebuilt whenever that file changes.
 
 SHELL := bash
 .SHELLFLAGS := -eu -o pipefail -c

@@ -8,7 +8,7 @@ from typing import Any
 import jinja2
 import matplotlib as mpl
 import numpy as np
-from matplotlib import pyplot as plt
+from matplotlib.figure import Figure
 
 from imaging import (
     SWEEPS,
@@ -19,7 +19,7 @@ from imaging import (
     surface_bars,
     verdicts,
 )
-from softsample.figures.style import PALETTE
+from softsample.figures.style import PALETTE, page_figure, save, styled
 from softsample.io import write_text
 
 ROOT = Path(__file__).parents[1]
@@ -46,9 +46,11 @@ LABELS = {
 }
 
 
-def draw(sweeps: dict[str, list[Record]]) -> None:
+@styled
+def draw(sweeps: dict[str, list[Record]]) -> Figure:
     """Error and stated sigma over noise, voxel size and film."""
-    figure, axes = plt.subplots(1, 3, figsize=(11.0, 3.4), layout="constrained", sharey=True)
+    figure = page_figure(70.0)
+    axes = figure.subplots(1, 3, sharey=True)
     for axis, (name, (key, label)) in zip(axes, AXES.items(), strict=True):
         records = [record for record in sweeps[name] if record["status"] == "ok"]
         films = sorted({r["film_mm"] for r in records}) if name != "film" else [None]
@@ -61,10 +63,9 @@ def draw(sweeps: dict[str, list[Record]]) -> None:
             places = [round(value, 2) for value in SWEEPS[name][0]]
             axis.set_xticks(places, [f"{value:g}" for value in places])
             axis.set_xticks([], minor=True)
-        axis.legend(fontsize=7, frameon=False)
+        axis.legend()
     axes[0].set_ylabel("distance from the true surface [mm]")
-    figure.savefig(FIGURE, dpi=110)
-    plt.close(figure)
+    return save(figure, FIGURE, 160)
 
 
 def _curves(axis: Any, records: list[Record], key: str, colour: str, label: str) -> None:

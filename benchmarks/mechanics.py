@@ -3,6 +3,7 @@
 import sys
 from collections.abc import Callable
 from dataclasses import replace
+from string import ascii_lowercase
 
 import numpy as np
 from matplotlib.axes import Axes
@@ -12,6 +13,8 @@ from softsample.constitutive.material import Relaxation
 from softsample.constitutive.ogden import Fibres, OgdenMaterial
 from softsample.fem.boundary import Boundary, ContactSettings, glued_boundary, platen_boundary
 from softsample.fem.explicit import ExplicitModel, Gravity, Run, SolverSettings
+from softsample.figures.profiles import DASHES
+from softsample.figures.style import PALETTE, label_panel, page_figure, save, styled
 from softsample.meshing.bond import partial_bond
 from softsample.meshing.cuboid import mesh_cuboid
 from softsample.protocol import History
@@ -31,8 +34,9 @@ def glued(mode: str, nodes: np.ndarray = TOP) -> Boundary:
 
 
 def curve(axes: Axes, run: Run, label: str, sign: float = 1.0) -> None:
-    """Force against travel."""
-    axes.plot(1e3 * run.displacement, sign * run.force, label=label)
+    """Force against displacement, each line with a dash of its own."""
+    dash = DASHES[len(axes.lines)]
+    axes.plot(1e3 * run.displacement, sign * run.force, ls=dash, label=label)
 
 
 def friction(axes: Axes) -> None:
@@ -71,7 +75,11 @@ def bond(axes: Axes) -> None:
     """Tension with part of the bond."""
     for share in (1.0, 0.875, 0.6):
         nodes = partial_bond(MESH, TOP, share, (1.0, 0.0)) if share < 1.0 else TOP
-        curve(axes, MODEL.run(MATERIAL, glued("tension", nodes), 3.25e-3), f"{share:.1%} bonded")
+        curve(
+            axes,
+            MODEL.run(MATERIAL, glued("tension", nodes), 3.25e-3),
+            f"{100.0 * share:g} % bonded",
+        )
 
 
 def relaxation(axes: Axes) -> None:
@@ -82,7 +90,7 @@ def relaxation(axes: Axes) -> None:
         ("g = 0.3, 0.3, τ = 5, 50 s", Relaxation((0.3, 0.3), (5.0, 50.0))),
     ):
         run = MODEL.run(replace(MATERIAL, relaxation=law), glued("shear"), CYCLE)
-        axes.plot(run.time, run.force, label=label)
+        axes.plot(run.time, run.force, ls=DASHES[len(axes.lines)], label=label)
 
 
 def fibres(axes: Axes) -> None:
@@ -121,16 +129,25 @@ PANELS: dict[str, Callable[[Axes], None]] = {
 }
 
 
+@styled
+def picture() -> Figure:
+    """All panels."""
+    figure = page_figure(230.0)
+    panels = zip(ascii_lowercase, figure.subplots(4, 2).flat, PANELS.items(), strict=False)
+    for letter, axes, (title, draw) in panels:
+        axes.set_prop_cycle(color=PALETTE)
+        draw(axes)
+        label_panel(axes, letter, title)
+        axes.set(xlabel="Displacement of the platen [mm]", ylabel="Force [N]")
+        if draw is relaxation:
+            axes.set(xlabel="Time [s]")
+        axes.legend(handlelength=2.6)
+    return figure
+
+
 def main(target: str) -> None:
     """Draw all panels into `target`."""
-    figure = Figure(figsize=(15, 7), layout="constrained")
-    for axes, (title, draw) in zip(figure.subplots(2, 4).flat, PANELS.items(), strict=True):
-        draw(axes)
-        axes.set(title=title, xlabel="travel [mm]", ylabel="force [N]")
-        axes.legend(fontsize="small")
-        if draw is relaxation:
-            axes.set(xlabel="time [s]")
-    figure.savefig(target, dpi=110)
+    save(picture(), target, 160)
 
 
 if __name__ == "__main__":

@@ -17,7 +17,6 @@ from typing import Any
 import jinja2
 import matplotlib as mpl
 import numpy as np
-from matplotlib import pyplot as plt
 
 import known
 import mechanics
@@ -29,6 +28,7 @@ from softsample.arrays import Array
 from softsample.constitutive.ogden import OgdenMaterial
 from softsample.fem.boundary import ContactSettings, platen_boundary
 from softsample.fem.explicit import ExplicitModel, Run, SolverSettings
+from softsample.figures.style import PALETTE, STYLE, page_figure, save
 from softsample.io import write_json, write_text
 from softsample.meshing.mesh import HexMesh
 from softsample.workflow import versions
@@ -281,7 +281,7 @@ def live() -> dict[str, dict[str, float]]:
 
 
 def refinement() -> dict[str, Any]:
-    """Compression of the cuboid on finer meshes: forces at 80 and 100 % of the travel [N].
+    """Compression of the cuboid on finer meshes: forces at 80 and 100 % of the displacement [N].
 
     With clamped ends and no contact the side walls pass the platens' planes. On the finest mesh
     one run in the default time has to do, corrected by what that time changes on the mesh before.
@@ -352,14 +352,19 @@ def _order_of_gap(rows: list[dict[str, Any]]) -> float:
 
 
 def _panels(count: int) -> tuple[Any, Any]:
-    figure, axes = plt.subplots(1, count, figsize=(4.2 * count, 3.3), layout="constrained")
-    return figure, np.atleast_1d(axes)
+    figure = page_figure(95.0)
+    return figure, np.atleast_1d(figure.subplots(1, count))
 
 
 def _save(figure: Any, name: str) -> None:
     FIGURES.mkdir(parents=True, exist_ok=True)
-    figure.savefig(FIGURES / f"{name}.png", dpi=110)
-    plt.close(figure)
+    figure.draw_without_rendering()  # or the layout is one step behind the legends
+    save(figure, FIGURES / f"{name}.png", 160)
+
+
+def _legend(axis: Any) -> None:
+    """Below the panel, where it hides no line."""
+    axis.legend(loc="upper center", bbox_to_anchor=(0.5, -0.2))
 
 
 def _slope(axis: Any, x: Array, y: float, order: float) -> None:
@@ -398,7 +403,7 @@ def draw_orders(found: dict[str, Any]) -> None:
     axes[2].set(xlabel="loading time [s]", ylabel="error [% of peak]", title="loading time")
     _ticks(axes[2], pace["times_s"])
     for axis in axes:
-        axis.legend(fontsize=7)
+        _legend(axis)
     _save(figure, "orders")
 
 
@@ -417,7 +422,7 @@ def draw_hertz(rows: list[dict[str, Any]]) -> None:
     axes[0].set(xlabel="depth [µm]", ylabel="force [mN]")
     axes[1].set(xlabel="depth [µm]", ylabel="difference [% of peak]")
     axes[1].axhline(0.0, color="k", lw=0.8)
-    axes[0].legend(fontsize=7)
+    _legend(axes[0])
     _save(figure, "hertz")
 
 
@@ -425,7 +430,9 @@ def draw_programs(rows: list[dict[str, Any]]) -> None:
     """Curves of the three programs on the 1 mm cuboid and their differences."""
     figure, axes = _panels(2)
     files = (("ccx_C3D8R", "x", "CalculiX C3D8R"), ("felupe_mdil", "+", "felupe three-field"))
-    for (mode, code), colour in zip(MODES.items(), ("C0", "C1", "C2"), strict=True):
+    for (mode, code), colour in zip(
+        MODES.items(), (PALETTE[0], PALETTE[1], PALETTE[2]), strict=True
+    ):
         row = next(r for r in rows if (r["size_mm"], r["mode"]) == (1, mode))
         curve = np.array(row["curve"])
         axes[0].plot(1e3 * curve[:, 0], curve[:, 1], color=colour, lw=1, label=mode)
@@ -436,15 +443,14 @@ def draw_programs(rows: list[dict[str, Any]]) -> None:
             axes[1].plot(1e3 * other[:, 0], 100.0 * gap / other[-1, 1], marker + "-", color=colour,
                          ms=5, lw=0.8, label=f"{mode}, {name}")  # fmt: skip
     axes[0].set(
-        xlabel="travel [mm]",
+        xlabel="displacement [mm]",
         ylabel="force [N]",
         title="1 mm cuboid: lines ours, x CalculiX, + felupe",
     )
-    axes[0].title.set_fontsize(8)
-    axes[1].set(xlabel="travel [mm]", ylabel="ours less theirs [% of peak]")
+    axes[1].set(xlabel="displacement [mm]", ylabel="ours less theirs [% of peak]")
     axes[1].axhline(0.0, color="k", lw=0.8)
     for axis in axes:
-        axis.legend(fontsize=7)
+        _legend(axis)
     _save(figure, "programs")
 
 
@@ -454,14 +460,14 @@ def draw_refinement(cube: dict[str, Any], shapes: dict[str, Any]) -> None:
     sizes = cube["sizes_mm"]
     for k, (part, fill) in enumerate(((80, "none"), (100, "full"))):
         for name, colour, label in (
-            ("clamped", "C0", "ours, clamped"), ("contact", "C1", "ours, contact"),
-            ("three_field", "C3", "FEBio, three-field, clamped"),
+            ("clamped", PALETTE[0], "ours, clamped"), ("contact", PALETTE[1], "ours, contact"),
+            ("three_field", PALETTE[3], "FEBio, three-field, clamped"),
         ):  # fmt: skip
             forces = cube[name][k]
             axes[0].semilogx(sizes[: len(forces)], forces, "o-", color=colour, ms=4, lw=1,
                              fillstyle=fill, label=f"{label}, {part} %")  # fmt: skip
-    axes[0].set(title="cuboid, at 80 and 100 % of the travel", ylabel="force [N]")
-    for (name, row), colour in zip(shapes["meshes"].items(), ("C0", "C2"), strict=True):
+    axes[0].set(title="cuboid, at 80 and 100 % of the displacement", ylabel="force [N]")
+    for (name, row), colour in zip(shapes["meshes"].items(), (PALETTE[0], PALETTE[2]), strict=True):
         size = row["edge_mm"] / 2.0 ** np.arange(len(row["own_n"]))
         axes[1].semilogx(size, row["own_n"], "o-", color=colour, ms=4, lw=1, label=f"ours, {name}")
         axes[1].semilogx(size[0], row["febio_n"], "s", color=colour, ms=5, label=f"FEBio, {name}")
@@ -469,7 +475,7 @@ def draw_refinement(cube: dict[str, Any], shapes: dict[str, Any]) -> None:
     for axis in axes:
         axis.set_xlabel("element size [mm]")
         _ticks(axis, [2, 1, 0.5, 0.25])
-        axis.legend(fontsize=7)
+        _legend(axis)
     _save(figure, "refinement")
 
 
@@ -508,7 +514,7 @@ def compute() -> None:
 
 def main(task: str) -> None:
     """Run every case (unless the task is `page`), then write figures and page."""
-    mpl.use("Agg")
+    mpl.rcParams.update({**STYLE, "axes.prop_cycle": mpl.cycler(color=PALETTE)})
     if task != "page":
         compute()
     found = json.loads(TARGET.read_text(encoding="utf-8"))

@@ -117,7 +117,9 @@ class History:
 
     def __post_init__(self) -> None:
         if len(self.time) != len(self.travel) or len(self.time) < 2:
-            raise InputError("a loading history needs at least two corners of time and travel")
+            raise InputError(
+                "a loading history needs at least two corners of time and displacement"
+            )
         if not np.all(np.diff(self.time) > 0.0):
             raise InputError(f"times of a loading history must ascend, got {self.time} s")
         if self.time[0] != 0.0 or self.travel[0] != 0.0 or not self.reach > 0.0:
@@ -129,7 +131,7 @@ class History:
     def ramp(cls, travel: float) -> "History":
         """A single ramp to `travel` > 0 [m] in 1 s."""
         if not travel > 0.0:
-            raise InputError(f"the platen must travel, got {travel:g} m; check the record")
+            raise InputError(f"the platen must move, got {travel:g} m; check the record")
         return cls(np.array([0.0, 1.0]), np.array([0.0, travel]))
 
     @property

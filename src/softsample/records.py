@@ -523,7 +523,7 @@ def _wrong_ramp(
     way = abs(record.displacement[loading.last] - record.displacement[loading.start])
     if way < SMALLEST_TRAVEL:
         yield (
-            f"{source}, column 'displacement_mm': the platen travels {way / MM:.3g} mm only; "
+            f"{source}, column 'displacement_mm': the platen moves {way / MM:.3g} mm only; "
             "is the column in m instead of mm?"
         )
     samples = sum(ramp.stop - ramp.start for ramp in loading.ramps)
@@ -579,9 +579,9 @@ def _wrong_signs(
         yield (
             f"{source}, line {table.index[loading.last]}, column {COLUMNS[quantity]!r}: "
             f"{values[quantity]:g} in the loading that ends here, but "
-            f"{'negative' if sign < 0 else 'positive'} is right in {mode} (force and travel along "
-            "+z or +x, so tension positive and compression negative); change the sample's mode if "
-            f"it is wrong, or {signs.cure(quantity, wrong)}"
+            f"{'negative' if sign < 0 else 'positive'} is right in {mode} (force and displacement "
+            "along +z or +x, so tension positive and compression negative); change the sample's "
+            f"mode if it is wrong, or {signs.cure(quantity, wrong)}"
         )
 
 

@@ -10,6 +10,31 @@ def significant(value: float, digits: int = DIGITS) -> str:
     return f"{rounded:.0f}" if abs(rounded) >= 10.0**digits else f"{rounded:.{digits}g}"
 
 
+NEGLIGIBLE = 1e-5
+"""Magnitude [mm, mN, s, degrees, parts, percent] below which a fitted value is zero to a reader."""
+
+NO_ERROR = 1e-3
+"""Error [% of peak] below which, the noise taken out, nothing is left of it."""
+
+VERDICTS = {"none": "none (no missing effect detected)"}
+"""Verdicts that a reader could misunderstand, with what they mean."""
+
+
+def fitted(value: float) -> str:
+    """A fitted value; one that ended at a bound of zero, or below any rounding, is 0."""
+    return "0" if abs(value) < NEGLIGIBLE else significant(value)
+
+
+def structured(percent: float, digits: int = DIGITS) -> str:
+    """An error without noise [%]; one that the noise explains is not zero but below that."""
+    return "< noise" if percent < NO_ERROR else significant(percent, digits)
+
+
+def verdict_words(verdict: str) -> str:
+    """A verdict, with its meaning where the word alone could be misunderstood."""
+    return VERDICTS.get(verdict, verdict)
+
+
 def true_minus(text: str) -> str:
     """A number with a minus sign in place of the hyphen."""
     return text.replace("-", "−")

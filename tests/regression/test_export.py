@@ -180,7 +180,7 @@ def test_what_cannot_be_exported_is_refused(tmp_path):
     boundary = glued_boundary(mesh, "tension", mesh.glued(0.0))
     with pytest.raises(InputError, match="no program 'ansys'; there are abaqus, calculix"):
         write_abaqus(tmp_path / "a.inp", mesh, MATERIAL, boundary, 1e-3, program="ansys")
-    with pytest.raises(InputError, match="the platen must travel, got 0 m"):
+    with pytest.raises(InputError, match="the platen must move, got 0 m"):
         write_febio(tmp_path / "a.feb", mesh, MATERIAL, boundary, 0.0)
     held = np.where(boundary.held == PLATEN, FREE, boundary.held)
     unmoved = replace(boundary, held=held)

@@ -360,6 +360,13 @@ def test_the_page_is_the_laboratory():
     assert page == blind_page.page(), "stale: run python benchmarks/blind_page.py"
     for name in KINDS:
         assert f"`{name}`" in page
+    covered = [
+        round(100.0 * row["value"])
+        for row in read_json(ROOT / "docs/data/blind/score.json")["score"]
+        if row["goal"] == "13 cover of effects"
+    ]
+    words = " ".join(page.split())
+    assert "in {} % of the cases, with a floor in {} %.**".format(*covered) in words
 
 
 def test_the_page_of_all_sizes_has_every_setting():

@@ -12,6 +12,7 @@ from matplotlib.text import Text
 
 from softsample.figures import offscreen, render
 from softsample.figures.boundary import BASE, GLUED, HeldSample, boundary_figure
+from softsample.figures.confusion import confusion_figure
 from softsample.figures.contact import contact_figure
 from softsample.figures.geometry import SegmentedImage, geometry_figure
 from softsample.figures.geometry_effects import effects_figure, prescribed_figure
@@ -96,18 +97,22 @@ def test_moduli_figure_draws_every_sample_on_both_geometries():
     ]
     table = moduli(*((g.label, g.mode) for g in groups))
     figure = moduli_figure(groups, table)
-    shear, shear_bars, axial, axial_bars = figure.axes
-    for ax, samples in ((shear, 2), (axial, 2)):
+    shear, shear_left, shear_bars, axial, axial_left, axial_bars = figure.axes
+    for ax, left, samples in ((shear, shear_left, 2), (axial, axial_left, 2)):
         points = [line for line in ax.lines if line.get_marker() == "o"]
         model = [line for line in ax.lines if len(line.get_xdata()) == 201]
         assert len(points) == samples
         assert all(len(line.get_xdata()) == 11 for line in points), "ten of 201, and the first"
         assert all(line.get_markerfacecolor() == "none" for line in points), "hollow"
         assert sorted(line.is_dashed() for line in model) == [False] * samples + [True] * samples
-        assert (ax.get_xlabel(), ax.get_ylabel()) == (
-            "Displacement of the platen [mm]",
-            "Force [N]",
-        )
+        assert ax.get_ylabel() == "Force [N]"
+        assert left.get_xlabel() == "Displacement of the platen [mm]"
+        assert ax.get_xlim() == left.get_xlim()
+        residual = [line for line in left.lines if len(line.get_xdata()) == 50]
+        assert sorted(line.is_dashed() for line in residual) == [False] * samples + [True] * samples
+        means = residual[0].get_xydata()  # of four or five points; the model is a tenth too high
+        assert means[-1] == pytest.approx([3.87075, 9.925])
+        assert means[:, 1] == pytest.approx(10.0 / 3.9 * means[:, 0])
     heights = [patch.get_height() for patch in axial_bars.patches]
     assert heights == pytest.approx([0.7, 0.3, 0.5, 0.3])  # mu1, mu2 real; mu1, mu2 ideal [kPa]
     assert [bool(p.get_hatch()) for p in axial_bars.patches] == [False, False, True, True]
@@ -130,7 +135,7 @@ def test_bars_have_the_intervals_of_the_table():
     assert limits == {"real": (900.0, 1300.0), "ideal": (780.0, 820.0)}
     bars = moduli_figure(
         [replace(group("A", "shear", "A"), limits=limits)], moduli(("A", "shear"))
-    ).axes[1]
+    ).axes[2]
     drawn = [line.get_segments()[0][:, 1] for line in bars.collections]
     assert np.array(drawn) == pytest.approx(np.array([[0.9, 1.3], [0.78, 0.82]]))
     (text,) = bars.texts
@@ -140,15 +145,15 @@ def test_bars_have_the_intervals_of_the_table():
 def test_axes_of_torsion_and_indentation_are_named_for_what_moves():
     groups = [group("A", "torsion", "A"), group("B", "indentation", "B")]
     figure = moduli_figure(groups, moduli(("A", "torsion"), ("B", "indentation")))
-    twisted, _, indented, _ = labels(figure)
-    assert twisted == ("Displacement of the rim [mm]", "Torque over radius [N]")
-    assert indented == ("Displacement of the indenter [mm]", "Force [N]")
+    (_, torque), (rim, _), _, (_, force), (indenter, _), _ = labels(figure)
+    assert (rim, torque) == ("Displacement of the rim [mm]", "Torque over radius [N]")
+    assert (indenter, force) == ("Displacement of the indenter [mm]", "Force [N]")
 
 
 def test_the_difference_stands_below_the_title():
     """A bar that ends where the axis does has it in the title above."""
     table = moduli(("A", "torsion")).assign(mu1_real_pa=1000.0, paper_mu_real_pa=np.nan)
-    ax = moduli_figure([group("A", "torsion", "A")], table).axes[1]
+    ax = moduli_figure([group("A", "torsion", "A")], table).axes[2]
     assert ax.get_ylim()[1] >= 1.1
 
 
@@ -156,7 +161,7 @@ def test_a_fit_that_is_not_trusted_is_marked():
     groups = [group("S1", "shear", "S1"), group("S2", "shear", "S2")]
     groups[1] = replace(groups[1], trusted=False)
     figure = moduli_figure(groups, moduli(("S1", "shear"), ("S2", "shear")))
-    assert [t.get_text() for t in figure.axes[1].texts] == ["−20.0 %", "−20.0 % *"]
+    assert [t.get_text() for t in figure.axes[2].texts] == ["−20.0 %", "−20.0 % *"]
     keys = [text.get_text() for text in figure.legends[0].get_texts()]
     assert "* see the caption" in keys
 
@@ -166,7 +171,7 @@ def test_moduli_of_ideal_shapes_alone_have_one_bar_and_no_bias():
     unknown = ("mu_real_pa", "mu1_real_pa", "difference_percent", "paper_mu_real_pa")
     table = moduli(("D", "pure_shear")).assign(**dict.fromkeys(unknown, np.nan))
     figure = moduli_figure(groups, table, "cylinder")
-    force, bars = figure.axes
+    force, _, bars = figure.axes
     assert force.get_title(loc="left") == r"$\mathbf{a}$  Pure shear: force"
     assert len([line for line in force.lines if line.get_marker() == "o"]) == 2
     assert [patch.get_height() for patch in bars.patches] == pytest.approx([0.5, 0.3])
@@ -181,7 +186,7 @@ def test_the_bias_of_a_mixed_study_is_a_dash_where_it_is_not_known():
     groups = [group("S1", "shear", "S1"), GroupCurves("D", "shear", {"ideal": curves("D1")})]
     table = moduli(("S1", "shear"), ("D", "shear"))
     table.loc[1, ["mu_real_pa", "mu1_real_pa", "difference_percent", "paper_mu_real_pa"]] = np.nan
-    bars = moduli_figure(groups, table).axes[1]
+    bars = moduli_figure(groups, table).axes[2]
     assert [text.get_text() for text in bars.texts] == ["−20.0 %", "–"]
 
 
@@ -198,7 +203,7 @@ def test_a_record_is_drawn_once_whatever_geometries_there_are():
 def test_one_term_figure_has_one_bar_a_geometry():
     groups = [group("C1", "compression", "C1")]
     figure = moduli_figure(groups, moduli(("C1", "compression"), two_terms=False))
-    assert [p.get_height() for p in figure.axes[1].patches] == pytest.approx([1.0, 0.8])
+    assert [p.get_height() for p in figure.axes[2].patches] == pytest.approx([1.0, 0.8])
 
 
 def test_the_picture_of_a_held_out_sample_says_so():
@@ -572,6 +577,41 @@ def test_profiles_have_a_panel_a_parameter_and_a_line_a_group():
     for ax, lines in zip(figure.axes, (3, 3, 4, 3), strict=True):
         assert len(ax.lines) == lines  # two groups, the level, the study's value where known
         assert ax.lines[0].get_ydata().max() <= 8.0 * 2.7
+
+
+def test_profiles_of_many_groups_have_few_lines_a_panel_that_grey_print_tells_apart():
+    value = np.linspace(-1.0, 1.0, 9)
+    rows = [
+        pd.DataFrame(
+            {"group": f"G{k}", "parameter": name, "value": 10.0 + value, "deviance": value**2}
+        )
+        for k in range(7)
+        for name in ("mu1", "mu2", "alpha1", "alpha2")
+    ]
+    figure = profile_figure(pd.concat(rows), 2.7, {})
+    assert len(figure.axes) == 8
+    for row in range(4):
+        left, right = (figure.axes[2 * row + k].lines[:-1] for k in (0, 1))  # without the level
+        assert [line.get_label() for line in left] == [f"G{k}" for k in range(5)]
+        assert [line.get_label() for line in right] == ["G5", "G6"]
+        assert len({str(line._unscaled_dash_pattern) for line in left}) == 5
+
+
+def test_ground_truth_is_on_one_axis_for_all_discrepancies():
+    share = {"nothing": [0.0, 0.0], "late_contact": [0.0, 1.0], "none": [1.0, 0.0]}
+    table = pd.concat(
+        pd.DataFrame(
+            {"design": "B", "floor_percent": floor, "planted": ["nothing", "late_contact"], **share}
+        )
+        for floor in (0.0, 1.0)
+    )
+    figure = confusion_figure(table)
+    width, height = figure.get_size_inches()
+    assert height < width
+    assert [ax.get_ylabel() for ax in figure.axes] == ["ground truth", ""]
+    assert [ax.get_title() for ax in figure.axes] == [
+        f"model discrepancy {floor} % of peak" for floor in (0, 1)
+    ]
 
 
 def overlapping(figure, texts):

@@ -961,7 +961,12 @@ def test_the_page_says_what_is_undecided(found):
     unseen = page("A7", verdict)
     rows = "| `force_offset` | 2 | mN | +40.0 |\n| `platen_slip` | 0.31 | 1 | -31.4 |"
     assert f"\n| --- | --- | --- | --- |\n{rows}" in unseen
-    assert "may leave it up to 31 % off (`platen_slip`; see the last table)." in unseen
+    assert "is `platen_slip`: just below its detection limit it would bias the modulus by" in unseen
+    assert " by -31 % (last table).\n" in unseen
+    (quoted,) = (line for line in unseen.split("\n") if line.startswith("Modulus to quote"))
+    assert "platen_slip" not in quoted  # the interval stands apart from what it does not hold for
+    path = unseen.index("## Path")
+    assert path < unseen.index("One line for each round") < unseen.index("1. threshold")
     assert "the intervals are as much wider" not in text
     verdict["birge_ratio"]["after"] = 1.5
     assert "1.50 times what its discrepancy predicts" in page("A7", verdict)

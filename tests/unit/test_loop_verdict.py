@@ -18,6 +18,7 @@ from softsample.loop.page import page
 from softsample.loop.posed import LoopSettings
 from softsample.loop.select import driven_to_an_end
 from softsample.loop.verdict import error_report, judgement, report
+from softsample.report.loop import verdict_table
 
 OFFSET = library()["force_offset"]
 
@@ -203,10 +204,43 @@ def test_none_says_what_is_left_beyond_the_discrepancy():
     verdict = report(judged(0.0), LoopSettings())
     assert verdict["verdict"] == "none"
     for ratio, saying in (
-        (1.0, "Nothing is missing beyond noise and floor."),
+        (1.0, "No missing effect was detected: noise and model discrepancy explain the residual."),
         (1.27, "No effect is named; what is left is 1.27 times what the discrepancy predicts."),
     ):
-        assert page("A7", {**verdict, "birge_ratio": {"after": ratio}}).split("\n")[2] == saying
+        text = page("A7", {**verdict, "birge_ratio": {"after": ratio}}).split("\n")
+        assert text[0] == "# Verdict for A7: none (no missing effect detected)"
+        assert text[2] == saying
+
+
+def test_values_at_a_bound_are_zero_and_an_error_below_the_noise_says_so():
+    verdict = report(judged(15.0), LoopSettings())
+    size = {"value": 1e-6, "low": -4.9e-7, "high": 0.01, "unit": "1"}
+    verdict["effects"][0]["parameters"] = {"share": size}
+    verdict["theta_after"]["mu1_fraction"] |= {"value": 1.07e-7, "low": 0.0, "high": 0.2}
+    verdict["correction"] = {
+        "class": "zero", "smooth_part": True, "with": [], "domain_mm": {}, "modulus_factors": {},
+        "left_out_before_percent": 9.0, "left_out_after_percent": 1e-4,
+        "separating_experiment": "more",
+    }  # fmt: skip
+    text = page("A7", verdict)
+    assert "| share | 0 | 0 to 0.01 | 1 |" in text
+    assert "| 0 | 0 to 0.2 | 1 |" in text
+    assert "noise taken out, from 9 % of the peak to less than the noise. It was" in text
+    assert ": a smooth part. " in text
+    assert re.search(r"\de-\d", text) is None
+
+
+def test_the_table_of_verdicts_has_the_median_and_the_worst_of_the_folds():
+    verdict = report(judged(15.0), LoopSettings())
+    for when, errors in (("before", (2.0, 3.0, 9.0)), ("after", (1.0, 0.5, 50.0))):
+        verdict[f"held_out_{when}"] = {
+            f"fold_{k}": {"shear": {"rms_percent_structured": error}}
+            for k, error in enumerate(errors)
+        }
+    (row,) = verdict_table({("A7", "real"): verdict}).to_dict("records")
+    assert (row["held_out_before_percent"], row["held_out_after_percent"]) == (3.0, 1.0)
+    assert row["held_out_worst_before_percent"] == 9.0
+    assert row["held_out_worst_after_percent"] == 50.0
 
 
 def test_what_is_withheld_together_is_told_once_and_with_what_its_error_is():
@@ -233,7 +267,7 @@ def test_what_is_withheld_together_is_told_once_and_with_what_its_error_is():
     }  # fmt: skip
     assert told(correction) == [f"Not reported: `b` (mN 2 mN), since R. {error}", last]
     text = page("A7", {**verdict, "correction": correction})
-    assert "noise taken out, from 9 to 112 % of the peak. " in text
+    assert "noise taken out, from 9 % of the peak to 112 % of the peak. " in text
 
 
 def test_a_modulus_is_of_one_model_only_if_that_has_all_the_weight():

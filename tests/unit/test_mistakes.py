@@ -191,7 +191,7 @@ MISTAKES = {
     ),
     "m as mm": (
         lambda s: s.record("C.csv", time_s, 1e-3 * travel, force),
-        r"row 4 \(C\).*C.csv, column 'displacement_mm': the platen travels 0.00199 mm only; is the "
+        r"row 4 \(C\).*C.csv, column 'displacement_mm': the platen moves 0.00199 mm only; is the "
         "column in m",
         False,
     ),

@@ -9,7 +9,7 @@ from jinja2 import UndefinedError
 from reference import assumptions
 
 from softsample.files import sha256
-from softsample.io import read_table
+from softsample.io import read_json, read_table
 from softsample.report.page import fixed, mean, render_page, signed
 
 ROOT = Path(__file__).resolve().parents[2]
@@ -39,6 +39,49 @@ def test_tables_and_figures_are_those_that_the_study_wrote():
     assert dict(zip(sums["file"], sums["sha256"], strict=True)) == {
         name: sha256(path) for name, path in there.items()
     }
+
+
+def test_the_readme_has_the_results_of_the_tables():
+    text = " ".join((ROOT / "README.md").read_text(encoding="utf-8").split())
+    rows = tables()
+    summary = rows["summary"].set_index(["quantity", "mode"]).loc["modulus_two_term"]
+    biases = [
+        f"{fixed(row['mean_percent'])} % ({fixed(row['sd_percent'])}; "
+        f"{fixed(row['paper_mean_percent'])})"
+        for row in (summary.loc["shear"], summary.loc["tension+compression"])
+    ]
+    assert f"(SD; paper) | {' | '.join(biases)} |" in text
+    errors = rows["recovery"].groupby("group")["error_percent"].first()
+    axial = errors.index.str.startswith("TC")
+    ranges = [
+        f"{signed(part.min())} to {signed(part.max())} %"
+        for part in (errors[~axial], errors[axial])
+    ]
+    assert f"error | {' | '.join(ranges)} |" in text
+    loop = rows["loop"].assign(axial=rows["loop"]["group"].str.startswith("TC"))
+    for geometry, named in (("real", ("none", "none")), ("ideal", ("none", "real_geometry"))):
+        cells = []
+        for axial, name in zip((False, True), named, strict=True):
+            part = loop[(loop["geometry"] == geometry) & (loop["axial"] == axial)]
+            right = part["classes"].fillna(part["verdict"]) == name
+            cells.append(f"{right.sum()} of {len(part)} `{name}`")
+        assert f" | {' | '.join(cells)} |" in text
+    claims = rows["claims"]
+    count = claims["verdict"].value_counts()
+    built = (claims["by_construction"] & (claims["verdict"] == "reproduced")).sum()
+    assert (
+        f"paper's {len(claims)} [claims](docs/reproduction.md), {count['reproduced']} are "
+        f"reproduced ({built} by construction of the samples), {count['differs']} differ and "
+        f"{count['not testable']} are not testable"
+    ) in text
+    blind = read_json(DOCS / "data/blind/score.json")["score"]
+    (covered,) = [
+        row["value"]
+        for row in blind
+        if (row["goal"], row["floor_percent"]) == ("13 cover of effects", 0.0)
+    ]
+    assert f"[{100.0 * covered:.0f} % of the cases](docs/blindlab.md#score)" in text
+    assert len((ROOT / "README.md").read_text(encoding="utf-8").splitlines()) < 150
 
 
 @pytest.mark.parametrize("page", PAGES)

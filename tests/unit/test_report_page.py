@@ -197,6 +197,10 @@ def test_a_verdict_in_one_sentence():
     assert verdict_sentence(verdict).startswith("Effects: late contact or platen tilt. Error")
     assert "3 % of peak before" in verdict_sentence(verdict)
     assert verdict_sentence({**verdict, "effects": []}).startswith("Error")
+    noise = {"tension": {"all": {"rms_percent_structured": 0.0}}}
+    assert verdict_sentence({**verdict, "error_after": noise}).endswith(
+        "less than the noise after."
+    )
     slides = verdict_sentence({**verdict, "effects": [{"class": ["ends"]}]})
     assert slides.startswith("Effects: sliding ends. Error")
 
@@ -208,9 +212,9 @@ RECORD = {
 
 
 def test_a_record_without_time_has_neither_rate_nor_speed():
-    assert record_fact(RECORD) == "120 points; travel 4 mm, peak 0.5 N, noise – N; ramp"
+    assert record_fact(RECORD) == "120 points; displacement 4 mm, peak 0.5 N, noise – N; ramp"
     timed = record_fact({**RECORD, "sampling_rate_hz": 50.0, "ramp_speed_mm_s": 0.5})
-    assert timed.startswith("120 points at 50 Hz; travel 4 mm, ramp 0.5 mm/s, peak")
+    assert timed.startswith("120 points at 50 Hz; displacement 4 mm, ramp 0.5 mm/s, peak")
 
 
 def test_facts_of_a_sample_of_stated_dimensions():

@@ -15,9 +15,9 @@ from softsample.report.stress import mean_curve, nominal_curve, stress_strain_ta
 from softsample.report.tables import (
     direct_table,
     geometry_table,
-    moduli_shown,
     moduli_table,
     summary_table,
+    table_shown,
 )
 
 ROOT = Path(__file__).resolve().parents[2]
@@ -418,14 +418,43 @@ def test_the_report_shows_seven_columns_of_the_moduli():
         ("TC1", "real", 1234.0), ("TC1", "ideal", 1.0), ("TC2", "ideal", 500.0)
     )
     groups = {"C1": "TC1", "C2": "TC2"}
-    shown = moduli_shown("table2", saved, intervals, groups, 0.9)
+    shown = table_shown("table2", saved, intervals, groups, 0.9)
     assert list(shown) == [
         "group", "mu_with_90_%_interval_pa", "trusted", "mode", "mu_ideal_pa",
         "difference_percent", "paper_difference_percent",
     ]  # fmt: skip
     assert shown["mu_with_90_%_interval_pa"].tolist() == ["1230 (1110 to 1360)", "500 (450 to 550)"]
     assert shown["trusted"].tolist() == ["yes", "bias not known"]
-    ideal = moduli_shown("table2", saved.assign(mu_real_pa=np.nan), intervals, groups, 0.9)
+    ideal = table_shown("table2", saved.assign(mu_real_pa=np.nan), intervals, groups, 0.9)
     assert list(ideal) == list(shown)[:4]
-    assert "mu_with_95_%_interval_pa" in moduli_shown("table2", saved, intervals, groups, 0.95)
-    assert moduli_shown("geometry", saved, intervals, groups, 0.9) is saved
+    assert "mu_with_95_%_interval_pa" in table_shown("table2", saved, intervals, groups, 0.95)
+    assert table_shown("geometry", saved, intervals, groups, 0.9) is saved
+
+
+def test_the_report_shows_mu_with_its_two_largest_terms():
+    terms = {f"{name}_percent": 0.0 for name in ("statistics", "geometry", "time", "hourglass")}
+    terms |= {"contact_zero_percent": np.nan, "mesh_percent": 1.745, "bond_percent": 6.796}
+    rows = [
+        {"group": "S1", "geometry": "real", "model": "ogden2", "modulus": name, "value_pa": 1124.2,
+         "low_pa": 994.1, "high_pa": 1254.35, **terms, "element_percent": 0.39}
+        for name in ("mu", "mu1", "mu2")
+    ]  # fmt: skip
+    (shown,) = table_shown("intervals", pd.DataFrame(rows), None, {}, 0.9).to_dict("records")
+    assert shown == {
+        "group": "S1", "geometry": "real", "model": "ogden2",
+        "mu_with_90_%_interval_pa": "1120 (994 to 1250)",
+        "largest_terms": "bond 6.8 %, mesh 1.75 %",
+    }  # fmt: skip
+
+
+def test_what_is_below_rounding_or_noise_is_told_in_words():
+    changes = pd.DataFrame(
+        {"change": ["a"], "modulus_percent": [-3.28e-5], "end_percent": [-1.234]}
+    )
+    (shown,) = table_shown("sensitivity", changes, None, {}, 0.9).to_dict("records")
+    assert shown == {"change": "a", "modulus_percent": "< 0.01", "end_percent": "−1.23"}
+    errors = {"mu_pa": [0.0], "error_after_percent": [0.0], "held_out_after_percent": [2.1153]}
+    (shown,) = table_shown("loop", pd.DataFrame(errors), None, {}, 0.9).to_dict("records")
+    assert shown == {
+        "mu_pa": 0.0, "error_after_percent": "< noise", "held_out_after_percent": "2.12",
+    }  # fmt: skip

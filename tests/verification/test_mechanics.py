@@ -399,7 +399,9 @@ def test_relaxation_goes_by_the_clock_of_the_test(small):
 
 def test_a_platen_that_does_not_reach_the_sample_is_named(small):
     boundary = platen_boundary(small, ContactSettings(), gap=1e-3)
-    with pytest.raises(SimulationError, match=r"nothing was strained in 0.1 mm of travel.*gap"):
+    with pytest.raises(
+        SimulationError, match=r"nothing was strained in 0.1 mm of displacement.*gap"
+    ):
         ExplicitModel(small, SETTINGS).run(MATERIAL, boundary, 0.1e-3)
 
 

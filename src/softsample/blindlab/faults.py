@@ -434,8 +434,8 @@ EFFECTS: dict[str, Kind] = {
     ),
     "poroelastic_drainage": Kind(_drainage, "g 0.1, 300 s", "consolidation series, axial tests"),
     "dehydration": Kind(_drying, "3 % in 100 s", "saturating growth, 500 s"),
-    "displacement_zero": Kind(_zero, "0.1 mm, a sign for each test", "shifted travel"),
-    "late_contact": Kind(_gap, "0.2 mm", "shifted travel in compression"),
+    "displacement_zero": Kind(_zero, "0.1 mm, a sign for each test", "shifted displacement"),
+    "late_contact": Kind(_gap, "0.2 mm", "shifted displacement in compression"),
     "platen_tilt": Kind(
         _of_curve("platen_tilt", "tilt", lambda s: {"tilt_deg": s}),
         "1 degree",
@@ -452,7 +452,7 @@ EFFECTS: dict[str, Kind] = {
         "12.5 %",
         "own run, strip on any side",
     ),
-    "bond_peel": Kind(_peeling, "10 % at peak", "sin^4 of the furthest travel"),
+    "bond_peel": Kind(_peeling, "10 % at peak", "sin^4 of the largest displacement"),
     "platen_slip": Kind(_slip, "coefficient 0.25", "own run with Coulomb friction, there and back"),
     "machine_compliance": Kind(_compliance, "0.05 mm/N", "spring in series, solved"),
     "poisson_ratio": Kind(

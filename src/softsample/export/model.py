@@ -82,7 +82,7 @@ class StaticTest:
 
     def __post_init__(self) -> None:
         if not (np.isfinite(self.travel) and self.travel > 0.0):
-            raise InputError(f"the platen must travel, got {self.travel:g} m; check the record")
+            raise InputError(f"the platen must move, got {self.travel:g} m; check the record")
         if np.isfinite(self.boundary.friction[0]) or self.boundary.confined:
             raise InputError(
                 "a base that slips and walls are not exported; export a sample that is bonded to "

@@ -563,7 +563,7 @@ class _March:
             raise CrushedError(
                 f"element {worst} near {np.round(centre, 2).tolist()} mm has J = "
                 f"{1.0 + float(dilatation[worst]):.3g} at {100 * fraction:.0f} % of the loading "
-                f"time ({travel:.2f} mm of travel); lower solver: safety_factor, raise "
+                f"time ({travel:.2f} mm of displacement); lower solver: safety_factor, raise "
                 "solver: loading_time_s or hourglass_coefficient, or end the record at a smaller "
                 "strain"
             )
@@ -607,8 +607,9 @@ class _March:
         strain, hourglass = along["strain"], along["hourglass"]
         if not strain.any():
             raise SimulationError(
-                f"nothing was strained in {1e3 * along['displacement'][-1]:.3g} mm of travel: the "
-                "platen does not reach the sample; choose a smaller gap, or a longer record"
+                f"nothing was strained in {1e3 * along['displacement'][-1]:.3g} mm of "
+                "displacement: the platen does not reach the sample; choose a smaller gap, or a "
+                "longer record"
             )
         missing = np.abs(strain + hourglass + along["kinetic"] - along["work"]).max()
         imbalance = max(missing - self.rounding, 0.0)

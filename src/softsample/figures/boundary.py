@@ -149,5 +149,5 @@ def _keys() -> list[Line2D | Patch]:
         Line2D([], [], color=BASE, label="base", **dots),  # type: ignore[arg-type]
         Line2D([], [], color=GLUED, label="bonded, moves with the platen", **dots),  # type: ignore[arg-type]
         Patch(facecolor="0.5", alpha=0.35, edgecolor="0.3", label="rigid platen or indenter"),
-        Line2D([], [], color="black", marker=">", ms=3.5, label="travel"),
+        Line2D([], [], color="black", marker=">", ms=3.5, label="displacement"),
     ]

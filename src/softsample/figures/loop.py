@@ -43,7 +43,7 @@ def loop_figure(found: Diagnosis) -> Figure:
         _forces(column[0], one)
         clock = "time [s]" if one.test.timed else "sample [–]"
         _residuals(column[1], one, scale, one.test.time, clock)
-        _residuals(column[2], one, scale, 1e3 * one.test.travel, "travel [mm]")
+        _residuals(column[2], one, scale, 1e3 * one.test.travel, "displacement [mm]")
     if len(shown) < len(tests):
         figure.suptitle(f"The {len(shown)} of {len(tests)} tests with the largest error before")
     axes[0, 0].set_ylabel("force [N]")
@@ -67,7 +67,7 @@ def _forces(ax: Axes, one: Predicted) -> None:
     for colour, name, model in zip(colours(2), ENTRIES[2:], (one.before, one.after), strict=True):
         ax.plot(travel, blocks(model, size), color=colour, label=name)
     channel = "" if test.channel == FORCE else ", normal force"
-    ax.set(title=f"{test.name}\n{spoken(test.mode)}{channel}", xlabel="travel [mm]")
+    ax.set(title=f"{test.name}\n{spoken(test.mode)}{channel}", xlabel="displacement [mm]")
 
 
 def _residuals(ax: Axes, one: Predicted, scale: float, across: Array, label: str) -> None:

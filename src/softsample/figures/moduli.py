@@ -1,4 +1,4 @@
-"""Figures 5 and 6: measured and modelled curves, and the calibrated moduli."""
+"""Figures 5 and 6: measured and modelled curves, what they differ by, and the moduli."""
 
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, field
@@ -34,6 +34,9 @@ FEWEST = 10
 LINES = {"real": "-", "ideal": (0, (3.5, 1.8))}
 WIDTHS = {"real": 1.5, "ideal": 0.9}
 BAR = 0.38
+
+BINS = 50
+"""Points of a residual that are drawn, each the mean of its part of the record."""
 
 HEADROOM = 1.15
 """Top of an axis of moduli over the tallest bar, so that the difference fits above it."""
@@ -82,7 +85,7 @@ def geometry_names(ideal: str, there: Iterable[str] = tuple(LINES)) -> dict[str,
 def moduli_figure(
     groups: Sequence[GroupCurves], moduli: pd.DataFrame, ideal: str = "cuboid"
 ) -> Figure:
-    """Force-displacement curves (left) and moduli (right), one row a kind of loading.
+    """Force-displacement curves above their residuals, beside moduli; a row a kind of loading.
 
     Parameters
     ----------
@@ -95,16 +98,23 @@ def moduli_figure(
         What samples are idealised as.
     """
     loadings = list(dict.fromkeys(group.mode for group in groups))
-    figure = page_figure(height_mm=14.0 + 74.0 * len(loadings))
-    axes = figure.subplots(len(loadings), 2, squeeze=False, width_ratios=[1.12, 1.0])
+    figure = page_figure(height_mm=14.0 + 88.0 * len(loadings))
+    ratios = {"width_ratios": [1.12, 1.0], "height_ratios": [2.6, 1.0] * len(loadings)}
+    grid = figure.add_gridspec(2 * len(loadings), 2, **ratios)
     letters = count()
-    for (left, right), loading in zip(axes, loadings, strict=True):
+    for row, loading in zip(count(step=2), loadings, strict=False):
+        left = figure.add_subplot(grid[row, 0])
+        below = figure.add_subplot(grid[row + 1, 0], sharex=left)
+        right = figure.add_subplot(grid[row : row + 2, 1])
         members = [group for group in groups if group.mode == loading]
         palette = dict(zip([g.label for g in members], colours(len(members)), strict=True))
         label_panel(left, ascii_lowercase[next(letters)], f"{spoken(loading).capitalize()}: force")
         draw_curves(left, members, palette)
         travel, force = axis_labels(loading)
-        left.set(xlabel=travel, ylabel=force)
+        left.set(ylabel=force)
+        left.tick_params(labelbottom=False)
+        draw_residuals(below, members, palette)
+        below.set(xlabel=travel, ylabel="Model − exp.\n[% of peak]")
         label_panel(
             right, ascii_lowercase[next(letters)], f"{spoken(loading).capitalize()}: modulus"
         )
@@ -138,6 +148,24 @@ def draw_curves(ax: Axes, groups: Sequence[GroupCurves], palette: dict[str, str]
     ax.axvline(0.0, color="0.75", lw=0.5, zorder=0)
     handles = [Line2D([], [], color=colour, lw=3, label=label) for label, colour in palette.items()]
     ax.legend(handles=handles, loc="best", handlelength=1.0)
+
+
+def draw_residuals(ax: Axes, groups: Sequence[GroupCurves], palette: dict[str, str]) -> None:
+    """Model less measurement of each record in percent of its peak, lines as of `draw_curves`."""
+    for group in groups:
+        for geometry, table in group.curves.items():
+            colour = palette[group.label]
+            shade = darkened(colour) if geometry == "ideal" else colour
+            for _, curve in table.groupby("sample", sort=False):
+                curve = curve.sort_values("displacement_mm", key=abs, kind="stable")
+                left = (curve["model_N"] - curve["measured_N"]) / curve["measured_N"].abs().max()
+                parts = np.array_split(np.arange(len(curve)), min(BINS, len(curve)))
+                x, y = (
+                    [float(np.mean(of.to_numpy()[part])) for part in parts]
+                    for of in (curve["displacement_mm"], 100.0 * left)
+                )
+                ax.plot(x, y, color=shade, ls=LINES[geometry], lw=WIDTHS[geometry])
+    ax.axhline(0.0, color="0.75", lw=0.5, zorder=0)
 
 
 def _draw_measured(ax: Axes, curve: pd.DataFrame, colour: str) -> None:

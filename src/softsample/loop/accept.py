@@ -65,12 +65,27 @@ def objection_to(
 ) -> str:
     """Why a selection is no explanation; empty if it is one.
 
-    The same for every study: what is left is not far above the floor, unless effects take most of
-    what folds leave out, and beside effects not both above it and most of what was there, with the
-    error of scale and without; the scales of the tests are as known as the settings say, or, beside
-    effects, whose evidence counts with scales as free as the records have them, not at the end of
-    their range; no size was driven to the end of its range, the modulus stays known, and what folds
-    leave out of the fitted records is no less likely with the effects than without.
+    The same for every study. A selection is an explanation if
+
+    - the error that is left is not far above the floor, or effects take away most of what folds
+      leave out;
+    - beside effects it is not both above the floor and most of what was there, with the error of
+      scale and without;
+    - the scales of the tests are as well known as the settings say; beside effects, whose evidence
+      counts with free scales, they are not at the end of their range;
+    - no size was driven to the end of its range, and the modulus stays known;
+    - what folds leave out of the fitted records is no less likely with the effects than without.
+
+    Parameters
+    ----------
+    selection : Selection
+        Effects that were chosen, and the rounds.
+    before, after : Judged
+        Errors of the plain model and of the selected one.
+    rules : SelectionSettings
+        `unknown_ratio` and `unknown_share`.
+    noise : NoiseSettings
+        Floor and scale.
     """
     last, named = selection.steps[-1], bool(selection.final.model.effects)
     if last.refused and last.why != WITHIN_DOUBT and not named:

@@ -7,16 +7,23 @@ from typing import Any
 import numpy as np
 
 from softsample.loop.effects import ends, library
-from softsample.wording import significant
+from softsample.wording import NO_ERROR, fitted, significant, verdict_words
 
 Limits = list[tuple[str, Mapping[str, Any]]]
 
 SAYING = {
     "explained": "The residual is explained.",
     "explained_class": "What is left is of a known class; its cause is open.",
-    "none": "Nothing is missing beyond noise and floor.",
+    "none": "No missing effect was detected: noise and model discrepancy explain the residual.",
     "unknown": "**Unknown:** something is left that no effect of the library explains.",
 }
+
+
+PATH = (
+    "One line for each round of the selection: the five effects with the highest penalised log "
+    "evidence, given beside each, then the outcome. An effect needs more than the threshold."
+)
+"""How to read the lines of the path."""
 
 
 def page(group: str, verdict: Mapping[str, Any]) -> str:
@@ -29,11 +36,14 @@ def page(group: str, verdict: Mapping[str, Any]) -> str:
     verdict : mapping
         Report of a diagnosis, see `softsample.loop.verdict.report`.
     """
-    parts = [f"# Verdict for {group}: {verdict['verdict']}", "", _saying(verdict), ""]
+    parts = [f"# Verdict for {group}: {verdict_words(verdict['verdict'])}", ""]
+    parts += [_saying(verdict), ""]
     limits = _worst_first(verdict["detection_limits"])
     named = [effect["name"] for effect in verdict["effects"]]
     unseen = [limit for limit in limits if limit[0] not in named]
-    parts += [_recommended(verdict["recommended"]) + _unseen(unseen), ""]
+    parts += [_recommended(verdict["recommended"]), ""]
+    if unseen:
+        parts += [_unseen(*unseen[0]), ""]
     if verdict["specimen_stiffness"] and not verdict["effects"]:
         parts += [_specimens(verdict["specimen_stiffness"]), ""]
     if verdict["pooled"]:
@@ -55,7 +65,7 @@ def page(group: str, verdict: Mapping[str, Any]) -> str:
         )
         parts += [f"Held out, and predicted from the rest ({rule}):", ""]
         parts += [*_errors(verdict, "held_out", "left out", "test"), ""]
-    parts += ["## Path", "", *_path(verdict), "", *_limits(verdict, limits)]
+    parts += ["## Path", "", PATH, "", *_path(verdict), "", *_limits(verdict, limits)]
     parts += ["", "![before and after](verdict.png)", ""]
     return "\n".join(parts)
 
@@ -90,14 +100,12 @@ def _recommended(found: Mapping[str, Any]) -> str:
     return text
 
 
-def _unseen(limits: Limits) -> str:
-    """One sentence on what an effect that was not seen may make of the modulus."""
-    if not limits:
-        return ""
-    name, worst = limits[0]
+def _unseen(name: str, worst: Mapping[str, Any]) -> str:
+    """Two sentences on what an effect that was not seen may make of the modulus."""
     return (
-        f" An effect too small for these records to show may leave it up to "
-        f"{abs(worst['modulus_percent']):.0f} % off (`{name}`; see the last table)."
+        "The interval holds if no undetected effect is present. The worst that these records could "
+        f"hide is `{name}`: just below its detection limit it would bias the modulus by "
+        f"{worst['modulus_percent']:+.0f} % (last table)."
     )
 
 
@@ -131,12 +139,17 @@ def _other_ends(verdict: Mapping[str, Any]) -> str:
     other, here = verdict["other_ends"], {"bonded": "slide", "sliding": "are bonded"}
     told = other["evidence_of_other_groups"]
     others = f", and {told:.0f} in the other groups" if told else ""
-    effects = f" ({', '.join(f'`{name}`' for name in other['effects'])})" * bool(other["effects"])
-    chosen = " That is the choice of the other groups, by what is held out of them, whatever the "
-    chosen += "evidence."
+    named = ", ".join(f"`{name}`" for name in other["effects"])
+    effects = f" ({named})" if named else ""
+    if other["chosen_by_other_groups"]:
+        chosen = (
+            " That is the choice of the other groups, by what is held out of them, whatever the "
+            "evidence."
+        )
+    else:
+        chosen = ""
     return (
-        f"The study leaves the ends open; in this model they {here[other['ends']]}."
-        f"{chosen * other['chosen_by_other_groups']} With "
+        f"The study leaves the ends open; in this model they {here[other['ends']]}.{chosen} With "
         f"{other['ends']} ends the verdict would be {other['verdict']}{effects} and the modulus "
         f"{significant(other['mu']['value'])} Pa (evidence {other['evidence']:.0f}"
         f"{others})."
@@ -166,8 +179,8 @@ def _effect(effect: Mapping[str, Any], told: bool) -> list[str]:
     sizes = [
         [
             name,
-            significant(p["value"]),
-            f"{significant(p['low'])} to {significant(p['high'])}",
+            fitted(p["value"]),
+            f"{fitted(p['low'])} to {fitted(p['high'])}",
             p["unit"],
         ]
         for name, p in effect["parameters"].items()
@@ -175,10 +188,10 @@ def _effect(effect: Mapping[str, Any], told: bool) -> list[str]:
     if sizes:
         lines += [*_table(["parameter", "value", "90 % interval", "unit"], sizes), ""]
     experiment = effect["separating_experiment"]
+    chosen = ", but the other groups choose it" if told else ""
     return [
         *lines,
-        f"Evidence {effect['evidence']:.0f}{', but the other groups choose it' * told}. "
-        f"Discriminating experiment: {experiment}.",
+        f"Evidence {effect['evidence']:.0f}{chosen}. Discriminating experiment: {experiment}.",
         "",
     ]
 
@@ -186,15 +199,18 @@ def _effect(effect: Mapping[str, Any], told: bool) -> list[str]:
 def _correction(found: Mapping[str, Any]) -> str:
     """What corrects the model beside the effects, or in their place, and where it holds."""
     kind = found["class"].replace("_", " ")
-    parts = [f"`{name}`" for name in found["with"]] + ["a smooth part"] * found["smooth_part"]
+    parts = [f"`{name}`" for name in found["with"]]
+    if found["smooth_part"]:
+        parts.append("a smooth part")
     domain = ", ".join(f"{test} {travel:.3g} mm" for test, travel in found["domain_mm"].items())
-    before, after = (found[f"left_out_{when}_percent"] for when in ("before", "after"))
+    before, after = found["left_out_before_percent"], found["left_out_after_percent"]
+    left = "less than the noise" if after < NO_ERROR else f"{significant(after)} % of the peak"
     factors = ", ".join(f"{mode} {factor:.3g}" for mode, factor in found["modulus_factors"].items())
     modulus = f"It multiplies the modulus at small strain ({factors}). " if factors else ""
     return (
         f"Correction, not cause (class: {kind}): {' and '.join(parts)}. "
         f"It takes the error of parts that were left out, noise taken out, from "
-        f"{significant(before)} to {significant(after)} % of the peak. "
+        f"{significant(before)} % of the peak to {left}. "
         f"It was learned up to {domain}; beyond, it goes on smoothly. "
         f"{modulus}Discriminating experiment: {found['separating_experiment']}."
     )
@@ -226,7 +242,7 @@ def _withheld(verdict: Mapping[str, Any]) -> list[str]:
 def _sizes(effect: Mapping[str, Any]) -> str:
     """Name of an effect with its sizes."""
     sizes = ", ".join(
-        f"{name} {significant(p['value'])} {p['unit']}".removesuffix(" 1")
+        f"{name} {fitted(p['value'])} {p['unit']}".removesuffix(" 1")
         for name, p in effect["parameters"].items()
     )
     return f"`{effect['name']}` ({sizes})"
@@ -239,9 +255,9 @@ def _moduli(verdict: Mapping[str, Any]) -> list[str]:
         [
             [
                 name,
-                significant(before[name]["value"]),
-                significant(after[name]["value"]),
-                f"{significant(after[name]['low'])} to {significant(after[name]['high'])}",
+                fitted(before[name]["value"]),
+                fitted(after[name]["value"]),
+                f"{fitted(after[name]['low'])} to {fitted(after[name]['high'])}",
                 after[name]["unit"],
             ]
             for name in before
@@ -284,7 +300,7 @@ def _path(verdict: Mapping[str, Any]) -> list[str]:
             outcome.append(f"`{step['chosen']}` chosen, evidence {step['evidence']:.0f}{kept}")
         lines.append(
             f"{number}. threshold {step['threshold']:.0f}: {ranking or 'no candidate'} - "
-            f"{'; '.join(outcome) or 'nothing passes'}"
+            f"{'; '.join(outcome) or 'no effect added'}"
         )
     return lines
 

@@ -186,7 +186,24 @@ class Selection:
 
 
 def select(problem: Problem, effects: Sequence[Effect], settings: SelectionSettings) -> Selection:
-    """Find the effects that the records ask for."""
+    """Find the effects that the records ask for.
+
+    Parameters
+    ----------
+    problem : Problem
+        Records of a group, model and noise.
+    effects : sequence of Effect
+        To choose from; those that no record can show are left out.
+    settings : SelectionSettings
+        Of the selection.
+
+    Returns
+    -------
+    Selection
+        Of the likeliest model that the searches came to, penalties included. Searches set out
+        from the plain model and, if their end is likelier by more than the threshold, from
+        another law or from what the model is known to leave out.
+    """
     first = _plain_round(problem)
     library = [e for e in effects if e.identifiable]
     found = signatures(first.current, library)

@@ -5,6 +5,7 @@ from collections.abc import Mapping, Sequence
 from softsample.report.html import written
 from softsample.report.results import Report
 from softsample.report.tables import doubt_of
+from softsample.wording import NO_ERROR
 
 
 def sample_facts(
@@ -52,7 +53,7 @@ def record_fact(record: Report) -> str:
     rate, speed = record.get("sampling_rate_hz"), record.get("ramp_speed_mm_s")
     phases = ", ".join(phase["kind"] for phase in record["phases"])
     return (
-        f"{record['samples']} points{_given(' at {} Hz', rate)}; travel "
+        f"{record['samples']} points{_given(' at {} Hz', rate)}; displacement "
         f"{written(record['travel_mm'])} mm,{_given(' ramp {} mm/s,', speed)} "
         f"peak {written(record['peak_force_N'])} N, noise "
         f"{written(record['force_noise_N'])} N; {phases}"
@@ -119,9 +120,13 @@ def verdict_sentence(verdict: Report) -> str:
     )
     named = f"Effects: {effects}. " if effects else ""
     return (
-        f"{named}Error, noise taken out, of the test with the largest: {written(before)} % of peak "
-        f"before, {written(after)} % after."
+        f"{named}Error, noise taken out, of the test with the largest: {_of_peak(before)} before, "
+        f"{_of_peak(after)} after."
     )
+
+
+def _of_peak(percent: float) -> str:
+    return f"{written(percent)} % of peak" if percent >= NO_ERROR else "less than the noise"
 
 
 def findings_of(fits: Sequence[Report]) -> list[str]:

@@ -28,6 +28,9 @@ WIDE = 10
 EXACT = 12
 """Digits of a setting, as it is in its file."""
 
+NUMBER = r"−?[\d.]+|< ([\d.]+|noise)"
+"""What a cell aligns as a number though it is text."""
+
 UNITS = {
     "pa": "Pa", "mm": "mm", "mm2": "mm²", "mm3": "mm³", "N": "N", "s": "s", "hz": "Hz",
     "deg": "°", "percent": "%", "points": "points",
@@ -154,7 +157,8 @@ def written(value: Any, digits: int = DIGITS) -> str:
 
 
 def _cell(value: Any) -> str:
-    kind = ' class="number"' if isinstance(value, int | float) else ""
+    number = isinstance(value, int | float) or re.fullmatch(NUMBER, str(value))
+    kind = ' class="number"' if number else ""
     return f"<td{kind}>{escape(written(value))}</td>"
 
 

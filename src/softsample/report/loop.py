@@ -1,6 +1,6 @@
 """Verdicts of all groups as tables."""
 
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from typing import Any
 
 import numpy as np
@@ -26,7 +26,8 @@ def verdict_table(verdicts: Verdicts) -> pd.DataFrame:
         apart joined by ``|``, effects by ``; ``), `evidence`; `mu_before_pa`, `mu_after_pa`, 90 %
         interval; `error_before_percent`, `error_after_percent`: root mean square over the tests of
         the structured error [% of peak]; `held_out_before_percent`, `held_out_after_percent`: its
-        median over folds and tests, missing where there are no folds.
+        median over folds and tests, `held_out_worst_before_percent` and `..._after_percent` the
+        largest, missing where there are no folds.
     """
     rows = []
     for (group, geometry), verdict in verdicts.items():
@@ -45,7 +46,8 @@ def verdict_table(verdicts: Verdicts) -> pd.DataFrame:
                 "mu_after_high_pa": after["high"],
                 **{f"error_{when}_percent": _whole(verdict, when) for when in ("before", "after")},
                 **{
-                    f"held_out_{when}_percent": _held_out(verdict, when)
+                    f"held_out_{name}{when}_percent": _held_out(verdict, when, of)
+                    for name, of in (("", np.median), ("worst_", np.max))
                     for when in ("before", "after")
                 },
             }
@@ -58,10 +60,10 @@ def _whole(verdict: Mapping[str, Any], when: str) -> float:
     return root_mean_square(parts)
 
 
-def _held_out(verdict: Mapping[str, Any], when: str) -> float:
+def _held_out(verdict: Mapping[str, Any], when: str, of: Callable[[list[float]], Any]) -> float:
     folds = verdict[f"held_out_{when}"].values()
     parts = [test["rms_percent_structured"] for fold in folds for test in fold.values()]
-    return float(np.median(parts)) if parts else float("nan")
+    return float(of(parts)) if parts else float("nan")
 
 
 def error_table(verdicts: Verdicts) -> pd.DataFrame:

@@ -21,7 +21,8 @@ from softsample.report.html import (
 )
 from softsample.report.results import Report, brief
 from softsample.report.scene import Shape, scene
-from softsample.report.tables import moduli_shown
+from softsample.report.tables import intervals_shown, table_shown
+from softsample.wording import verdict_words
 
 """Content of a result file in JSON."""
 
@@ -119,7 +120,7 @@ class StudyReport:
         real = any(geometry == "real" for _, geometry in self.runs)
         return render_report(
             template,
-            cards=brief(document),
+            cards=[card | {"verdict": verdict_words(card["verdict"])} for card in brief(document)],
             real=real,
             summary=self._caption("workflow" if real else "workflow_ideal"),
             tables=[self._table(path, frame) for path, frame in tables.items()],
@@ -175,7 +176,7 @@ class StudyReport:
         group_of = {name: row["group"] for name, row in self.rows.items()}
         return {
             "name": path.stem,
-            "frame": moduli_shown(
+            "frame": table_shown(
                 path.stem, frame, self.intervals, group_of, self.config["uncertainty"]["confidence"]
             ),
             "caption": self._caption(path.stem),
@@ -217,8 +218,11 @@ class StudyReport:
             "samples": [self._sample(member) for member in members],
             "real": "real" in of_piece(self.runs, self.piece_of[members[0]]),
             "findings": findings_of([fit for fit in self.fits if fit["group"] == name]),
-            "moduli": self.intervals[self.intervals["group"] == name].drop(columns="group"),
-            "verdict": verdict["verdict"],
+            "moduli": intervals_shown(
+                self.intervals[self.intervals["group"] == name],
+                self.config["uncertainty"]["confidence"],
+            ).drop(columns="group"),
+            "verdict": verdict_words(verdict["verdict"]),
             "saying": verdict_sentence(verdict),
             "page": markdown(page, {"verdict.png": self.verdict_plots[name]}),
         }

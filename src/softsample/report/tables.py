@@ -6,7 +6,7 @@ S. Arzemanzadeh, K. Miller, A. Wittek, On the validity of using idealised sample
 interpreting mechanical tests of very soft tissues: tables 1 and 2, section 3.1.
 """
 
-from collections.abc import Iterable, Mapping
+from collections.abc import Callable, Iterable, Mapping
 from typing import Any
 
 import numpy as np
@@ -15,7 +15,9 @@ from scipy.stats import t as student_t
 
 from softsample.errors import InputError
 from softsample.protocol import loading
+from softsample.report.intervals import FLOOR, MEASURED
 from softsample.report.page import with_interval
+from softsample.wording import significant, structured, true_minus
 
 GEOMETRIES = ("real", "ideal")
 TWO_TERM, ONE_TERM = "ogden2", "ogden1"
@@ -30,6 +32,9 @@ MOST = 3
 
 NO_REAL = "not all samples have an image or a surface: moduli of the ideal shape, bias not known"
 """Note of a group whose samples' true shape is not known."""
+
+LEAST_CHANGE = 0.01
+"""Changes [%] below this are told as smaller."""
 
 LEVEL = 0.90
 """Level of the intervals of means."""
@@ -143,21 +148,21 @@ def _moduli_row(pair: Mapping[str, Mapping[str, Any]], model: str) -> dict[str, 
     }
 
 
-def moduli_shown(
+def table_shown(
     name: str,
     table: pd.DataFrame,
     intervals: pd.DataFrame,
     groups: Mapping[str, str],
     confidence: float,
 ) -> pd.DataFrame:
-    """What the report shows of a table: of those of moduli seven columns, of others all.
+    """What the report shows of a table: of moduli and intervals what a reader quotes, else all.
 
     Parameters
     ----------
     name
         `table1`, `table2` or another.
     table
-        As saved, see `moduli_table`.
+        As saved.
     intervals
         `intervals.csv`: intervals by group, geometry, model and modulus.
     groups
@@ -168,10 +173,18 @@ def moduli_shown(
     Returns
     -------
     DataFrame
-        Group, modulus of the best known geometry with its interval, what to know of it, mode,
-        modulus of the ideal shape, difference, and the paper's.
+        Of `table1` and `table2`: group, modulus of the best known geometry with its interval, what
+        to know of it, mode, modulus of the ideal shape, difference, and the paper's. Of
+        `intervals` see `intervals_shown`. Errors that the noise explains say so, and changes below
+        `LEAST_CHANGE` are given as that.
     """
     model = {f"table{number}": model for model, number in PAPER_TABLE.items()}.get(name)
+    if name == "intervals":
+        return intervals_shown(table, confidence)
+    if name in WORDED:
+        columns, worded = WORDED[name]
+        told = table.filter(regex=columns).map(worded, na_action="ignore")
+        return table.assign(**{str(column): told[column] for column in told})
     if model is None:
         return table
     of = intervals.query("model == @model and modulus == 'mu'").set_index(["group", "geometry"])
@@ -192,6 +205,38 @@ def moduli_shown(
     )
     more = ["mu_ideal_pa", "difference_percent", "paper_difference_percent"] if real else []
     return shown.join(table[more])
+
+
+def intervals_shown(table: pd.DataFrame, confidence: float) -> pd.DataFrame:
+    """Of `intervals.csv`, mu with its interval and the two largest of its terms, a row a fit."""
+    terms = {f"{term}_percent": term.replace("_", " ") for term in MEASURED + FLOOR}
+    mu = table[table["modulus"] == "mu"].reset_index(drop=True)
+    largest = [
+        ", ".join(
+            f"{terms[str(key)]} {significant(part)} %"
+            for key, part in sorted(row.items(), key=lambda term: -term[1])[:2]
+        )
+        for row in mu[list(terms)].fillna(0.0).to_dict("records")
+    ]
+    ends = zip(mu["value_pa"], mu["low_pa"], mu["high_pa"], strict=True)
+    return mu[["group", "geometry", "model"]].assign(
+        **{f"mu_with_{100.0 * confidence:g}_%_interval_pa": [with_interval(*one) for one in ends]},
+        largest_terms=largest,
+    )
+
+
+def _change(percent: float) -> str:
+    """A change in percent, for people."""
+    if abs(percent) < LEAST_CHANGE:
+        return f"< {LEAST_CHANGE:g}"
+    return true_minus(significant(percent))
+
+
+WORDED: Mapping[str, tuple[str, Callable[[float], str]]] = {
+    "sensitivity": ("_percent", _change),
+    "loop": ("^(error|held_out)_", structured),
+}
+"""Columns of tables, as a pattern, whose smallest values the report gives in words."""
 
 
 def _beside_paper(table: pd.DataFrame, model: str, paper: pd.DataFrame | None) -> pd.DataFrame:

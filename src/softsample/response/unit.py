@@ -210,7 +210,7 @@ def check_stands(run: Run) -> None:
         place = 1e3 * run.displacement[run.force[: fall.argmax()].argmax()]
         raise TooFarError(
             f"the force falls by {100.0 * fall.max():.0f} % of its peak beyond {place:.2f} mm of "
-            "travel: elements give way; use smaller elements, or a shorter part of the record"
+            "displacement: elements give way; use smaller elements, or a shorter part of the record"
         )
 
 

@@ -105,13 +105,20 @@ class Effect:
     like_floor : bool
         Whether errors of geometry, mesh and element type may lie along it, where no record can
         show them: only what exceeds their stated sizes is evidence for it.
-    travel, compliance, heights, elastic, tissue, contact, instrument, crosstalk : callable
-        What it does at each stage, if anything, by the values of its parameters. Of a travel (n,)
-        [m] another one; compliance of what holds the sample [m/N]; depths [m] at which parts of
-        the face lie, and these parts; of modulus fraction and travel what is added to the elastic
-        force per modulus (n,) [m2]; of a force and the travel another force (n,) [N], of tissue,
-        contact and instrument; of the force along the displacement what the reading of a normal
-        force has of it (n,) [N].
+    travel : callable, optional
+        Displacement (n,) [m] that reaches the sample, of one of the platen. This and those below
+        are what it does at each stage, by a specimen and the values of its parameters.
+    compliance : callable, optional
+        Compliance of what holds the sample [m/N].
+    heights : callable, optional
+        Depths [m] at which parts of the face lie, and these parts of the whole.
+    elastic : callable, optional
+        What is added to the elastic force per modulus (n,) [m2], of modulus fraction and travel.
+    tissue, contact, instrument : callable, optional
+        Force (n,) [N] that the tissue's history, what platen and grips pass on, and the
+        instrument make of a force (n,) [N] and the travel (n,) [m].
+    crosstalk : callable, optional
+        Part of the force (n,) [N] along the displacement that the reading of a normal force has.
     """
 
     name: str

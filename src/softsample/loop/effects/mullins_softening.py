@@ -22,6 +22,6 @@ EFFECT = Effect(
     source="Ogden, Roxburgh, Proc. R. Soc. A 455 (1999) 2861, doi:10.1098/rspa.1999.0431",
     signature="ramp and hold untouched, unloading low, back to nothing at the maximum",
     confused_with=("viscoelastic_relaxation", "backlash", "bond_peel"),
-    experiment="a second cycle to a larger travel, and a second rate",
+    experiment="a second cycle to a larger displacement, and a second rate",
     tissue=_tissue,
 )

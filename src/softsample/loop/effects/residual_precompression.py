@@ -20,8 +20,8 @@ EFFECT = Effect(
     parameters=(Parameter("d_mm", "mm", 0.0, 1.0, 0.3),),
     source="Zhang et al., Adv. Mech. Eng. 10 (2018), doi:10.1177/1687814018795045; for shear own "
     "runs that start from a compression of 0.3 mm",
-    signature="compression steeper, tension softer at the start, no force at zero travel; shear "
-    "scaled by a few percent",
+    signature="compression steeper, tension softer at the start, no force at zero displacement; "
+    "shear scaled by a few percent",
     confused_with=("anisotropy", "poisson_ratio", "displacement_zero"),
     experiment="record the force during pre-load and rest; shear before and after",
     elastic=_elastic,

@@ -314,16 +314,24 @@ def verdicts_of_others(kind):
     ]
 
 
-def ends_of_others(wildcards):
-    """Input function: verdicts that tell what the platens do to ends that are open."""
+def open_others_of(group):
+    """Other groups of open ends, which tell what the platens do to those of the group."""
     open_ends = [
-        group for group in GROUPS if any(has_open_ends(SAMPLES[name]) for name in samples_of(group))
+        name for name in GROUPS if any(has_open_ends(SAMPLES[part]) for part in samples_of(name))
     ]
-    return [
-        f"<results>/loop/{name}/alone/verdict.json"
-        for name in open_ends
-        if wildcards.group in open_ends and name != wildcards.group
-    ]
+    return [name for name in open_ends if group in open_ends and name != group]
+
+
+def ends_of_others(wildcards):
+    """Input function: verdicts of these groups."""
+    others = open_others_of(wildcards.group)
+    return [f"<results>/loop/{name}/alone/verdict.json" for name in others]
+
+
+def pools(group):
+    """Whether the verdict of a group takes files of other groups."""
+    alike = [name for name in GROUPS if PLAN.best(name) == PLAN.best(group)]
+    return bool(open_others_of(group)) or (LEAVE_OUT == "group" and len(alike) > 1)
 
 
 def folds_of(group):

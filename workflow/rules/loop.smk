@@ -17,9 +17,19 @@ OF_DIAGNOSES = {
     "bonded": bonded_by_rule,
     "folds": lambda wildcards: folds_of(wildcards.group),
     "leave_out": LEAVE_OUT,
+    "others": {},
     "loop": config["loop"],
 }
-BY_ITSELF = {**OF_DIAGNOSES, "others": {}, "leave_out": None}
+BY_ITSELF = {**OF_DIAGNOSES, "leave_out": None}
+
+
+# Of the real shape, beside those of the idealised one.
+REAL_RESPONSES = {
+    "real": of_diagnosed("<results>/curves/{sample}/real/ogden2.csv", of=piece_of),
+    "sliding_real": of_sliding("<results>/curves/{sample}/real/ogden2{ends}.csv"),
+}
+# Groups whose verdict takes files of others.
+POOLED = list(filter(pools, GROUPS))
 
 
 rule perturbations:
@@ -65,9 +75,6 @@ rule diagnose:
     input:
         **responses(),
         bonds=bonds,
-        whole=verdicts_of_others("whole"),
-        alone=verdicts_of_others("alone"),
-        ends_of_others=ends_of_others,
         code=library("workflow/scripts/diagnose.py"),
     output:
         verdict="<results>/loop/{group}/verdict.json",
@@ -80,7 +87,6 @@ rule diagnose:
         "<benchmarks>/diagnose/{group}.tsv"
     params:
         **OF_DIAGNOSES,
-        others=lambda wildcards: others_of(wildcards.group),
         hold_out=HOLD_OUT,
     message:
         "Diagnose the residual: group {wildcards.group}"
@@ -134,9 +140,7 @@ use rule diagnose as diagnose_whole with:
 use rule diagnose as diagnose_ideal with:
     input:
         **responses("ideal"),
-        real=of_diagnosed("<results>/curves/{sample}/real/ogden2.csv", of=piece_of),
-        sliding_real=of_sliding("<results>/curves/{sample}/real/ogden2{ends}.csv"),
-        ends_of_others=ends_of_others,
+        **REAL_RESPONSES,
         code=library("workflow/scripts/diagnose.py"),
     output:
         verdict="<results>/loop/{group}/ideal/verdict.json",
@@ -149,10 +153,40 @@ use rule diagnose as diagnose_ideal with:
         "<benchmarks>/diagnose/{group}_ideal.tsv"
     params:
         **OF_DIAGNOSES,
-        others={},
         hold_out=HOLD_OUT,
     message:
         "Diagnose the residual of the idealised shape: group {wildcards.group}"
+
+
+# Verdicts that take files of other groups: rules of their own, since a cluster's profile makes one
+# job of all that a group needs.
+if POOLED:
+
+    use rule diagnose as diagnose_pooled with:
+        input:
+            **responses(),
+            bonds=bonds,
+            whole=verdicts_of_others("whole"),
+            alone=verdicts_of_others("alone"),
+            ends_of_others=ends_of_others,
+            code=library("workflow/scripts/diagnose.py"),
+        wildcard_constraints:
+            group="|".join(POOLED),
+        params:
+            **{**OF_DIAGNOSES, "others": lambda wildcards: others_of(wildcards.group)},
+            hold_out=HOLD_OUT,
+
+    use rule diagnose_ideal as diagnose_ideal_pooled with:
+        input:
+            **responses("ideal"),
+            **REAL_RESPONSES,
+            ends_of_others=ends_of_others,
+            code=library("workflow/scripts/diagnose.py"),
+        wildcard_constraints:
+            group="|".join(POOLED),
+
+    ruleorder: diagnose_pooled > diagnose
+    ruleorder: diagnose_ideal_pooled > diagnose_ideal
 
 
 VERDICTS = {

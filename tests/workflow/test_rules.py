@@ -454,8 +454,10 @@ def test_after_a_failure_the_report_holds_the_groups_that_came_through(project):
     for own in table[:2]:
         finish(*own)
 
+    finished = ("report={groups: finished}",)
+
     def partial():
-        return project.run("reported", *DRY, SOFTSAMPLE_PARTIAL="1")[1]
+        return project.run("reported", *DRY, config=finished)[1]
 
     assert jobs(project.run("reported", *DRY)[1])["check_inputs"] == 3
     assert jobs(partial())["check_inputs"] == 2
@@ -472,7 +474,7 @@ def test_after_a_failure_the_report_holds_the_groups_that_came_through(project):
     assert "no group of samples came through" in partial()
     finish(*table[2])
     (project.results / "logs/segment/A.log").write_text(f"{STARTED}\n{FAILED}the image\n")
-    status, text = project.run(str(checked(project, "C")), SOFTSAMPLE_PARTIAL="1")
+    status, text = project.run(str(checked(project, "C")), config=finished)
     assert status == 0, text
     assert "\nLeft out: A, B\n  segment/A: the image\n" in text
 

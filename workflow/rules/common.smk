@@ -161,6 +161,22 @@ def image_files(column, sample, geometry="real"):
     return [ancient(file) if os.path.isdir(file) else file for file in found]
 
 
+def responses(**fixed):
+    """What a diagnosis predicts records with, on the best geometry if none is fixed."""
+    curves, changes = "<results>/curves/{piece}/{geometry}", "<results>/loop/perturbations/{piece}"
+    return {
+        "curves": each(PLAN.diagnosed, f"{curves}/ogden2.csv", **fixed),
+        "perturbations": each(PLAN.diagnosed, f"{changes}_{{geometry}}.csv", **fixed),
+        "sliding_curves": each(PLAN.diagnosed_open, f"{curves}/ogden2{{ends}}.csv", **fixed),
+        "sliding_perturbations": each(
+            PLAN.diagnosed_open, f"{changes}_{{geometry}}{{ends}}.csv", **fixed
+        ),
+        "fit": of(FILES.calibration_of_group, **fixed),
+        "records": each(PLAN.diagnosed, "<results>/records/{sample}.csv"),
+        "cuboids": each(PLAN.diagnosed, "<results>/cuboid/{piece}.json"),
+    }
+
+
 def of_alike(*files):
     """Input function: files that rest on samples of known shape, bonded, each tested once."""
 

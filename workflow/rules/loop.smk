@@ -23,22 +23,6 @@ OF_DIAGNOSES = {
 BY_ITSELF = {**OF_DIAGNOSES, "leave_out": None}
 
 
-def responses(**fixed):
-    """What a diagnosis predicts records with, on the best geometry if none is fixed."""
-    curves, changes = "<results>/curves/{piece}/{geometry}", "<results>/loop/perturbations/{piece}"
-    return {
-        "curves": each(PLAN.diagnosed, f"{curves}/ogden2.csv", **fixed),
-        "perturbations": each(PLAN.diagnosed, f"{changes}_{{geometry}}.csv", **fixed),
-        "sliding_curves": each(PLAN.diagnosed_open, f"{curves}/ogden2{{ends}}.csv", **fixed),
-        "sliding_perturbations": each(
-            PLAN.diagnosed_open, f"{changes}_{{geometry}}{{ends}}.csv", **fixed
-        ),
-        "fit": of(FILES.calibration_of_group, **fixed),
-        "records": each(PLAN.diagnosed, "<results>/records/{sample}.csv"),
-        "cuboids": each(PLAN.diagnosed, "<results>/cuboid/{piece}.json"),
-    }
-
-
 # What a diagnosis reads: of the nearest geometry, or of the ideal shape beside the real one.
 OF_BEST = {
     **responses(),

@@ -33,9 +33,9 @@ report: "workflow/report/workflow.rst"
 rule all:
     default_target: True
     input:
-        tables(),
-        figures(),
-        pictures(),
+        FILES.tables,
+        FILES.figures,
+        FILES.pictures,
         "<results>/report.html",
         "<results>/results.json",
         "<results>/checks/passed.json",
@@ -46,8 +46,8 @@ rule all:
 
 rule reported:
     input:
-        tables(),
-        figures(),
+        FILES.tables,
+        FILES.figures,
         "<results>/report.html",
         "<results>/results.json",
     message:
@@ -60,7 +60,7 @@ for sample_id in SAMPLES:
         name:
             f"sample_{sample_id}"
         input:
-            everything_of(sample_id),
+            FILES.of_sample(sample_id),
         message:
             f"Sample {sample_id} and its group are complete"
 
@@ -68,7 +68,7 @@ for sample_id in SAMPLES:
         name:
             f"export_{sample_id}"
         input:
-            exports_of(sample_id),
+            FILES.exports(sample_id),
         message:
             f"Sample {sample_id} is exported for other programs"
 

@@ -126,31 +126,39 @@ def simulation_checks(
 
 
 def calibration_checks(fits: Iterable[Report]) -> list[dict[str, Any]]:
-    """Checks of every calibration of one group: that it converged, and how many bounds it met.
+    """Checks of every calibration of one group: that it converged."""
+    return [
+        check(f"optimiser converged ({_fitted(fit)})", float(fit["converged"]), 1.0, "==")
+        for fit in fits
+    ]
 
-    An optimum on a bound is a finding, not a fault: a model that cannot follow the record with
-    admissible moduli (mu_i >= 0) ends there. It passes with a warning, and the fit's report says
-    what it means.
+
+def calibration_findings(fits: Iterable[Report]) -> list[str]:
+    """What calibrations that ended on a bound say of their data: a finding, not a fault.
+
+    A model that cannot follow the record with admissible moduli (mu_i >= 0) ends there.
     """
-    checks = []
-    for fit in fits:
-        where, active = f"{fit['geometry']}, {fit['model']}", list(fit["active_bounds"])
-        checks.append(
-            check(f"active bounds ({where})", len(active), len(active), warn_above=0)
-            | {"active_bounds": active}
-        )
-        converged = float(fit["converged"])
-        checks.append(check(f"optimiser converged ({where})", converged, 1.0, "=="))
-    return checks
+    return [f"{_fitted(fit)}: {fit['finding']}" for fit in fits if fit["finding"]]
+
+
+def _fitted(fit: Report) -> str:
+    """Geometry and model of a calibration."""
+    return f"{fit['geometry']}, {fit['model']}"
+
+
+def checked(checks: Sequence[Report], findings: Sequence[str] = ()) -> dict[str, Any]:
+    """Report of some checks: whether all `passed`, `checks`, and `findings` to look at."""
+    passed = all(item["passed"] for item in checks)
+    return {"passed": passed, "checks": checks, "findings": findings}
 
 
 def gather(reports: Mapping[str, Report]) -> dict[str, Any]:
-    """Number of checks and the tightest value of each, if all of them passed.
+    """Number of checks and the tightest value of each, if all of them passed; what to look at.
 
     Parameters
     ----------
     reports
-        Check reports by name of what was checked.
+        Reports (`checked`) by name of what was checked.
 
     Raises
     ------
@@ -181,4 +189,5 @@ def gather(reports: Mapping[str, Report]) -> dict[str, Any]:
     warnings = [
         f"{where}: {item['name']} is {item['value']:.4g}" for where, item in every if item["warned"]
     ]
+    warnings += [f"{at}: {told}" for at, report in reports.items() for told in report["findings"]]
     return {"passed": True, "checks": len(every), "worst": worst, "warnings": warnings}

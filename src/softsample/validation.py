@@ -69,11 +69,19 @@ def modelled_ends(row: Mapping[str, str]) -> str | float | Indenter:
     return "bonded" if has_open_ends(row) else ends_of(row)
 
 
+def axes_of(row: Mapping[str, str]) -> dict[str, str]:
+    """Image world axes of loading and shear."""
+    return {name: row.get(name, default) for name, default in DEFAULT_AXES.items()}
+
+
+def shape_cells(row: Mapping[str, str]) -> dict[str, str]:
+    """Cells of a row about its idealised shape."""
+    return {name: row[name] for name in ("shape", *ANY_DIMENSION) if name in row}
+
+
 def stated_shape(row: Mapping[str, str]) -> dict[str, str]:
     """Cells that state shape and dimensions of a row; none if its geometry is measured."""
-    if "image" in row or "surface" in row:
-        return {}
-    return {name: row[name] for name in ("shape", *ANY_DIMENSION) if name in row}
+    return {} if "image" in row or "surface" in row else shape_cells(row)
 
 
 def overlaid(base: Mapping[str, Any], own: Mapping[str, Any]) -> dict[str, Any]:

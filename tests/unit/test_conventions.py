@@ -1,5 +1,6 @@
 """Files that other programs read: versions agree, and commands are those that there are."""
 
+import itertools
 import json
 import re
 import subprocess
@@ -28,14 +29,26 @@ def test_versions_and_titles_agree():
     assert names == [a["family-names"] for a in citation["references"][0]["authors"]]
 
 
-def test_continuous_integration_calls_what_make_knows():
-    jobs = yaml.safe_load((ROOT / ".github/workflows/tests.yml").read_text(encoding="utf-8"))[
-        "jobs"
-    ]
-    commands = [step["run"] for job in jobs.values() for step in job["steps"] if "run" in step]
-    called = {c.split()[1] for c in commands if c.startswith("make ")}
-    assert called >= {"check", "test", "study", "site"}
+def test_continuous_integration_calls_what_make_knows_on_the_systems_that_are_promised():
+    text = (ROOT / ".github/workflows/tests.yml").read_text(encoding="utf-8")
+    found = yaml.safe_load(text)
+    assert {"push", "pull_request", "schedule", "workflow_dispatch"} == set(found[True])  # on:
+    called, systems = set(), set()
+    for job in found["jobs"].values():
+        assert set(job) <= {"if", "runs-on", "timeout-minutes", "strategy", "steps"}
+        matrix = job.get("strategy", {}).get("matrix", {})
+        assert set(re.findall(r"matrix\.(\w+)", yaml.dump(job))) == set(matrix)
+        for values in itertools.product(*matrix.values()):
+            words = yaml.dump(job)
+            for name, value in zip(matrix, values, strict=True):
+                words = words.replace(f"${{{{ matrix.{name} }}}}", value)
+            called |= set(re.findall(r"\bmake ([a-z][\w-]*)", words)) - {"coreutils"}
+            systems |= set(re.findall(r"runs-on: (\w+)", words))
+        for step in job["steps"]:
+            assert set(step) in ({"uses"}, {"uses", "with"}, {"run"}, {"if", "run"})
+    assert called >= {"check", "test", "test-study", "test-long", "study", "site"}
     assert called <= targets()
+    assert systems == {"ubuntu", "macos"}
 
 
 def test_the_container_builds_the_environment_of_the_lock_and_runs_the_program():

@@ -1,6 +1,6 @@
 import pytest
 
-from softsample.costs import cost_table, job_costs
+from softsample.costs import cost_table, job_costs, mesh_memory_mb, mesh_runtime_min
 from softsample.errors import InputError
 from softsample.workflow import FINISHED
 
@@ -25,3 +25,12 @@ def test_costs_are_summed_by_kind_and_failed_jobs_left_out(tmp_path):
 def test_a_study_that_has_not_run_is_refused(tmp_path):
     with pytest.raises(InputError, match="no costs of jobs; run the study first"):
         job_costs(tmp_path)
+
+
+@pytest.mark.parametrize(
+    ("size", "memory", "minutes"), [(1.0, 800, 5), (0.5, 800, 5), (0.25, 400 + 3200, 80)]
+)
+def test_smaller_elements_and_a_second_attempt_ask_for_more(size, memory, minutes):
+    for attempt in (1, 2):
+        assert mesh_memory_mb(size, attempt) == attempt * memory
+        assert mesh_runtime_min(size, attempt) == attempt * minutes

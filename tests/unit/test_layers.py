@@ -36,6 +36,7 @@ ALLOWED = {
     "workflow": {"errors", "files", "progress"},
     "manifest": {"errors", "files"},
     "costs": {"errors", "workflow"},
+    "dependencies": {"workflow"},
     "formats": {"errors", "files"},
     "io": {"errors", "files", "formats", "meshing", "records"},
     "fem": {"errors", "meshing", "constitutive", "protocol", "shapes"},
@@ -59,7 +60,7 @@ ALLOWED = {
     "figures": {"files", "loop", "meshing", "protocol", "report", "shapes", "wording"},
     "study": {
         "errors", "formats", "holdout", "images", "imaging", "io", "meshing", "plausibility",
-        "protocol", "records", "shapes", "validation",
+        "protocol", "records", "response", "shapes", "validation",
     },
     "measured": {"errors", "figures", "files", "io", "report", "study"},
     "from_files": {

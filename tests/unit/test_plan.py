@@ -44,7 +44,7 @@ def test_equal_pieces_share_what_the_first_has():
     plan = mixed()
     assert plan.pieces == ["T1", "C1", "S", "A1", "A3", "A4", "B1"]  # +z is the default
     assert plan.piece_of["A2"] == "A1"
-    assert plan.records_of("A1") == ["A1", "A2"]
+    assert plan.same_piece("A1") == ["A1", "A2"]
     assert plan.pieces_of("A") == ["A1", "A3", "A4"]  # other mode, other ends
     assert plan.piece_of["B1"] == "B1"  # another group is another material
 
@@ -77,9 +77,11 @@ def test_one_term_is_calibrated_on_compression_alone():
 
 
 def test_a_model_of_held_out_samples_alone_is_not_calibrated():
-    rows = mixed().rows
-    assert Plan(rows, frozenset({"C1"})).models("TC1") == ["ogden2"]
-    assert Plan(rows, frozenset({"A1", "A2"})).models("A") == ["ogden2", "ogden1"]  # A4 is left
+    rows = {name: {**row, "sample": name} for name, row in mixed().rows.items()}
+    assert Plan(rows, [{"sample": "C1"}]).models("TC1") == ["ogden2"]
+    held = Plan(rows, [{"sample": ["A1", "A2"]}, {"sample": "S", "strain_above": 0.1}])
+    assert held.held_out == {"A1", "A2"}
+    assert held.models("A") == ["ogden2", "ogden1"]  # A4 is left
 
 
 def test_curves_are_those_of_pieces_on_their_geometries():
@@ -108,6 +110,84 @@ def test_examples_are_pieces():
     assert plan.examples({"shear": "C1"})["shear"] == "S"  # C1 is no test in shear
 
 
+def test_figure_2_shows_the_compression_example_or_what_has_an_image():
+    plan = mixed()
+    assert plan.shown(plan.examples({})) == "C1"
+    one = Plan({"a": row("A", "compression", **CUBOID), "b": row("B", "shear", image="b.nii")})
+    assert one.shown(one.examples({})) == "b"
+    none = Plan({"a": row("A", "shear", **CUBOID), "b": row("B", "compression", **CUBOID)})
+    assert none.shown(none.examples({})) == "b"
+
+
+def test_names_that_are_not_there_are_refused_with_those_that_are():
+    plan = mixed()
+    for ask, message in (
+        (plan.row, "no sample 'Z' in the table; there are T1, C1, S"),
+        (plan.same_piece, "no sample 'Z'"),
+        (plan.geometries, "no sample 'Z'"),
+        (plan.samples_of, "no group 'Z' in the table; there are TC1, S, A, B"),
+        (plan.diagnosed, "no group 'Z'"),
+        (plan.others, "no group 'Z'"),
+    ):
+        with pytest.raises(InputError, match=message):
+            ask("Z")
+
+
+def animals(number, **cells):
+    """Compression and tension of as many animals, and one of known shape."""
+    rows = {f"I{end}": row("I", "tension", image=f"{end}.nii") for end in "12"}
+    for k in range(number):
+        for mode in ("compression", "tension"):
+            rows[f"{mode[0]}{k}"] = row(f"G{k}", mode, **CUBOID, **cells)
+    return {name: {**cells, "sample": name} for name, cells in rows.items()}
+
+
+def test_a_verdict_takes_files_of_groups_that_are_left_out_or_whose_ends_are_open():
+    rows = animals(2)
+    assert Plan(rows).pooled == Plan(rows, leave_out="mode").pooled == []
+    left_out = Plan(rows, leave_out="group")
+    assert left_out.pooled == ["G0", "G1"]  # the shape of I is known better: another bias
+    assert left_out.diagnosed("G0") == ["c0", "t0", "c1", "t1"]
+    assert left_out.diagnosed("I") == ["I1", "I2"]
+    opened = Plan(animals(2, ends="unknown"))
+    assert opened.pooled == ["G0", "G1"]
+    assert opened.open_others("G0") == ["G1"]
+    assert opened.open_others("I") == []
+    assert opened.diagnosed_open("G0") == ["c0", "t0"]
+    assert opened.diagnosed_open("I") == []
+
+
+def test_others_tell_of_a_group_whose_records_are_held_out_if_they_are_enough():
+    held = [{"strain_above": 0.15}]
+    few, enough = (Plan(animals(n), held, "group") for n in (3, 4))
+    assert few.others("G0") == {}
+    assert enough.others("G0") == {f"G{k}": [f"c{k}", f"t{k}"] for k in (1, 2, 3)}
+    assert enough.others("I") == {}
+    assert few.folds("G0") == {"leave_out_G0": ["c0", "t0"]}
+    assert enough.folds("G0") == {}
+    assert Plan(animals(1), leave_out="mode").folds("G0") == {
+        "leave_out_compression": ["c0"], "leave_out_tension": ["t0"]
+    }  # fmt: skip
+    assert Plan(animals(1), leave_out="mode").folds("I") == Plan(animals(1)).folds("G0") == {}
+
+
+def test_sliding_ideal_shapes_need_no_run_and_other_pieces_do():
+    plan = mixed()
+    assert plan.has_closed_form("A4", "ideal")
+    assert not plan.has_closed_form("A1", "ideal")
+    assert plan.has_closed_form("A1", "ideal", "sliding")
+    assert not plan.has_closed_form("A4", "real")
+    assert plan.simulated("A") == ["A1", "A3"]
+    assert (plan.coarsening(2, "A4", "ideal"), plan.coarsening(2, "A1", "ideal")) == (4, 2)
+
+
+def test_a_diagnosis_is_told_whose_top_is_bonded_by_a_rule():
+    plan = mixed()
+    assert plan.bonded_by_rule("TC1") == [True, False]
+    assert plan.diagnosed_bonded("TC1") == plan.bonded_of("TC1") == ["T1"]
+    assert not any(plan.bonded_by_rule("A"))
+
+
 def test_the_ideal_shape_in_words():
     assert mixed().ideal_shape == "cuboid or cylinder"
     assert Plan({"a": row("G", "shear", image="a.nii")}).ideal_shape == "cuboid"
@@ -133,3 +213,5 @@ def test_experiments_on_shape_need_known_bonded_shapes_each_tested_once():
     ):
         with pytest.raises(InputError, match=what):
             Plan({**whole, "X": other}).check_alike()
+    with pytest.raises(InputError, match="whole records"):
+        Plan(whole, [{"strain_above": 0.2}]).check_alike()

@@ -16,6 +16,7 @@ from softsample.__main__ import main
 from softsample.io import read_samples, write_surface
 from softsample.meshing.cuboid import mesh_cuboid
 from softsample.meshing.surface import TriangleSurface
+from softsample.study import run
 from softsample.study.check import check_study, each_cure_once
 
 ROOT = Path(__file__).resolve().parents[2]
@@ -421,3 +422,19 @@ def test_a_reader_that_has_seen_enough_is_no_error(study):
     command = f"{sys.executable} -m softsample check '{study}' | true; echo ${{PIPESTATUS[0]}}"
     done = subprocess.run(["bash", "-c", command], capture_output=True, text=True, check=False)
     assert (done.stderr, done.stdout) == ("", "141\n")
+
+
+@pytest.mark.parametrize("own", [False, True])
+def test_after_a_run_with_failures_the_finished_groups_are_reported(own, tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    (tmp_path / "samples.tsv").touch()
+    called = []
+    statuses = iter([1, 0])
+    monkeypatch.setattr(run, "_call", lambda words: called.append(words) or next(statuses))
+    assert run.run_study(tmp_path if own else None) == 1
+    first, second = called
+    assert "reported" in second
+    assert "reported" not in first
+    settings = second[second.index("--config") + 1 :]
+    given = [f"samples={tmp_path}/samples.tsv", f"results={tmp_path}/results"] if own else []
+    assert settings == [*given, "report={groups: finished}"]

@@ -58,17 +58,60 @@ def test_dry_run_plans_the_whole_study(config, tmp_path):
     assert "compare_with_truth" not in planned
 
 
+def on_a_cluster(tmp_path, *files, **settings):
+    """A dry run with the profile of the cluster."""
+    entries = [f"{key}={value}" for key, value in {"results": tmp_path / "out", **settings}.items()]
+    profile = ("--workflow-profile", "workflow/profiles/slurm")
+    options = ("--configfile", *files) if files else ()
+    status, text = dry_run(*profile, *options, "--config", *entries)
+    assert status == 0, text
+    return text
+
+
+def ungrouped(text):
+    """Rules of a dry run that have no group."""
+    profile = yaml.safe_load((ROOT / "workflow/profiles/slurm/config.yaml").read_text())
+    return set(jobs(text)) - {"all", "total"} - set(profile["groups"])
+
+
 def test_on_a_cluster_every_job_of_a_study_has_a_group_and_what_it_needs(tmp_path):
     profile = yaml.safe_load((ROOT / "workflow/profiles/slurm/config.yaml").read_text())
     assert set(profile["default-resources"]) == {"mem_mb", "runtime"}
     usual = yaml.safe_load((ROOT / "workflow/profiles/default/config.yaml").read_text())
     assert {name: profile[name] for name in usual} == usual
-    status, text = dry_run(
-        "--workflow-profile", "workflow/profiles/slurm", "--config", f"results={tmp_path / 'out'}"
-    )  # fmt: skip
-    assert status == 0, text
-    alone = {"all", "total"}
-    assert set(jobs(text)) - alone == set(profile["groups"])
+    text = on_a_cluster(tmp_path)
+    assert not ungrouped(text)
+    assert text.count("Group job animal") == 10
+
+
+@pytest.mark.parametrize("images", [False, True])
+@pytest.mark.parametrize(
+    ("ends", "settings", "alone"),
+    [
+        ("unknown", {}, {"diagnose_alone", "diagnose_pooled"}),
+        ("bonded", {"leave_out": "group"}, {"diagnose_pooled"}),
+        (
+            "bonded",
+            {"leave_out": "group", "hold_out": [{"strain_above": 0.15}]},
+            {"diagnose_alone", "diagnose_whole", "diagnose_pooled"},
+        ),
+    ],
+)
+def test_on_a_cluster_an_animal_is_one_job_where_verdicts_need_other_animals(
+    images, ends, settings, alone, tmp_path
+):
+    """Only these verdicts have no group; Snakemake refuses a rule that a group goes through."""
+    shape = "image.nii\t\t\t" if images else "\tcylinder\t20\t10"
+    rows = ["sample\tgroup\tmode\trecord\tends\timage\tshape\tdiameter_mm\theight_mm"]
+    rows += [f"{name}1\t{name}\tcompression\tr.csv\t{ends}\t{shape}" for name in "ABCD"]
+    (tmp_path / "samples.tsv").write_text("\n".join(rows) + "\n")
+    (tmp_path / "study.yaml").write_text(yaml.safe_dump(settings or {"hold_out": []}))
+    for name in ("r.csv", "image.nii"):
+        (tmp_path / name).touch()
+    text = on_a_cluster(tmp_path, tmp_path / "study.yaml", samples=tmp_path / "samples.tsv")
+    of_ideal = {"diagnose_ideal_pooled"} if images else set()
+    assert ungrouped(text) == alone | of_ideal
+    assert text.count("Group job animal") == 4
 
 
 def test_no_rule_takes_a_file_that_another_one_makes_as_ancient():
@@ -411,8 +454,10 @@ def test_after_a_failure_the_report_holds_the_groups_that_came_through(project):
     for own in table[:2]:
         finish(*own)
 
+    finished = ("report={groups: finished}",)
+
     def partial():
-        return project.run("reported", *DRY, SOFTSAMPLE_PARTIAL="1")[1]
+        return project.run("reported", *DRY, config=finished)[1]
 
     assert jobs(project.run("reported", *DRY)[1])["check_inputs"] == 3
     assert jobs(partial())["check_inputs"] == 2
@@ -429,7 +474,7 @@ def test_after_a_failure_the_report_holds_the_groups_that_came_through(project):
     assert "no group of samples came through" in partial()
     finish(*table[2])
     (project.results / "logs/segment/A.log").write_text(f"{STARTED}\n{FAILED}the image\n")
-    status, text = project.run(str(checked(project, "C")), SOFTSAMPLE_PARTIAL="1")
+    status, text = project.run(str(checked(project, "C")), config=finished)
     assert status == 0, text
     assert "\nLeft out: A, B\n  segment/A: the image\n" in text
 

@@ -1,17 +1,18 @@
 # Ogden parameters of a group of samples that share their material.
 
 
+MESHES_OF_MEMBERS = each(PLAN.members, "<results>/mesh/{piece}/{geometry}.vtu")
 # What a calibration reads, and what it is made with.
 CALIBRATED = {
-    "curves": calibration_curves("csv"),
-    "reports": calibration_curves("json"),
-    "meshes": calibration_meshes if config["calibration"]["method"] == "direct" else [],
-    "records": calibration_records,
-    "cuboids": calibration_shapes,
+    "curves": each(PLAN.members, "<results>/curves/{piece}/{geometry}/{model}.csv"),
+    "reports": each(PLAN.members, "<results>/curves/{piece}/{geometry}/{model}.json"),
+    "meshes": MESHES_OF_MEMBERS if config["calibration"]["method"] == "direct" else [],
+    "records": each(PLAN.members, "<results>/records/{sample}.csv"),
+    "cuboids": each(PLAN.members, "<results>/cuboid/{piece}.json"),
     "code": library("workflow/scripts/calibrate.py"),
 }
 OF_CALIBRATION = {
-    "rows": lambda wildcards: rows_of(members(wildcards.group, wildcards.model)),
+    "rows": rows(PLAN.members),
     "hold_out": HOLD_OUT,
     "settings": config["calibration"],
     "uncertainty": config["uncertainty"],

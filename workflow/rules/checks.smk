@@ -5,10 +5,7 @@ rule check_simulation:
     input:
         mesh="<results>/mesh/{sample}/{geometry}.vtu",
         quality="<results>/mesh/{sample}/{geometry}.json",
-        curves=lambda wildcards: [
-            f"<results>/curves/{wildcards.sample}/{wildcards.geometry}/{model}.json"
-            for model in PLAN.sample_models(known(wildcards.sample))
-        ],
+        curves=of(FILES.curve_reports),
         direct="<results>/fields/{sample}/{geometry}.json",
         code=library("workflow/scripts/check_simulation.py"),
     output:
@@ -25,7 +22,7 @@ rule check_simulation:
 
 rule check_calibration:
     input:
-        fits=lambda wildcards: calibrations([wildcards.group]),
+        fits=of(lambda group: FILES.calibrations([group])),
         code=library("workflow/scripts/check_calibration.py"),
     output:
         report="<results>/checks/{group}_calibration.json",
@@ -39,7 +36,7 @@ rule check_calibration:
 
 rule checks_passed:
     input:
-        reports=checks(),
+        reports=FILES.checks,
         code=library("workflow/scripts/checks_passed.py"),
     output:
         report="<results>/checks/passed.json",

@@ -7,8 +7,8 @@ rule extended:
             "<results>/extended/direct.csv",
             "<results>/extended/exponents.csv",
             "<results>/extended/common_exponents.csv",
-            *(f"<results>/extended/exponents.{kind}" for kind in FORMATS),
-            *geometry_results(),
+            *in_formats(["exponents"], "extended"),
+            *FILES.geometry_effects,
             "<results>/tables/confirmation.csv",
         ),
     message:
@@ -17,7 +17,7 @@ rule extended:
 
 use rule calibrate as calibrate_direct with:
     input:
-        **{**CALIBRATED, "meshes": calibration_meshes},
+        **{**CALIBRATED, "meshes": MESHES_OF_MEMBERS},
     output:
         fit="<results>/extended/direct/{group}/{geometry}/{model}.json",
         curve="<results>/extended/direct/{group}/{geometry}/{model}.csv",

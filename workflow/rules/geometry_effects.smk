@@ -39,7 +39,7 @@ rule geometry_curves:
 
 rule geometry_bias:
     input:
-        curves=of_members("<results>/geometry_effects/curves/{sample}.csv"),
+        curves=each(PLAN.samples_of, "<results>/geometry_effects/curves/{sample}.csv"),
         fit="<results>/calibration/{group}/real/ogden2.json",
         code=library("workflow/scripts/geometry_bias.py"),
     output:
@@ -47,9 +47,7 @@ rule geometry_bias:
     log:
         "<logs>/geometry_bias/{group}.log",
     params:
-        modes=lambda wildcards: {
-            name: SAMPLES[name]["mode"] for name in samples_of(wildcards.group)
-        },
+        modes=of(lambda group: {name: SAMPLES[name]["mode"] for name in PLAN.samples_of(group)}),
         settings=config["calibration"],
     message:
         "Bias with features of the shape changed: group {wildcards.group}"
@@ -102,7 +100,7 @@ rule prescribed:
         mesh="<results>/mesh/{sample}/{geometry}.vtu",
         cuboid="<results>/cuboid/{sample}.json",
         family="<results>/curves/{sample}/{geometry}/ogden2.json",
-        fit=optimum("json"),
+        fit=FIT,
         code=library("workflow/scripts/prescribed.py"),
     output:
         curves="<results>/geometry_effects/prescribed/{sample}_{geometry}.csv",
@@ -165,6 +163,6 @@ rule figure_prescribed:
 
 rule geometry_effects:
     input:
-        of_alike(*geometry_results()),
+        of_alike(*FILES.geometry_effects),
     message:
         "Effects of the geometry: {input}"

@@ -1,11 +1,13 @@
 # From the image, the surface or the stated dimensions to the sample's shape, real and idealised.
 
+from softsample.validation import axes_of, shape_cells
+
 
 rule segment:
     input:
-        image=study_image("image"),
-        segmentation=study_image("segmentation"),
-        surface=study_file("surface"),
+        image=of(image_files, "image"),
+        segmentation=of(image_files, "segmentation"),
+        surface=of(FILES.given, "surface"),
         checked="<results>/inputs/{sample}.json",
         code=library("workflow/scripts/segment.py"),
     output:
@@ -23,7 +25,7 @@ rule segment:
         mem_mb=lambda wildcards, attempt: 1500 * attempt,
     params:
         settings=config["segmentation"],
-        axes=test_axes,
+        axes=of_row(axes_of),
     message:
         "Segment the image, or take over the surface: {wildcards.sample}"
     script:
@@ -32,8 +34,8 @@ rule segment:
 
 rule measure:
     input:
-        distance=segmented("_distance.nii.gz"),
-        report=segmented(".json"),
+        distance=of(FILES.segmentation, "_distance.nii.gz"),
+        report=of(FILES.segmentation, ".json"),
         code=library("workflow/scripts/measure.py"),
     output:
         cuboid="<results>/cuboid/{sample}.json",
@@ -42,7 +44,7 @@ rule measure:
     params:
         settings=config["measurement"],
         preload_mm=config["protocol"]["preload_mm"],
-        shape=shape_cells,
+        shape=of_row(shape_cells),
     message:
         "Measure idealised shape and areas: {wildcards.sample}"
     script:

@@ -5,9 +5,9 @@ from softsample.validation import record_settings, resolved, stated_shape
 
 rule check_inputs:
     input:
-        image=study_image("image"),
-        surface=lambda wildcards: sample_file(wildcards.sample, "surface"),
-        record=study_file("record"),
+        image=of(image_files, "image"),
+        surface=of(image_files, "surface"),
+        record=of(FILES.given, "record"),
         # ancient: another file in the manifest does not concern a sample
         manifest=ancient(str(ROOT / "resources/MANIFEST.tsv")) if SHIPPED else [],
         table=str(TABLE) if SHIPPED else [],

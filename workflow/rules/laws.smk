@@ -4,8 +4,8 @@
 rule laws:
     input:
         "<results>/tables/laws.csv",
-        expand("<results>/figures/laws.{kind}", kind=FORMATS),
-        [f"<results>/laws/confirmed/{group}.csv" for group in GROUPS if simulated_laws(group)],
+        expand("<results>/figures/laws.{kind}", kind=PICTURE_FORMATS),
+        [f"<results>/laws/confirmed/{group}.csv" for group in GROUPS if PLAN.simulated(group)],
     message:
         "Elastic laws compared: {input}"
 
@@ -25,17 +25,17 @@ use rule mesh as mesh_laws with:
             "mesh": {**config["mesh"], "element_size_mm": config["laws"]["element_size_mm"]},
         },
         coarsening=1,
-        ends=row_modelled_ends,
+        ends=ENDS,
     message:
         "Mesh for elastic laws: {wildcards.sample}, {wildcards.geometry} geometry"
 
 
 # What the laws of a group are simulated with.
 OF_LAWS = {
-    "rows": lambda wildcards: rows_of(samples_of(wildcards.group)),
-    "pieces": lambda wildcards: [piece_of(name) for name in samples_of(wildcards.group)],
-    "simulated": law_pieces,
-    "ends": lambda wildcards: [modelled_ends(SAMPLES[name]) for name in law_pieces(wildcards)],
+    "rows": rows(PLAN.samples_of),
+    "pieces": of(lambda group: [PLAN.piece_of[name] for name in PLAN.samples_of(group)]),
+    "simulated": of(PLAN.simulated),
+    "ends": of(lambda group: [modelled_ends(SAMPLES[name]) for name in PLAN.simulated(group)]),
     "material": config["material"],
     "laws": config["laws"],
     "solver": config["solver"],
@@ -45,15 +45,13 @@ OF_LAWS = {
 
 rule laws_of_group:
     input:
-        records=of_members("<results>/records/{sample}.csv"),
-        cuboids=of_pieces("<results>/cuboid/{sample}.json"),
-        meshes=of_law_pieces("<results>/mesh/{sample}/{geometry}_laws.vtu"),
-        curves=of_law_pieces("<results>/curves/{sample}/{geometry}/ogden2.csv"),
-        reports=of_law_pieces("<results>/curves/{sample}/{geometry}/ogden2.json"),
-        qualities=of_law_pieces("<results>/mesh/{sample}/{geometry}.json"),
-        fits=lambda wildcards: [
-            calibration_of(piece, PLAN.best(piece), "json") for piece in law_pieces(wildcards)
-        ],
+        records=each(PLAN.samples_of, "<results>/records/{sample}.csv"),
+        cuboids=each(PLAN.samples_of, "<results>/cuboid/{piece}.json"),
+        meshes=each(PLAN.simulated, "<results>/mesh/{sample}/{geometry}_laws.vtu"),
+        curves=each(PLAN.simulated, "<results>/curves/{sample}/{geometry}/ogden2.csv"),
+        reports=each(PLAN.simulated, "<results>/curves/{sample}/{geometry}/ogden2.json"),
+        qualities=each(PLAN.simulated, "<results>/mesh/{sample}/{geometry}.json"),
+        fits=each(PLAN.simulated, "<results>/calibration/{group}/{geometry}/ogden2.json"),
         code=library("workflow/scripts/laws.py"),
     output:
         report="<results>/laws/{group}.json",
@@ -69,7 +67,7 @@ rule laws_of_group:
         **OF_MESHES,
     params:
         **OF_LAWS,
-        folds=lambda wildcards: {} if LEAVE_OUT == "group" else folds_of(wildcards.group),
+        folds=of(lambda group: {} if LEAVE_OUT == "group" else PLAN.folds(group)),
         hold_out=HOLD_OUT,
         confidence=config["uncertainty"]["confidence"],
         floor=config["floor"],
@@ -88,12 +86,12 @@ rule choose_law:
     output:
         table="<results>/tables/laws.csv",
         choice="<results>/laws/choice.json",
-        figures=expand("<results>/figures/laws.{kind}", kind=FORMATS),
+        figures=expand("<results>/figures/laws.{kind}", kind=PICTURE_FORMATS),
     log:
         "<logs>/choose_law.log",
     params:
         groups=GROUPS,
-        geometries={group: geometries_of(group)[0] for group in GROUPS},
+        geometries={group: PLAN.best(group) for group in GROUPS},
         alpha=config["material"]["alpha"],
         laws=config["laws"],
         confidence=config["uncertainty"]["confidence"],
@@ -108,10 +106,10 @@ rule confirm_law:
         choice="<results>/laws/choice.json",
         report="<results>/laws/{group}.json",
         laws="<results>/laws/{group}.csv",
-        records=of_members("<results>/records/{sample}.csv"),
-        cuboids=of_pieces("<results>/cuboid/{sample}.json"),
-        meshes=of_law_pieces("<results>/mesh/{sample}/{geometry}.vtu"),
-        reports=of_law_pieces("<results>/curves/{sample}/{geometry}/ogden2.json"),
+        records=each(PLAN.samples_of, "<results>/records/{sample}.csv"),
+        cuboids=each(PLAN.samples_of, "<results>/cuboid/{piece}.json"),
+        meshes=each(PLAN.simulated, "<results>/mesh/{sample}/{geometry}.vtu"),
+        reports=each(PLAN.simulated, "<results>/curves/{sample}/{geometry}/ogden2.json"),
         code=library("workflow/scripts/confirm_law.py"),
     output:
         table="<results>/laws/confirmed/{group}.csv",

@@ -2,7 +2,7 @@
 
 OF_CHANGED_MODELS = {
     **OF_SHAPES,
-    "ends": row_modelled_ends,
+    "ends": ENDS,
     "region_stiffness": config["material"]["region_stiffness"],
     "element_size_mm": config["loop"]["element_size_mm"],
     "perturbations": config["loop"]["perturbations"],
@@ -12,25 +12,41 @@ OF_CHANGED_MODELS = {
 
 
 OF_DIAGNOSES = {
-    "samples": lambda wildcards: samples_of(wildcards.group),
-    "rows": lambda wildcards: rows_of(diagnosed(wildcards)),
-    "bonded": bonded_by_rule,
-    "folds": lambda wildcards: folds_of(wildcards.group),
+    "samples": of(PLAN.samples_of),
+    "rows": rows(PLAN.diagnosed),
+    "bonded": of(PLAN.bonded_by_rule),
+    "folds": of(PLAN.folds),
     "leave_out": LEAVE_OUT,
+    "others": {},
     "loop": config["loop"],
 }
-BY_ITSELF = {**OF_DIAGNOSES, "others": {}, "leave_out": None}
+BY_ITSELF = {**OF_DIAGNOSES, "leave_out": None}
+
+
+# What a diagnosis reads: of the nearest geometry, or of the ideal shape beside the real one.
+OF_BEST = {
+    **responses(),
+    "bonds": each(PLAN.diagnosed_bonded, "<results>/bond/{piece}.json"),
+    "code": library("workflow/scripts/diagnose.py"),
+}
+OF_IDEAL = {
+    **responses(geometry="ideal"),
+    "real": each(PLAN.diagnosed, "<results>/curves/{piece}/real/ogden2.csv"),
+    "sliding_real": each(PLAN.diagnosed_open, "<results>/curves/{piece}/real/ogden2{ends}.csv"),
+    "code": library("workflow/scripts/diagnose.py"),
+}
+OTHER_ENDS = of(FILES.open_ends_verdicts)
 
 
 rule perturbations:
     input:
-        distance=for_real("_distance.nii.gz"),
-        segmentation=for_real(".json"),
+        distance=of(FILES.for_geometry, "_distance.nii.gz"),
+        segmentation=of(FILES.for_geometry, ".json"),
         cuboid="<results>/cuboid/{sample}.json",
-        bond_mask=real_image("bond_mask"),
-        labels=real_image("labels"),
-        records=records_of_piece,
-        fit=optimum("json"),
+        bond_mask=of(image_files, "bond_mask"),
+        labels=of(image_files, "labels"),
+        records=RECORDS,
+        fit=FIT,
         code=library("workflow/scripts/perturbations.py"),
     output:
         changes="<results>/loop/perturbations/{sample}_{geometry}.csv",
@@ -63,12 +79,7 @@ use rule perturbations as perturbations_sliding with:
 
 rule diagnose:
     input:
-        **responses(),
-        bonds=bonds,
-        whole=verdicts_of_others("whole"),
-        alone=verdicts_of_others("alone"),
-        ends_of_others=ends_of_others,
-        code=library("workflow/scripts/diagnose.py"),
+        **OF_BEST,
     output:
         verdict="<results>/loop/{group}/verdict.json",
         page="<results>/loop/{group}/verdict.md",
@@ -80,7 +91,6 @@ rule diagnose:
         "<benchmarks>/diagnose/{group}.tsv"
     params:
         **OF_DIAGNOSES,
-        others=lambda wildcards: others_of(wildcards.group),
         hold_out=HOLD_OUT,
     message:
         "Diagnose the residual: group {wildcards.group}"
@@ -91,9 +101,7 @@ rule diagnose:
 # What a study holds out of one group at a time is predicted with all that is known of the others.
 use rule diagnose as diagnose_alone with:
     input:
-        **responses(),
-        bonds=bonds,
-        code=library("workflow/scripts/diagnose.py"),
+        **OF_BEST,
     output:
         verdict="<results>/loop/{group}/alone/verdict.json",
         page="<results>/loop/{group}/alone/verdict.md",
@@ -112,9 +120,7 @@ use rule diagnose as diagnose_alone with:
 
 use rule diagnose as diagnose_whole with:
     input:
-        **responses(),
-        bonds=bonds,
-        code=library("workflow/scripts/diagnose.py"),
+        **OF_BEST,
     output:
         verdict="<results>/loop/{group}/whole/verdict.json",
         page="<results>/loop/{group}/whole/verdict.md",
@@ -133,11 +139,7 @@ use rule diagnose as diagnose_whole with:
 
 use rule diagnose as diagnose_ideal with:
     input:
-        **responses("ideal"),
-        real=of_diagnosed("<results>/curves/{sample}/real/ogden2.csv", of=piece_of),
-        sliding_real=of_sliding("<results>/curves/{sample}/real/ogden2{ends}.csv"),
-        ends_of_others=ends_of_others,
-        code=library("workflow/scripts/diagnose.py"),
+        **OF_IDEAL,
     output:
         verdict="<results>/loop/{group}/ideal/verdict.json",
         page="<results>/loop/{group}/ideal/verdict.md",
@@ -149,25 +151,41 @@ use rule diagnose as diagnose_ideal with:
         "<benchmarks>/diagnose/{group}_ideal.tsv"
     params:
         **OF_DIAGNOSES,
-        others={},
         hold_out=HOLD_OUT,
     message:
         "Diagnose the residual of the idealised shape: group {wildcards.group}"
 
 
-VERDICTS = {
-    **{(group, PLAN.best(group)): f"<results>/loop/{group}/verdict.json" for group in GROUPS},
-    **{
-        (group, "ideal"): f"<results>/loop/{group}/ideal/verdict.json"
-        for group in GROUPS
-        if "real" in geometries_of(group)
-    },
-}
+# Verdicts that take files of other groups: rules of their own, since a cluster's profile makes one
+# job of all that a group needs.
+if PLAN.pooled:
+
+    use rule diagnose as diagnose_pooled with:
+        input:
+            **OF_BEST,
+            whole=of(FILES.others_verdicts, "whole"),
+            alone=of(FILES.others_verdicts, "alone"),
+            ends_of_others=OTHER_ENDS,
+        wildcard_constraints:
+            group="|".join(PLAN.pooled),
+        params:
+            **{**OF_DIAGNOSES, "others": of(PLAN.others)},
+            hold_out=HOLD_OUT,
+
+    use rule diagnose_ideal as diagnose_ideal_pooled with:
+        input:
+            **OF_IDEAL,
+            ends_of_others=OTHER_ENDS,
+        wildcard_constraints:
+            group="|".join(PLAN.pooled),
+
+    ruleorder: diagnose_pooled > diagnose
+    ruleorder: diagnose_ideal_pooled > diagnose_ideal
 
 
 rule table_loop:
     input:
-        verdicts=VERDICTS.values(),
+        verdicts=FILES.verdicts.values(),
         code=library("workflow/scripts/table_loop.py"),
     output:
         table=report(
@@ -180,7 +198,7 @@ rule table_loop:
     log:
         "<logs>/loop.log",
     params:
-        models=list(VERDICTS),
+        models=list(FILES.verdicts),
     message:
         "Table of verdicts"
     script:
@@ -189,7 +207,7 @@ rule table_loop:
 
 rule verdicts:
     input:
-        VERDICTS.values(),
+        FILES.verdicts.values(),
         "<results>/tables/loop.csv",
     message:
         "Verdicts of all groups"
@@ -198,14 +216,16 @@ rule verdicts:
 # On demand: the effects that a verdict ranks first, run in the solver at the sizes that were found.
 rule simulate_sizes:
     input:
-        distance=for_real("_distance.nii.gz"),
-        segmentation=for_real(".json"),
+        distance=of(FILES.for_geometry, "_distance.nii.gz"),
+        segmentation=of(FILES.for_geometry, ".json"),
         cuboid="<results>/cuboid/{sample}.json",
-        bond_mask=real_image("bond_mask"),
-        labels=real_image("labels"),
-        records=records_of_piece,
-        fit=optimum("json"),
-        verdict=lambda wildcards: VERDICTS[SAMPLES[wildcards.sample]["group"], wildcards.geometry],
+        bond_mask=of(image_files, "bond_mask"),
+        labels=of(image_files, "labels"),
+        records=RECORDS,
+        fit=FIT,
+        verdict=lambda wildcards: FILES.verdicts[
+            SAMPLES[wildcards.sample]["group"], wildcards.geometry
+        ],
         code=library("workflow/scripts/simulate_sizes.py"),
     output:
         changes="<results>/loop/confirmation/runs/{sample}_{geometry}.csv",
@@ -225,20 +245,20 @@ rule simulate_sizes:
 
 rule confirm_verdict:
     input:
-        curves=of_pieces("<results>/curves/{sample}/{geometry}/ogden2.csv"),
-        perturbations=of_pieces("<results>/loop/perturbations/{sample}_{geometry}.csv"),
-        runs=of_pieces("<results>/loop/confirmation/runs/{sample}_{geometry}.csv"),
+        curves=each(PLAN.samples_of, "<results>/curves/{piece}/{geometry}/ogden2.csv"),
+        perturbations=each(PLAN.samples_of, "<results>/loop/perturbations/{piece}_{geometry}.csv"),
+        runs=each(PLAN.samples_of, "<results>/loop/confirmation/runs/{piece}_{geometry}.csv"),
         fit="<results>/calibration/{group}/{geometry}/ogden2.json",
-        records=of_members("<results>/records/{sample}.csv"),
-        cuboids=of_pieces("<results>/cuboid/{sample}.json"),
-        verdict=lambda wildcards: VERDICTS[wildcards.group, wildcards.geometry],
+        records=each(PLAN.samples_of, "<results>/records/{sample}.csv"),
+        cuboids=each(PLAN.samples_of, "<results>/cuboid/{piece}.json"),
+        verdict=lambda wildcards: FILES.verdicts[wildcards.group, wildcards.geometry],
         code=library("workflow/scripts/confirm_verdict.py"),
     output:
         table="<results>/loop/confirmation/{group}_{geometry}.csv",
     log:
         "<logs>/confirm_verdict/{group}_{geometry}.log",
     params:
-        rows=lambda wildcards: rows_of(samples_of(wildcards.group)),
+        rows=rows(PLAN.samples_of),
         hold_out=HOLD_OUT,
         loop=config["loop"],
     message:

@@ -14,11 +14,11 @@ if config["bond"]["rule"] == "contact":
 
 rule mesh:
     input:
-        distance=for_real("_distance.nii.gz"),
-        segmentation=for_real(".json"),
+        distance=of(FILES.for_geometry, "_distance.nii.gz"),
+        segmentation=of(FILES.for_geometry, ".json"),
         cuboid="<results>/cuboid/{sample}.json",
-        bond_mask=real_image("bond_mask"),
-        labels=real_image("labels"),
+        bond_mask=of(image_files, "bond_mask"),
+        labels=of(image_files, "labels"),
         code=library("workflow/scripts/mesh.py"),
     output:
         mesh="<results>/mesh/{sample}/{geometry}.vtu",
@@ -32,8 +32,8 @@ rule mesh:
         **OF_MESHES,
     params:
         **OF_SHAPES,
-        coarsening=coarsening(1),
-        ends=row_modelled_ends,
+        coarsening=of(PLAN.coarsening, 1),
+        ends=ENDS,
     message:
         "Mesh: {wildcards.sample}, {wildcards.geometry} geometry"
     script:
@@ -51,7 +51,7 @@ use rule mesh as mesh_coarse with:
         "<benchmarks>/mesh/{sample}_{geometry}_coarse.tsv"
     params:
         **OF_SHAPES,
-        coarsening=coarsening(2),
-        ends=row_modelled_ends,
+        coarsening=of(PLAN.coarsening, 2),
+        ends=ENDS,
     message:
         "Mesh, elements of twice the size: {wildcards.sample}, {wildcards.geometry} geometry"

@@ -4,14 +4,14 @@
 # What a table of moduli reads beside the calibrations.
 OF_MODULI = {
     "paper": PAPER[0] if PAPERS else [],
-    "cuboids": [f"<results>/cuboid/{piece_of(name)}.json" for name in SAMPLES],
+    "cuboids": [f"<results>/cuboid/{PLAN.piece_of[name]}.json" for name in SAMPLES],
     "code": library("workflow/scripts/table_moduli.py"),
 }
 
 
 rule table_moduli:
     input:
-        **fits("ogden2", "json"),
+        **FILES.fits("ogden2", "json"),
         **OF_MODULI,
     output:
         table=report(
@@ -33,7 +33,7 @@ rule table_moduli:
 
 use rule table_moduli as table_moduli_one_term with:
     input:
-        **fits("ogden1", "json"),
+        **FILES.fits("ogden1", "json"),
         **OF_MODULI,
     output:
         table=report(
@@ -74,7 +74,7 @@ rule table_geometry:
 
 rule table_summary:
     input:
-        moduli=moduli_tables().values(),
+        moduli=FILES.moduli_tables.values(),
         geometry="<results>/tables/geometry.csv",
         paper=PAPER[1] if PAPERS else [],
         code=library("workflow/scripts/table_summary.py"),
@@ -88,7 +88,7 @@ rule table_summary:
     log:
         "<logs>/summary.log",
     params:
-        models=list(moduli_tables()),
+        models=list(FILES.moduli_tables),
     message:
         "Table of means beside the paper's"
     script:
@@ -97,7 +97,7 @@ rule table_summary:
 
 rule table_sensitivity:
     input:
-        reports=best_sensitivities(PIECES),
+        reports=FILES.sensitivities(PIECES),
         code=library("workflow/scripts/table_sensitivity.py"),
     output:
         table=report(
@@ -141,7 +141,7 @@ rule table_bond:
     input:
         reports=expand("<results>/bond/{sample}.json", sample=PLAN.bonded),
         cuboids=expand("<results>/cuboid/{sample}.json", sample=PLAN.bonded),
-        fits=calibrations(BONDED_GROUPS),
+        fits=FILES.calibrations(BONDED_GROUPS),
         others=expand("<results>/bond/moduli/{group}.json", group=BONDED_GROUPS),
         code=library("workflow/scripts/table_bond.py"),
     output:
@@ -164,10 +164,10 @@ rule table_bond:
 
 rule table_intervals:
     input:
-        fits=calibrations(GROUPS),
+        fits=FILES.calibrations(GROUPS),
         bands=expand("<results>/band/{sample}.json", sample=PLAN.banded),
         bonds=expand("<results>/bond/{sample}.json", sample=PLAN.bonded),
-        sensitivities=best_sensitivities(PIECES),
+        sensitivities=FILES.sensitivities(PIECES),
         curves=[f"<results>/curves/{'/'.join(key)}.json" for key in PLAN.curves],
         meshes=[f"<results>/mesh/{piece}/{geometry}.json" for piece, geometry, _ in PLAN.curves],
         code=library("workflow/scripts/table_intervals.py"),
@@ -213,7 +213,11 @@ rule table_stress:
 # The captions include this file, so that no number is typed twice.
 rule numbers:
     input:
-        fits=[name for model in moduli_tables() for name in chain(*fits(model, "json").values())],
+        fits=[
+            name
+            for model in FILES.moduli_tables
+            for name in chain(*FILES.fits(model, "json").values())
+        ],
         meshes=[f"<results>/mesh/{SHOWN}/{geometry}.json" for geometry in SHOWN_GEOMETRIES],
         summary="<results>/tables/summary.csv",
         stress="<results>/tables/stress_strain.csv",
@@ -228,8 +232,8 @@ rule numbers:
         shown=SHOWN,
         geometries=SHOWN_GEOMETRIES,
         samples=len(SAMPLES),
-        imaged=sum(map(has_image, SAMPLES)),
-        surfaces=sum(map(has_real, SAMPLES)) - sum(map(has_image, SAMPLES)),
+        imaged=sum(map(PLAN.has_image, SAMPLES)),
+        surfaces=sum("surface" in row for row in SAMPLES.values()),
         ideal=PLAN.ideal_shape,
     message:
         "Numbers for the captions"
@@ -239,7 +243,7 @@ rule numbers:
 
 rule figure2:
     input:
-        image=sample_image(SHOWN, "image"),
+        image=image_files("image", SHOWN),
         distance=f"<results>/segmentation/{SHOWN}_distance.nii.gz",
         segmentation=f"<results>/segmentation/{SHOWN}.json",
         real=f"<results>/mesh/{SHOWN}/real.vtu",
@@ -287,7 +291,7 @@ rule figure3:
 
 rule figure_sample:
     input:
-        image=study_image("image"),
+        image=of(image_files, "image"),
         distance="<results>/segmentation/{sample}_distance.nii.gz",
         sigma="<results>/segmentation/{sample}_sigma.nii.gz",
         segmentation="<results>/segmentation/{sample}.json",
@@ -330,8 +334,8 @@ rule figure4:
 
 rule figure5:
     input:
-        **fits("ogden2", "csv"),
-        **{f"{geometry}_fit": names for geometry, names in fits("ogden2", "json").items()},
+        **FILES.fits("ogden2", "csv"),
+        **{f"{geometry}_fit": names for geometry, names in FILES.fits("ogden2", "json").items()},
         table="<results>/tables/table1.csv",
         intervals="<results>/tables/intervals.csv",
         code=library("workflow/scripts/figure_moduli.py"),
@@ -346,7 +350,7 @@ rule figure5:
     log:
         "<logs>/figure5.log",
     params:
-        groups=fitted_groups("ogden2"),
+        groups=FILES.fitted_groups("ogden2"),
         model="ogden2",
         ideal=PLAN.ideal_shape,
     message:
@@ -357,8 +361,8 @@ rule figure5:
 
 use rule figure5 as figure6 with:
     input:
-        **fits("ogden1", "csv"),
-        **{f"{geometry}_fit": names for geometry, names in fits("ogden1", "json").items()},
+        **FILES.fits("ogden1", "csv"),
+        **{f"{geometry}_fit": names for geometry, names in FILES.fits("ogden1", "json").items()},
         table="<results>/tables/table2.csv",
         intervals="<results>/tables/intervals.csv",
         code=library("workflow/scripts/figure_moduli.py"),
@@ -373,7 +377,7 @@ use rule figure5 as figure6 with:
     log:
         "<logs>/figure6.log",
     params:
-        groups=fitted_groups("ogden1"),
+        groups=FILES.fitted_groups("ogden1"),
         model="ogden1",
         ideal=PLAN.ideal_shape,
     message:
@@ -446,10 +450,7 @@ rule contact_area:
 
 rule figure_response:
     input:
-        curves=lambda wildcards: [
-            calibration_of(wildcards.sample, geometry, "csv")
-            for geometry in geometries_of(wildcards.sample)
-        ],
+        curves=of(FILES.fitted_curves),
         code=library("workflow/scripts/figure_response.py"),
     output:
         png=report(
@@ -462,7 +463,7 @@ rule figure_response:
         "<logs>/figure_response/{sample}.log",
     params:
         mode=row_value("mode"),
-        geometries=lambda wildcards: geometries_of(wildcards.sample),
+        geometries=of(lambda sample: PLAN.geometries(sample)),
         ideal=PLAN.ideal_shape,
     message:
         "Record and model: {wildcards.sample}"
@@ -472,13 +473,11 @@ rule figure_response:
 
 use rule figure7 as figure_strain with:
     input:
-        distances=listed(of_real("<results>/segmentation/{sample}_distance.nii.gz")),
-        segmentations=listed(of_real("<results>/segmentation/{sample}.json")),
-        real=listed(of_real("<results>/fields/{sample}/real.vtu")),
+        distances=each(PLAN.real_of, "<results>/segmentation/{sample}_distance.nii.gz"),
+        segmentations=each(PLAN.real_of, "<results>/segmentation/{sample}.json"),
+        real=each(PLAN.real_of, "<results>/fields/{sample}/real.vtu"),
         cuboids=["<results>/cuboid/{sample}.json"],
-        runs=lambda wildcards: [
-            f"<results>/fields/{wildcards.sample}/{PLAN.best(known(wildcards.sample))}.json"
-        ],
+        runs=each(lambda sample: [sample], "<results>/fields/{sample}/{geometry}.json"),
         ideal=["<results>/fields/{sample}/ideal.vtu"],
         code=library("workflow/scripts/figure7.py"),
     output:
@@ -493,12 +492,12 @@ use rule figure7 as figure_strain with:
     params:
         samples=lambda wildcards: [wildcards.sample],
         rows=lambda wildcards: [SAMPLES[wildcards.sample]],
-        real=listed(of_real("{sample}")),
+        real=of(PLAN.real_of),
     message:
         "Strain: {wildcards.sample}"
 
 
-WITH_SURFACE = list(filter(has_real, PIECES))
+WITH_SURFACE = list(filter(PLAN.has_real, PIECES))
 
 
 # One file that a colleague can be sent; it holds all that it shows.
@@ -506,7 +505,7 @@ rule page:
     input:
         **{
             kind: expand(f"<results>/figures/{kind}/{{sample}}.png", sample=names)
-            for kind, names in PICTURES.items()
+            for kind, names in FILES.pictured.items()
         },
         **{
             kind: [f"<results>/{folder}/{piece}/{name}.{ending}" for piece, name in PLAN.runs]
@@ -523,13 +522,13 @@ rule page:
         inputs=expand("<results>/inputs/{sample}.json", sample=SAMPLES),
         segmentation=expand("<results>/segmentation/{sample}.json", sample=WITH_SURFACE),
         cuboid=expand("<results>/cuboid/{sample}.json", sample=PIECES),
-        tables=captioned(tables()),
+        tables=captioned(FILES.tables),
         numbers="<results>/tables/numbers.rst",
         document="<results>/results.json",
-        figures=captioned(figures()),
+        figures=captioned(FILES.figures),
         intervals="<results>/tables/intervals.csv",
-        fits=calibrations(GROUPS),
-        checks=checks(),
+        fits=FILES.calibrations(GROUPS),
+        checks=FILES.checks,
         template=str(ROOT / "workflow/report/report.html.j2"),
         references=str(ROOT / "workflow/report/references.yaml"),
         parts=sorted(str(name) for name in (ROOT / "workflow/report").iterdir()),
@@ -548,7 +547,7 @@ rule page:
         piece_of=PLAN.piece_of,
         runs=PLAN.runs,
         segmented=WITH_SURFACE,
-        pictured=PICTURES,
+        pictured=FILES.pictured,
         ideal=PLAN.ideal_shape,
         cohort=COHORT,
         left_out=LEFT_OUT,
@@ -564,7 +563,7 @@ rule results:
     input:
         found=expand("<results>/inputs/{sample}.json", sample=SAMPLES),
         cuboids=expand("<results>/cuboid/{sample}.json", sample=PLAN.piece_of.values()),
-        fits=calibrations(GROUPS),
+        fits=FILES.calibrations(GROUPS),
         intervals="<results>/tables/intervals.csv",
         verdicts=expand("<results>/loop/{group}/verdict.json", group=GROUPS),
         schema=str(ROOT / "workflow/schemas/results.schema.yaml"),
@@ -586,7 +585,12 @@ rule results:
 
 rule table_costs:
     input:
-        finished=[*tables(), *figures(), "<results>/report.html", "<results>/checks/passed.json"],
+        finished=[
+            *FILES.tables,
+            *FILES.figures,
+            "<results>/report.html",
+            "<results>/checks/passed.json",
+        ],
         code=library("workflow/scripts/table_costs.py"),
     output:
         table="<results>/tables/costs.csv",

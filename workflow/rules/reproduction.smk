@@ -6,10 +6,10 @@ EXTENDED = ["direct.csv", "exponents.csv", "common_exponents.csv", "exponents.pn
 
 rule reproduction:
     input:
-        **fits("ogden2", "json"),
+        **FILES.fits("ogden2", "json"),
         tables=[
-            *(name for name in tables() if name.endswith(".csv")),
-            *(name for name in geometry_results() if name.endswith(".csv")),
+            *(name for name in FILES.tables if name.endswith(".csv")),
+            *(name for name in FILES.geometry_effects if name.endswith(".csv")),
             *(f"<results>/extended/{name}" for name in EXTENDED if name.endswith(".csv")),
             "<results>/tables/costs.csv",
             "<results>/scoring/recovery.csv",
@@ -18,8 +18,8 @@ rule reproduction:
         figures=[
             name
             for name in [
-                *figures(),
-                *geometry_results(),
+                *FILES.figures,
+                *FILES.geometry_effects,
                 *(f"<results>/extended/{name}" for name in EXTENDED),
             ]
             if name.endswith(".png")

@@ -4,7 +4,7 @@
 # What a run of one piece is made with.
 OF_RUNS = {
     "mode": row_value("mode"),
-    "ends": row_modelled_ends,
+    "ends": ENDS,
     "material": config["material"],
     "solver": config["solver"],
     "contact": config["contact"],
@@ -13,10 +13,10 @@ OF_RUNS = {
 
 rule simulate:
     input:
-        mesh=mesh_of_runs(""),
-        preliminary=mesh_of_runs("_coarse"),
+        mesh=of(FILES.mesh_of_runs, "", None),
+        preliminary=of(FILES.mesh_of_runs, "_coarse", None),
         cuboid="<results>/cuboid/{sample}.json",
-        records=records_of_piece,
+        records=RECORDS,
         code=library("workflow/scripts/simulate.py"),
     output:
         curves="<results>/curves/{sample}/{geometry}/ogden2.csv",
@@ -39,10 +39,10 @@ rule simulate:
 # Ends that a study leaves open: the diagnosis compares both.
 use rule simulate as simulate_sliding with:
     input:
-        mesh=mesh_of_runs("", "sliding"),
-        preliminary=mesh_of_runs("_coarse", "sliding"),
+        mesh=of(FILES.mesh_of_runs, "", "sliding"),
+        preliminary=of(FILES.mesh_of_runs, "_coarse", "sliding"),
         cuboid="<results>/cuboid/{sample}.json",
-        records=records_of_piece,
+        records=RECORDS,
         code=library("workflow/scripts/simulate.py"),
     output:
         curves="<results>/curves/{sample}/{geometry}/ogden2_sliding.csv",
@@ -77,11 +77,11 @@ rule one_term:
 rule confirm:
     input:
         mesh="<results>/mesh/{sample}/{geometry}.vtu",
-        records=records_of_piece,
+        records=RECORDS,
         response="<results>/curves/{sample}/{geometry}/ogden2.json",
         curves="<results>/curves/{sample}/{geometry}/ogden2.csv",
         cuboid="<results>/cuboid/{sample}.json",
-        fit=optimum("json"),
+        fit=FIT,
         code=library("workflow/scripts/confirm.py"),
     output:
         fields="<results>/fields/{sample}/{geometry}.vtu",
@@ -107,9 +107,9 @@ rule sensitivity:
     input:
         mesh="<results>/mesh/{sample}/{geometry}.vtu",
         coarse="<results>/mesh/{sample}/{geometry}_coarse.vtu",
-        records=records_of_piece,
+        records=RECORDS,
         response="<results>/curves/{sample}/{geometry}/ogden2.json",
-        fit=optimum("json"),
+        fit=FIT,
         optimum="<results>/fields/{sample}/{geometry}.csv",
         code=library("workflow/scripts/sensitivity.py"),
     output:
@@ -134,9 +134,9 @@ rule band:
         distance="<results>/segmentation/{sample}_distance.nii.gz",
         sigma="<results>/segmentation/{sample}_sigma.nii.gz",
         segmentation="<results>/segmentation/{sample}.json",
-        records=records_of_piece,
+        records=RECORDS,
         response="<results>/curves/{sample}/real/ogden2.json",
-        fit=lambda wildcards: calibration_of(wildcards.sample, "real", "json"),
+        fit=of(FILES.calibration, "json", geometry="real"),
         code=library("workflow/scripts/band.py"),
     output:
         report="<results>/band/{sample}.json",
@@ -159,9 +159,9 @@ rule band:
 rule bond:
     input:
         mesh="<results>/mesh/{sample}/real.vtu",
-        records=records_of_piece,
+        records=RECORDS,
         response="<results>/curves/{sample}/real/ogden2.json",
-        fit=lambda wildcards: calibration_of(wildcards.sample, "real", "json"),
+        fit=of(FILES.calibration, "json", geometry="real"),
         code=library("workflow/scripts/bond.py"),
     output:
         report="<results>/bond/{sample}.json",
@@ -183,20 +183,18 @@ rule bond:
 
 rule calibrate_bond:
     input:
-        curves=of_pieces("<results>/curves/{sample}/real/ogden2.csv"),
-        records=of_members("<results>/records/{sample}.csv"),
-        cuboids=of_pieces("<results>/cuboid/{sample}.json"),
-        bonds=lambda wildcards: [
-            f"<results>/bond/{piece_of(name)}.json" for name in bonded_of(wildcards.group)
-        ],
+        curves=each(PLAN.samples_of, "<results>/curves/{piece}/real/ogden2.csv"),
+        records=each(PLAN.samples_of, "<results>/records/{sample}.csv"),
+        cuboids=each(PLAN.samples_of, "<results>/cuboid/{piece}.json"),
+        bonds=each(PLAN.bonded_of, "<results>/bond/{piece}.json"),
         code=library("workflow/scripts/calibrate_bond.py"),
     output:
         fit="<results>/bond/moduli/{group}.json",
     log:
         "<logs>/calibrate_bond/{group}.log",
     params:
-        rows=lambda wildcards: rows_of(samples_of(wildcards.group)),
-        bonded=lambda wildcards: bonded_of(wildcards.group),
+        rows=rows(PLAN.samples_of),
+        bonded=of(PLAN.bonded_of),
         hold_out=HOLD_OUT,
         settings=config["calibration"],
     message:
@@ -208,9 +206,9 @@ rule calibrate_bond:
 rule series:
     input:
         mesh=of_piece("<results>/mesh/{sample}/{geometry}.vtu"),
-        records=records_of_piece,
+        records=RECORDS,
         response=of_piece("<results>/curves/{sample}/{geometry}/ogden2.json"),
-        fit=optimum("json"),
+        fit=FIT,
         code=library("workflow/scripts/series.py"),
     output:
         collection="<results>/export/{sample}/{geometry}.pvd",
@@ -231,9 +229,9 @@ rule export:
     input:
         mesh=of_piece("<results>/mesh/{sample}/{geometry}.vtu"),
         surface=of_piece("<results>/mesh/{sample}/{geometry}.stl"),
-        records=records_of_piece,
-        fit=optimum("json"),
-        curve=optimum("csv"),
+        records=RECORDS,
+        fit=FIT,
+        curve=of(FILES.calibration, "csv"),
         code=library("workflow/scripts/export.py"),
     output:
         abaqus="<results>/export/{sample}/{geometry}.inp",
@@ -249,7 +247,7 @@ rule export:
         "<logs>/export/{sample}_{geometry}.log",
     params:
         mode=row_value("mode"),
-        ends=row_modelled_ends,
+        ends=ENDS,
         contact=config["contact"],
     message:
         "Export for Abaqus, CalculiX and FEBio: {wildcards.sample}, {wildcards.geometry} geometry"

@@ -1,6 +1,6 @@
 """Check the mesh and the runs of one sample on one geometry (rule `check_simulation`)."""
 
-from softsample.checks import simulation_checks
+from softsample.checks import checked, simulation_checks
 from softsample.io import read_json, read_mesh, write_json
 from softsample.workflow import logged_to, provenance
 
@@ -12,5 +12,4 @@ with logged_to(snakemake):
         read_json(snakemake.input.direct),
         snakemake.params.limits,
     )
-    report = {"passed": all(item["passed"] for item in checks), "checks": checks}
-    write_json(snakemake.output.report, {**report, "provenance": provenance(snakemake)})
+    write_json(snakemake.output.report, {**checked(checks), "provenance": provenance(snakemake)})

@@ -18,7 +18,8 @@ with logged_to(snakemake):
     given, files, out = snakemake.params, snakemake.input, snakemake.output
     settings, solid = LoopSettings.of_config(given.loop), of_fit(io.read_json(files.fit))
     models = assumed_ends(files, given, settings, solid)
-    elsewhere = sum(map(for_sliding, map(io.read_json, files.get("ends_of_others", []))))
+    others = [io.read_json(path) for path in files.get("ends_of_others", [])]
+    elsewhere = sum(for_sliding(verdict) for verdict in others)
     found = diagnose_ends(models, settings, elsewhere)
     left_out = left_out_errors(models, given.folds, settings, elsewhere, progress_bar())
     rule = hold_out_text(given.hold_out, given.leave_out, bool(given.others))

@@ -30,7 +30,7 @@ from softsample.study import ROOT, SETTINGS, TABLE, schema, table_of
 from softsample.study.compare import Seen, compared
 from softsample.units import MM
 from softsample.validation import (
-    DEFAULT_AXES,
+    axes_of,
     check_config,
     overlaid,
     record_settings,
@@ -247,7 +247,7 @@ def _glance(
     settings: Mapping[str, Any],
 ) -> Glance:
     """Segment an image at low resolution."""
-    axes = {name: world_axis(row.get(name, default)) for name, default in DEFAULT_AXES.items()}
+    axes = {name: world_axis(cell) for name, cell in axes_of(row).items()}
     try:
         return glance(
             image[0] if mask is None else mask,

@@ -1,14 +1,16 @@
 """What a study computes for the rows of its table: geometries, equal pieces, models."""
 
-from collections.abc import Mapping
-from dataclasses import dataclass, field
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
 from functools import cached_property
+from typing import Any
 
 from softsample.errors import InputError
-from softsample.holdout import Row
+from softsample.holdout import Row, folds, in_turn, wholly_held_out
 from softsample.protocol import PRESSED_MODES
+from softsample.response.unit import is_homogeneous
 from softsample.shapes import BONDED
-from softsample.validation import DEFAULT_AXES, ends_of, resolved
+from softsample.validation import DEFAULT_AXES, ends_of, has_open_ends, modelled_ends, resolved
 
 GEOMETRIES = ("real", "ideal")
 
@@ -39,18 +41,19 @@ class Plan:
     ----------
     rows : mapping
         Rows of the table of samples by sample, empty cells left out.
-    held_out : set of str
-        Samples that are held out as a whole, not all of a group
-        (`softsample.holdout.check_hold_out`): a model of theirs alone cannot be calibrated.
+    hold_out : sequence of mapping, leave_out : str, optional
+        Settings of these names, checked (`softsample.holdout.check_hold_out`).
 
     Raises
     ------
     InputError
-        If a name is a sample of one group and the name of another one that has other geometries.
+        If a name is a sample of one group and the name of another one that has other geometries;
+        by methods, if there is no sample or group of a name.
     """
 
     rows: Mapping[str, Row]
-    held_out: frozenset[str] = field(default_factory=frozenset)
+    hold_out: Sequence[Mapping[str, Any]] = ()
+    leave_out: str | None = None
 
     def __post_init__(self) -> None:
         for sample, row in self.rows.items():
@@ -69,13 +72,30 @@ class Plan:
             groups.setdefault(row["group"], []).append(sample)
         return groups
 
+    @cached_property
+    def held_out(self) -> set[str]:
+        """Samples that are held out as a whole: a model of theirs alone cannot be calibrated."""
+        return {name for name, row in self.rows.items() if wholly_held_out(row, self.hold_out)}
+
+    def row(self, sample: str) -> Row:
+        """The sample's row."""
+        return self.rows[_known(sample, self.rows, "sample")]
+
+    def samples_of(self, group: str) -> list[str]:
+        """The group's samples."""
+        return self.groups[_known(group, self.groups, "group")]
+
+    def cells_of(self, samples: Sequence[str]) -> list[dict[str, str]]:
+        """Rows of samples, with what empty cells mean."""
+        return [resolved(self.rows[name]) for name in samples]
+
     def has_image(self, sample: str) -> bool:
         """Whether the sample comes with an image."""
-        return "image" in self.rows[sample]
+        return "image" in self.row(sample)
 
     def has_real(self, sample: str) -> bool:
         """Whether the sample's true shape is known, by an image or a surface."""
-        return self.has_image(sample) or "surface" in self.rows[sample]
+        return self.has_image(sample) or "surface" in self.row(sample)
 
     @cached_property
     def _geometries(self) -> dict[str, list[str]]:
@@ -90,7 +110,7 @@ class Plan:
 
         A group has the real one if all its samples have an image or a surface.
         """
-        return self._geometries[name if name in self.groups else self.rows[name]["group"]]
+        return self._geometries[name if name in self.groups else self.row(name)["group"]]
 
     def best(self, name: str) -> str:
         """The geometry nearest to the sample: `real` if there is one, else `ideal`."""
@@ -116,20 +136,21 @@ class Plan:
         """All pieces, in the order of the table."""
         return list(dict.fromkeys(self.piece_of.values()))
 
-    def records_of(self, piece: str) -> list[str]:
-        """Samples that share a piece."""
-        return [sample for sample, owner in self.piece_of.items() if owner == piece]
+    def same_piece(self, sample: str) -> list[str]:
+        """Samples that share the sample's piece."""
+        own = self.piece_of[_known(sample, self.rows, "sample")]
+        return [name for name, piece in self.piece_of.items() if piece == own]
 
     def pieces_of(self, group: str) -> list[str]:
         """Pieces of a group."""
-        return [piece for piece in self.pieces if self.rows[piece]["group"] == group]
+        return list(dict.fromkeys(self.piece_of[name] for name in self.samples_of(group)))
 
     def members(self, group: str, model: str) -> list[str]:
         """Samples of a group that a model is calibrated on.
 
         The one-term model is calibrated on compression alone, as in Table 2 of the paper.
         """
-        samples = self.groups[group]
+        samples = self.samples_of(group)
         if model == ONE_TERM:
             return [name for name in samples if self.rows[name]["mode"] == "compression"]
         return samples
@@ -144,7 +165,7 @@ class Plan:
 
     def sample_models(self, sample: str) -> list[str]:
         """Material models that a sample takes part in."""
-        group = self.rows[sample]["group"]
+        group = self.row(sample)["group"]
         return [model for model in self.models(group) if sample in self.members(group, model)]
 
     @cached_property
@@ -163,6 +184,11 @@ class Plan:
         return [piece for piece in self.pieces if self.has_image(piece)]
 
     @cached_property
+    def compressed(self) -> list[str]:
+        """Pieces that are tested in compression."""
+        return [piece for piece in self.pieces if self.rows[piece]["mode"] == "compression"]
+
+    @cached_property
     def banded(self) -> list[str]:
         """Pieces whose boundary is known to a standard deviation: from an image, not a surface."""
         return [piece for piece in self.imaged if "real" in self.geometries(piece)]
@@ -178,14 +204,103 @@ class Plan:
             and "bond_mask" not in self.rows[piece]
         ]
 
+    def bonded_of(self, group: str) -> list[str]:
+        """Samples of a group whose piece is bonded by a rule."""
+        return [name for name in self.samples_of(group) if self.piece_of[name] in self.bonded]
+
+    def has_closed_form(self, sample: str, geometry: str, ends: str | None = None) -> bool:
+        """Whether the sample deforms uniformly, so that its response needs no run."""
+        row = self.row(sample)
+        return geometry == "ideal" and is_homogeneous(row["mode"], ends or modelled_ends(row))
+
+    def coarsening(self, times: float, sample: str, geometry: str) -> float:
+        """Size of elements over that of the settings; any mesh holds a uniform field."""
+        return times * (2 if self.has_closed_form(sample, geometry) else 1)
+
+    def simulated(self, group: str) -> list[str]:
+        """Pieces of a group whose response to a law is simulated."""
+        best = self.best(group)
+        return [name for name in self.pieces_of(group) if not self.has_closed_form(name, best)]
+
+    def _alike(self, group: str) -> list[str]:
+        """Groups whose geometry is known as well as that of the group: others have another bias."""
+        best = self.best(_known(group, self.groups, "group"))
+        return [name for name in self.groups if self.best(name) == best]
+
+    def others(self, group: str) -> dict[str, list[str]]:
+        """Samples of the other groups that tell of one, by group; none if they are not held out."""
+        alike = self._alike(group)
+        pooled = in_turn(self.hold_out, self.leave_out, alike)
+        return {name: self.groups[name] for name in alike if pooled and name != group}
+
+    def open_others(self, group: str) -> list[str]:
+        """Other groups of open ends, which tell what the platens do to those of the group."""
+        return [name for name in self._open_groups if group in self._open_groups and name != group]
+
+    @cached_property
+    def _open_groups(self) -> list[str]:
+        return [name for name, samples in self.groups.items() if self._open.intersection(samples)]
+
+    @cached_property
+    def _open(self) -> set[str]:
+        return {name for name, row in self.rows.items() if has_open_ends(row)}
+
+    @cached_property
+    def pooled(self) -> list[str]:
+        """Groups whose verdict takes files of others."""
+        return [
+            name
+            for name in self.groups
+            if self.open_others(name) or (self.leave_out == "group" and self._alike(name) != [name])
+        ]
+
+    def folds(self, group: str) -> dict[str, list[str]]:
+        """Samples of each part of a group that is left out in turn, by the name of the fold.
+
+        None where the study holds something out of one group at a time.
+        """
+        if self.leave_out == "group":
+            return {} if self.others(group) else {f"leave_out_{group}": self.samples_of(group)}
+        rows = [self.rows[name] for name in self.samples_of(group)]
+        return {f"leave_out_{value}": names for value, names in folds(rows, self.leave_out)}
+
+    def diagnosed(self, group: str) -> list[str]:
+        """Samples that a diagnosis is told of: of the group, or of all alike if one is left out."""
+        if self.leave_out != "group":
+            return self.samples_of(group)
+        alike = self._alike(group)
+        return [name for name, row in self.rows.items() if row["group"] in alike]
+
+    def diagnosed_open(self, group: str) -> list[str]:
+        """The same if the ends of one of them are open, else none."""
+        return found if self._open.intersection(found := self.diagnosed(group)) else []
+
+    def bonded_by_rule(self, group: str) -> list[bool]:
+        """Whether each of the samples of a diagnosis has its real top bonded by a rule."""
+        return [self.piece_of[name] in self.bonded for name in self.diagnosed(group)]
+
+    def diagnosed_bonded(self, group: str) -> list[str]:
+        """Those of them that have."""
+        return [name for name in self.diagnosed(group) if self.piece_of[name] in self.bonded]
+
+    def real_of(self, sample: str) -> list[str]:
+        """The sample, if its group has the real geometry."""
+        return [sample] if "real" in self.geometries(sample) else []
+
     def check_alike(self) -> None:
         """Refuse what experiments on shape and exponents of whole cohorts are not made for.
 
         Raises
         ------
         InputError
-            If a shape is not known, ends are not bonded, or a piece has several tests.
+            If a shape is not known, ends are not bonded, a piece has several tests, or parts of
+            records are held out.
         """
+        if self.hold_out:
+            raise InputError(
+                "experiments on shape and free exponents use whole records; ask for them without "
+                "the setting hold_out"
+            )
         for name, row in self.rows.items():
             wrong = {
                 "has neither image nor surface": not self.has_real(name),
@@ -216,8 +331,20 @@ class Plan:
                 found[mode] = self.piece_of[name if name in there else there[0]]
         return found
 
+    def shown(self, examples: Mapping[str, str]) -> str:
+        """The piece of figure 2: the compression example, else another one; best with an image."""
+        candidates = self.imaged or self.pieces
+        preferred = [examples.get("compression"), *examples.values(), *candidates]
+        return next(name for name in preferred if name in candidates)
+
     @cached_property
     def ideal_shape(self) -> str:
         """What samples are idealised as: `cuboid`, `cylinder`, or both."""
         kinds = {resolved(row)["shape"] for row in self.rows.values()}
         return kinds.pop() if len(kinds) == 1 else "cuboid or cylinder"
+
+
+def _known(name: str, there: Mapping[str, Any], kind: str) -> str:
+    if name not in there:
+        raise InputError(f"no {kind} {name!r} in the table; there are {', '.join(there)}")
+    return name

@@ -1,7 +1,6 @@
 """A study from its table to its report, by Snakemake: one run at a time in a folder."""
 
 import fcntl
-import os
 import signal
 import subprocess
 import sys
@@ -80,8 +79,8 @@ def run_study(
             print(STOPPED, file=sys.stderr)
             return status if status > 0 else 128 - status
         if status:
-            partial = {**os.environ, "SOFTSAMPLE_PARTIAL": "1"}
-            reported = _call([*snakemake, "reported", *options], partial)
+            finished = [*options, *([] if entries else ["--config"]), "report={groups: finished}"]
+            reported = _call([*snakemake, "reported", *finished])
             if reported:
                 return reported
     print(f"Report: {_results(files, entries)}/report.html")
@@ -123,9 +122,9 @@ def _hold(file: TextIO) -> None:
         raise SoftsampleError(BUSY) from None
 
 
-def _call(command: Sequence[str], environment: dict[str, str] | None = None) -> int:
+def _call(command: Sequence[str]) -> int:
     """Status of a command; what stops this process stops it, and is waited for."""
-    process = subprocess.Popen(command, env=environment)
+    process = subprocess.Popen(command)
     stopped: list[int] = []
 
     def pass_on(number: int, _: FrameType | None) -> None:

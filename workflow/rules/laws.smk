@@ -103,16 +103,22 @@ rule choose_law:
         "../scripts/choose_law.py"
 
 
+# What a fitted law is run with.
+OF_CONFIRMED = {
+    "records": of_members("<results>/records/{sample}.csv"),
+    "cuboids": of_pieces("<results>/cuboid/{sample}.json"),
+    "meshes": of_law_pieces("<results>/mesh/{sample}/{geometry}.vtu"),
+    "reports": of_law_pieces("<results>/curves/{sample}/{geometry}/ogden2.json"),
+    "code": library("workflow/scripts/confirm_law.py"),
+}
+
+
 rule confirm_law:
     input:
+        **OF_CONFIRMED,
         choice="<results>/laws/choice.json",
         report="<results>/laws/{group}.json",
         laws="<results>/laws/{group}.csv",
-        records=of_members("<results>/records/{sample}.csv"),
-        cuboids=of_pieces("<results>/cuboid/{sample}.json"),
-        meshes=of_law_pieces("<results>/mesh/{sample}/{geometry}.vtu"),
-        reports=of_law_pieces("<results>/curves/{sample}/{geometry}/ogden2.json"),
-        code=library("workflow/scripts/confirm_law.py"),
     output:
         table="<results>/laws/confirmed/{group}.csv",
     log:
@@ -123,6 +129,7 @@ rule confirm_law:
         **OF_MESHES,
     params:
         **OF_LAWS,
+        law="",  # the chosen one
     message:
         "Run the chosen law on the study's mesh: group {wildcards.group}"
     script:

@@ -163,7 +163,7 @@ def _exponents(tables: Tables) -> Finding:
     return Finding(
         true_minus("; ".join(words)) + f"; one pair for all: p = {p_value:.1g}",
         _verdict(every),
-        "one mode of loading hardly bounds α1; the test knows noise alone",
+        "one mode of loading hardly bounds α1",
     )
 
 

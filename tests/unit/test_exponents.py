@@ -61,55 +61,50 @@ def report_of(modes, alpha, simpler=(STUDY,), low=-9.0):
         "mu_pa": 1000.0, "shape": dict(zip(names[1:], values[1:], strict=True)),
         "intervals": {n: {**ends, "value": v} for n, v in zip(names, values, strict=True)},
         "covariance_of_shape": np.diag([1e-4, 0.01, 0.04]).tolist(),
-        "simpler": list(simpler), "at_bound": ["alpha1 at its maximum, -2"], "open": ["alpha2"],
+        "error_fitted_percent": 0.7, "simpler": list(simpler),
+        "at_bound": ["alpha1 at its maximum, -2"], "open": ["alpha2"],
     }  # fmt: skip
     fit["intervals"]["alpha1"]["low"] = low
     return {"modes": modes, "laws": {FREE: fit, STUDY: {}}}
 
 
-def curves_of(gaps):
-    """Records of force 1, and laws that are off by a share of it."""
-    return pd.concat(
-        pd.DataFrame({
-            "law": law, "sample": "S", "displacement_mm": np.arange(5.0), "measured_N": 1.0,
-            "model_N": 1.0 - gap,
-        })
-        for law, gap in gaps.items()
-    )  # fmt: skip
-
-
 def test_row_of_free_exponents_by_hand():
     reports = {"S": report_of(["shear"], (-8.0, 15.0)),
                "TC": report_of(["tension", "compression"], (-8.2, 16.0), simpler=())}  # fmt: skip
-    curves = dict.fromkeys(reports, curves_of({FREE: 0.02, STUDY: 0.03}))
     runs = dict.fromkeys(reports, pd.DataFrame({"difference_percent": [0.2, 0.4]}))
-    table = exponent_table(FREE, reports, curves, runs)
+    table = exponent_table(FREE, reports, runs)
     row = table.iloc[0]
     assert list(table["mode"]) == ["shear", "tension+compression"]
     assert (row["mu1_pa"], row["mu2_pa"]) == pytest.approx((900.0, 100.0))
-    assert row["area_error_percent"] == pytest.approx(2.0)
-    assert row["area_of_study_percent"] == pytest.approx(50.0)
+    assert row["error_percent"] == 0.7
     assert np.isnan(row["alpha2_low"])
     assert (row["alpha2"], row["alpha2_high"], row["mesh_curve_percent"]) == (15.0, 18.0, 0.4)
     assert (row["active_bounds"], row["open"]) == ("alpha1 at its maximum, -2", "alpha2")
     assert list(table["study_rejected"]) == [False, True]
 
 
+def bounded(modes, alpha):
+    report = report_of(modes, alpha)
+    for interval in report["laws"][FREE]["intervals"].values():
+        interval["low"], interval["high"] = -20.0, 20.0
+    return report
+
+
 def test_exponents_are_constant_unless_they_differ_by_more_than_their_covariance():
-    alike = [report_of(["shear"], (-8.0, alpha)) for alpha in (15.0, 15.2)]
-    apart = report_of(["tension"], (-9.5, 15.0))
-    reports = dict(zip("ABC", [*alike, apart], strict=True))
+    alike = [bounded(["shear"], (-8.0, alpha)) for alpha in (15.0, 15.2)]
+    apart, open_ = bounded(["tension"], (-9.5, 15.0)), report_of(["shear"], (-2.0, 25.0))
+    reports = dict(zip("ABCD", [*alike, apart, open_], strict=True))
     table = common_table(FREE, reports).set_index("mode")
     assert list(table.index) == ["all", "shear"]  # tension has one group
+    assert list(table["groups"]) == [3, 2]  # the open one tells nothing
     assert table.loc["shear", "alpha2"] == pytest.approx(15.1)
     assert list(table["verdict"]) == ["not constant", "constant"]
 
 
 def test_an_open_end_is_an_arrow():
     reports = {"S": report_of(["shear"], (-8.0, 15.0)), "T": report_of(["shear"], (-7.0, 9.0))}
-    curves = dict.fromkeys(reports, curves_of({FREE: 0.02, STUDY: 0.03}))
     runs = dict.fromkeys(reports, pd.DataFrame({"difference_percent": [0.2]}))
-    table = exponent_table(FREE, reports, curves, runs)
+    table = exponent_table(FREE, reports, runs)
     figure = exponents_figure(table, [(-18.0, -2.0), (4.0, 26.0)], (-8.0, 16.0))
     marks = [[line.get_marker() for line in ax.lines if line.get_marker() in "<>|"]
              for ax in figure.axes]  # fmt: skip

@@ -56,7 +56,7 @@ rule table_direct:
 
 
 # Two Ogden terms with exponents in ranges, a law as any other.
-FREE = "ogden({}:{})+ogden({}:{})".format(
+FREE = "ogden({:g}:{:g})+ogden({:g}:{:g})".format(
     *config["exponents"]["alpha1"], *config["exponents"]["alpha2"]
 )
 
@@ -100,7 +100,6 @@ use rule confirm_law as confirm_exponents with:
 rule table_exponents:
     input:
         reports=expand("<results>/extended/exponents/{group}.json", group=GROUPS),
-        curves=expand("<results>/extended/exponents/{group}.csv", group=GROUPS),
         runs=expand("<results>/extended/exponents/confirmed/{group}.csv", group=GROUPS),
         code=library("workflow/scripts/table_exponents.py"),
     output:

@@ -6,11 +6,7 @@ from softsample.workflow import logged_to
 
 with logged_to(snakemake):
     given, files = snakemake.params, snakemake.input
-    reports, curves, runs = (
-        dict(zip(given.groups, map(read, paths), strict=True))
-        for read, paths in (
-            (read_json, files.reports), (read_table, files.curves), (read_table, files.runs)
-        )
-    )  # fmt: skip
-    write_table(snakemake.output.table, exponent_table(given.law, reports, curves, runs))
+    reports = dict(zip(given.groups, map(read_json, files.reports), strict=True))
+    runs = dict(zip(given.groups, map(read_table, files.runs), strict=True))
+    write_table(snakemake.output.table, exponent_table(given.law, reports, runs))
     write_table(snakemake.output.common, common_table(given.law, reports))

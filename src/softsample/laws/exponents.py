@@ -16,10 +16,7 @@ SIGNIFICANCE = 0.05
 
 
 def exponent_table(
-    law: str,
-    reports: Mapping[str, Mapping[str, Any]],
-    curves: Mapping[str, pd.DataFrame],
-    runs: Mapping[str, pd.DataFrame],
+    law: str, reports: Mapping[str, Mapping[str, Any]], runs: Mapping[str, pd.DataFrame]
 ) -> pd.DataFrame:
     """Modulus and exponents of each group.
 
@@ -27,7 +24,7 @@ def exponent_table(
     ----------
     law : str
         Name of the candidate; the other law of the reports has the study's exponents.
-    reports, curves
+    reports
         Of `softsample.laws.group.group_report`, by group.
     runs
         Of `softsample.laws.setup.SamplesOfGroup.confirmed`, by group.
@@ -36,16 +33,14 @@ def exponent_table(
     -------
     DataFrame
         One row a group: moduli [Pa] and exponents with their intervals (an end is empty where it
-        is open), mean area between the curves [% of the measured], by how much the study's
-        exponents make it larger, whether the records reject these, parameters at a bound or open,
-        and the largest difference of a run on the study's mesh [% of peak].
+        is open), error [% of peak], whether the records reject the study's exponents, parameters
+        at a bound or open, and the largest difference of a run on the study's mesh [% of peak].
     """
     rows = []
     for group, report in reports.items():
         laws = report["laws"]
         (study,) = laws.keys() - {law}
         fit, share = laws[law], laws[law]["shape"]["mu1_fraction"]
-        areas = {name: _area_percent(part) for name, part in curves[group].groupby("law")}
         row: dict[str, Any] = {"group": group, "mode": loading(report["modes"])}
         row |= {"mu1_pa": share * fit["mu_pa"], "mu2_pa": (1.0 - share) * fit["mu_pa"]}
         for name, unit in (("mu", "_pa"), *((name, "") for name in EXPONENTS)):
@@ -55,8 +50,7 @@ def exponent_table(
                 row[f"{name}_{end}{unit}"] = np.nan if found[end] is None else found[end]
         rows.append({
             **row,
-            "area_error_percent": areas[law],
-            "area_of_study_percent": 100.0 * (areas[study] / areas[law] - 1.0),
+            "error_percent": fit["error_fitted_percent"],
             "study_rejected": study not in fit["simpler"],
             "active_bounds": "; ".join(fit["at_bound"]),
             "open": "; ".join(fit["open"]),
@@ -65,26 +59,22 @@ def exponent_table(
     return pd.DataFrame(rows)
 
 
-def _area_percent(curves: pd.DataFrame) -> float:
-    """Area between record and law over that under the record [%], the mean over samples."""
-    parts = []
-    for _, own in curves.groupby("sample"):
-        gap, way = (own["measured_N"] - own["model_N"]).abs(), own["displacement_mm"]
-        parts.append(np.trapezoid(gap, way) / np.trapezoid(own["measured_N"].abs(), way))
-    return float(100.0 * np.mean(parts))
-
-
 def common_table(law: str, reports: Mapping[str, Mapping[str, Any]]) -> pd.DataFrame:
     """Exponents that groups share, and whether they do: all of them, and those of each loading.
+
+    Groups whose records leave an end of an interval open have no covariance, and no part.
 
     Parameters
     ----------
     law, reports
         As of `exponent_table`.
     """
-    kinds: dict[str, list[str]] = {"all": list(reports)}
+    kinds: dict[str, list[str]] = {"all": []}
     for group, report in reports.items():
-        kinds.setdefault(loading(report["modes"]), []).append(group)
+        ends = [report["laws"][law]["intervals"][name] for name in EXPONENTS]
+        if not any(None in (end["low"], end["high"]) for end in ends):
+            for kind in ("all", loading(report["modes"])):
+                kinds.setdefault(kind, []).append(group)
     rows = []
     for kind, groups in kinds.items():
         if len(groups) < 2:

@@ -2,8 +2,8 @@
 
 Forces change by orders of magnitude with a law's numbers, but little against those of the
 homogeneous test of the same law and nominal strain: that ratio is interpolated between runs. Runs
-are where a fit goes: at its optimum, beside it along each parameter, and at the optimum again until
-a run there is what was predicted (space mapping).
+are where a fit goes: at its optimum, beside it along each parameter, and at the likeliest place of
+all until a run there is what was predicted (space mapping).
 
 References
 ----------
@@ -23,7 +23,7 @@ from softsample.fem.boundary import Boundary
 from softsample.fem.explicit import ExplicitModel
 from softsample.laws.candidates import Candidate
 from softsample.laws.fit import Problem
-from softsample.laws.folds import everything
+from softsample.laws.folds import Fits, everything
 from softsample.laws.response import HomogeneousResponse
 from softsample.laws.test import LawTest, Mask
 from softsample.response.unit import unit_runs
@@ -186,15 +186,15 @@ def simulate_law(
               if isinstance(t.response, SimulatedResponse)}  # fmt: skip
     if not pieces:
         return 0.0
-    problem = Problem(tests, kept or everything(tests))
-    shape = problem.fit(candidate).shape
+    kept = kept or everything(tests)
+    shape = Problem(tests, kept).fit(candidate).shape
     if _add(candidate, shape, pieces.values(), tests) is None:
         return None
     for place in _beside(_scaled(candidate, shape)):
         _add(candidate, _unscaled(candidate, place), pieces.values(), tests)
     error: float | None = 0.0
     for _ in range(ROUNDS if len(shape) else 0):
-        before, shape = shape, problem.fit(candidate, [shape], 1).shape
+        before, shape = shape, Fits(tests).of(candidate, kept)[1].shape
         error = _add(candidate, shape, pieces.values(), tests)
         moved = np.abs(_scaled(candidate, shape) - _scaled(candidate, before)).max()
         if error is None or error < tolerance or moved < SAME:

@@ -160,10 +160,8 @@ def _exponents(tables: Tables) -> Finding:
             f"inside the interval in {int(held.sum())} of {len(rows)}"
         )
         every &= bool(len(near) and near.all())
-    if "all" in common.index:
-        words.append(
-            f"one pair for {common.loc['all', 'groups']}: p = {common.loc['all', 'p_value']:.2g}"
-        )
+    for row in common[common["mode"] == "all"].to_dict("records"):
+        words.append(f"one pair for {row['groups']} groups: p = {row['p_value']:.2g}")
     return Finding(
         true_minus("; ".join(words)), _verdict(every), "one mode of loading hardly bounds α1"
     )

@@ -18,8 +18,8 @@ include: "workflow/rules/checks.smk"
 include: "workflow/rules/geometry_effects.smk"
 include: "workflow/rules/scoring.smk"
 include: "workflow/rules/reproduction.smk"
-include: "workflow/rules/extended.smk"
 include: "workflow/rules/laws.smk"
+include: "workflow/rules/extended.smk"
 
 
 if "blind" in config:

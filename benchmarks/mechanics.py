@@ -13,8 +13,7 @@ from softsample.constitutive.material import Relaxation
 from softsample.constitutive.ogden import Fibres, OgdenMaterial
 from softsample.fem.boundary import Boundary, ContactSettings, glued_boundary, platen_boundary
 from softsample.fem.explicit import ExplicitModel, Gravity, Run, SolverSettings
-from softsample.figures.profiles import DASHES
-from softsample.figures.style import PALETTE, label_panel, page_figure, save, styled
+from softsample.figures.style import DASHES, PALETTE, label_panel, page_figure, save, styled
 from softsample.meshing.bond import partial_bond
 from softsample.meshing.cuboid import mesh_cuboid
 from softsample.protocol import History

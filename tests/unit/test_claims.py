@@ -69,12 +69,20 @@ def test_the_bias_in_shear_is_said_for_both_bonds(tables):
     assert "between" not in of(claims_table(tables), "by 10 %")["why"]
 
 
-def test_exponents_are_constant_if_all_are_close_and_none_is_open(tables):
+def test_exponents_are_reproduced_if_all_that_records_bound_are_close(tables):
     rows = tables["exponents"]
-    rows["alpha1"], rows["alpha2"], rows["active_bounds"] = -8.2, 15.5, ""
-    assert of(claims_table(tables), "free exponents")["verdict"] == "reproduced"
-    rows.loc[0, "active_bounds"] = "alpha1 at its maximum"
-    assert of(claims_table(tables), "free exponents")["verdict"] == "differs"
+    rows["alpha1"], rows["alpha1_low"], rows["alpha1_high"] = -8.2, -8.5, -7.9
+    rows["alpha2"], rows["alpha2_low"], rows["alpha2_high"] = 15.5, 15.0, 16.5
+    rows.loc[0, ["alpha1", "alpha1_low"]] = -2.0, np.nan  # not bounded
+    rows.loc[0, "alpha1_high"] = -3.0
+    row = of(claims_table(tables), "free exponents")
+    assert row["verdict"] == "reproduced"
+    assert "α1 within 10 % of −8 in 9 of 9 groups that bound it" in row["found"]
+    assert "inside the interval in 10 of 10" in row["found"]
+    rows.loc[1, ["alpha1", "alpha1_low", "alpha1_high"]] = -9.0, -9.2, -8.8
+    row = of(claims_table(tables), "free exponents")
+    assert row["verdict"] == "differs"
+    assert "inside the interval in 9 of 10" in row["found"]
 
 
 def test_a_claim_without_its_table_is_not_testable():

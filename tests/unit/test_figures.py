@@ -17,7 +17,6 @@ from softsample.figures.contact import contact_figure
 from softsample.figures.geometry import SegmentedImage, geometry_figure
 from softsample.figures.geometry_effects import effects_figure, prescribed_figure
 from softsample.figures.moduli import GroupCurves, limits_of, moduli_figure
-from softsample.figures.profiles import profile_figure
 from softsample.figures.response import response_figure
 from softsample.figures.strain import Deformed, StrainRow, strain_figure
 from softsample.figures.stress import stress_strain_figure
@@ -563,40 +562,6 @@ def test_curves_that_part_are_marked():
     assert marks == [[[[0.15, 0.5]]], []]
 
 
-def test_profiles_have_a_panel_a_parameter_and_a_line_a_group():
-    value = np.linspace(-1.0, 1.0, 9)
-    rows = [
-        pd.DataFrame(
-            {"group": group, "parameter": name, "value": 10.0 + value, "deviance": 20.0 * value**2}
-        )
-        for group in ("S1", "TC1")
-        for name in ("mu", "mu1", "mu2", "alpha1", "alpha2")
-    ]
-    figure = profile_figure(pd.concat(rows), 2.7, {"alpha1": -8.0})
-    assert [x for x, _ in labels(figure)] == ["μ₁ [Pa]", "μ₂ [Pa]", "α₁ [–]", "α₂ [–]"]
-    for ax, lines in zip(figure.axes, (3, 3, 4, 3), strict=True):
-        assert len(ax.lines) == lines  # two groups, the level, the study's value where known
-        assert ax.lines[0].get_ydata().max() <= 8.0 * 2.7
-
-
-def test_profiles_of_many_groups_have_few_lines_a_panel_that_grey_print_tells_apart():
-    value = np.linspace(-1.0, 1.0, 9)
-    rows = [
-        pd.DataFrame(
-            {"group": f"G{k}", "parameter": name, "value": 10.0 + value, "deviance": value**2}
-        )
-        for k in range(7)
-        for name in ("mu1", "mu2", "alpha1", "alpha2")
-    ]
-    figure = profile_figure(pd.concat(rows), 2.7, {})
-    assert len(figure.axes) == 8
-    for row in range(4):
-        left, right = (figure.axes[2 * row + k].lines[:-1] for k in (0, 1))  # without the level
-        assert [line.get_label() for line in left] == [f"G{k}" for k in range(5)]
-        assert [line.get_label() for line in right] == ["G5", "G6"]
-        assert len({str(line._unscaled_dash_pattern) for line in left}) == 5
-
-
 def test_ground_truth_is_on_one_axis_for_all_discrepancies():
     share = {"nothing": [0.0, 0.0], "late_contact": [0.0, 1.0], "none": [1.0, 0.0]}
     table = pd.concat(
@@ -625,20 +590,6 @@ def overlapping(figure, texts):
         for other, beside in boxes[k + 1 :]
         if one and other and box.overlaps(beside)
     ]
-
-
-@pytest.mark.parametrize("width", [1.1, 1.5, 2.5, 8.0, 50.0])
-def test_moduli_of_profiles_have_ticks_that_can_be_read(width):
-    value = 900.0 * np.geomspace(1.0 / width, width, 9)
-    rows = [
-        pd.DataFrame({"group": "S1", "parameter": name, "value": value, "deviance": 1.0})
-        for name in ("mu1", "mu2", "alpha1", "alpha2")
-    ]
-    figure = profile_figure(pd.concat(rows), 2.7, {})
-    shown = [label for label in figure.axes[0].get_xticklabels(which="both") if label.get_text()]
-    low, high = figure.axes[0].get_xlim()
-    assert sum(low <= label.get_position()[0] <= high for label in shown) >= 2
-    assert overlapping(figure, shown) == []
 
 
 def test_titles_of_effects_stand_beside_each_other():

@@ -432,6 +432,24 @@ def test_runs_go_where_the_fit_goes_until_they_are_as_predicted():
     assert fit.mu == pytest.approx(800.0, rel=5e-3)
 
 
+def test_a_law_without_runs_has_the_ratio_of_a_known_one_as_first_guess():
+    response, known = simulated(FakeModel()), Candidate.of_pair((-8.0,))
+    shape, way = np.empty(0), SIDE * np.linspace(0.05, 0.3, 6)
+    coarse = response.simulate(known, shape)
+    uniform = response.homogeneous.unit_force(known, shape, response.grid)
+    response.anchor_to(1.1 * coarse, coarse, uniform)
+    law, alpha = Candidate.of("ogden"), np.array([3.0])
+    ratio = response.unit_force(law, alpha, way)
+    ratio /= response.homogeneous.unit_force(law, alpha, way)
+    assert ratio == pytest.approx(1.1 * FakeModel.factor(-8.0, way / SIDE), rel=1e-3)
+
+
+def test_runs_end_where_the_optimum_no_longer_moves():
+    tests = [by_solver("tension"), by_solver("compression")]
+    assert simulate_law(Candidate.of("ogden"), tests, 0.0) < 0.003
+    assert tests[0].response.model.runs <= 9
+
+
 def test_a_law_that_the_solver_cannot_run_is_left_out_with_the_reason():
     strain = np.linspace(0.0, 0.3, 40)
     force = 800.0 * CUBE.area * of_exponent(-18.0)("compression", strain)

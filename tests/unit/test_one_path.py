@@ -80,13 +80,11 @@ def test_solids_of_unit_modulus_are_run_by_one_function():
         "calibration/direct.py",  # the modulus that SLSQP tries
         "geometry_effects/variants.py",  # runs by unit_runs
         "loop/effects/base.py",  # exponents of the study, nothing is run
-        "scripts/confirm_exponents.py",  # one run at calibrated moduli
     }
     assert callers("unit_runs") == {
         ("blindlab/models.py", "_curves"),
         ("geometry_effects/variants.py", "ShapeTest.simulate"),
         ("laws/simulate.py", "SimulatedResponse.simulate"),
-        ("response/exponents.py", "simulate_exponents"),
         ("response/unit.py", "simulated_response"),
     }
 
@@ -108,17 +106,15 @@ def test_runs_of_the_solver_are_those_of_the_response_and_of_few_others():
         "figures/offscreen.py",  # a program
         "geometry_effects/prescribed.py",
         "loop/confirm.py",  # effects at the sizes that were found
-        "scripts/confirm_exponents.py",
         "scripts/series.py",
     }
 
 
 def test_forces_at_displacements_come_from_one_evaluation():
-    """Of a response; free exponents have a grid of their own, `method: direct` runs the solver."""
+    """Of a response; `method: direct` runs the solver."""
     assert definitions("force_per_mu") == {
         ("response/curves.py", "ResponseCurves.force_per_mu"),
         ("response/elastic.py", "Elastic.force_per_mu"),
-        ("calibration/exponents.py", "ExponentFamily.force_per_mu"),
     }
     elastic = {place: node for place, node in places(tree_of(PACKAGE / "response/elastic.py"))}
     *_, answer = elastic["Elastic.force_per_mu"].body

@@ -23,7 +23,6 @@ from softsample.plausibility import Limits
 from softsample.protocol import MODES
 from softsample.records import RecordSettings
 from softsample.response.bond import BondSettings
-from softsample.response.exponents import ExponentSettings
 from softsample.response.floor import FloorSettings
 from softsample.response.unit import ResponseSettings
 from softsample.shapes import Indenter
@@ -98,7 +97,6 @@ def test_settings_of_a_measured_study_are_accepted(name):
         ("solver", SolverSettings, set()),
         ("family", ResponseSettings, set()),
         ("calibration", CalibrationSettings, set()),
-        ("exponents", ExponentSettings, set()),
         ("laws", LawSettings, set()),
         ("uncertainty", UncertaintySettings, set()),
         ("floor", FloorSettings, set()),

@@ -55,93 +55,52 @@ rule table_direct:
         "../scripts/table_direct.py"
 
 
-rule simulate_exponents:
-    input:
-        mesh="<results>/mesh/{sample}/real_coarse.vtu",
-        record="<results>/records/{sample}.csv",
-        family="<results>/curves/{sample}/real/ogden2.json",
-        code=library("workflow/scripts/simulate_exponents.py"),
+# Two Ogden terms with exponents in ranges, a law as any other.
+FREE = "ogden({:g}:{:g})+ogden({:g}:{:g})".format(
+    *config["exponents"]["alpha1"], *config["exponents"]["alpha2"]
+)
+
+
+use rule laws_of_group as exponents_of_group with:
     output:
-        curves="<results>/extended/exponents/{sample}.csv",
+        report="<results>/extended/exponents/{group}.json",
+        curves="<results>/extended/exponents/{group}.csv",
     log:
-        "<logs>/simulate_exponents/{sample}.log",
+        "<logs>/exponents/{group}.log",
     benchmark:
-        "<benchmarks>/simulate_exponents/{sample}.tsv"
-    resources:
-        **OF_MESHES,
+        "<benchmarks>/exponents/{group}.tsv"
     params:
-        mode=row_value("mode"),
-        material=config["material"],
-        solver=config["solver"],
-        contact=config["contact"],
-        family=config["family"],
-        exponents=config["exponents"],
+        **{**OF_LAWS, "laws": {**config["laws"], "candidates": [FREE]}},
+        folds={},
+        hold_out=[],
+        confidence=config["uncertainty"]["confidence"],
+        floor=config["floor"],
     message:
-        "Simulate curves for free exponents: {wildcards.sample}"
-    script:
-        "../scripts/simulate_exponents.py"
+        "Fit with free exponents: group {wildcards.group}"
 
 
-rule calibrate_exponents:
+use rule confirm_law as confirm_exponents with:
     input:
-        curves=expand("<results>/extended/exponents/{sample}.csv", sample=SAMPLES),
-        fine=expand("<results>/curves/{sample}/real/ogden2.csv", sample=SAMPLES),
-        cuboids=expand("<results>/cuboid/{sample}.json", sample=SAMPLES),
-        records=expand("<results>/records/{sample}.csv", sample=SAMPLES),
-        code=library("workflow/scripts/calibrate_exponents.py"),
+        **OF_CONFIRMED,
+        report="<results>/extended/exponents/{group}.json",
+        laws="<results>/extended/exponents/{group}.csv",
     output:
-        fits="<results>/extended/exponents.json",
-        profiles="<results>/extended/exponents_profiles.csv",
+        table="<results>/extended/exponents/confirmed/{group}.csv",
     log:
-        "<logs>/calibrate_exponents.log",
+        "<logs>/confirm_exponents/{group}.log",
     benchmark:
-        "<benchmarks>/calibrate_exponents.tsv"
+        "<benchmarks>/confirm_exponents/{group}.tsv"
     params:
-        groups=GROUPS,
-        modes={name: row["mode"] for name, row in SAMPLES.items()},
-        settings=config["calibration"],
-        uncertainty=config["uncertainty"],
-        material=config["material"],
+        **{**OF_LAWS, "laws": {**config["laws"], "candidates": [FREE]}},
+        law=FREE,
     message:
-        "Calibrate with free exponents"
-    script:
-        "../scripts/calibrate_exponents.py"
-
-
-rule confirm_exponents:
-    input:
-        mesh="<results>/mesh/{sample}/real.vtu",
-        record="<results>/records/{sample}.csv",
-        family="<results>/curves/{sample}/real/ogden2.json",
-        curves="<results>/extended/exponents/{sample}.csv",
-        fine="<results>/curves/{sample}/real/ogden2.csv",
-        cuboid="<results>/cuboid/{sample}.json",
-        fits="<results>/extended/exponents.json",
-        code=library("workflow/scripts/confirm_exponents.py"),
-    output:
-        report="<results>/extended/exponents/{sample}.json",
-    log:
-        "<logs>/confirm_exponents/{sample}.log",
-    benchmark:
-        "<benchmarks>/confirm_exponents/{sample}.tsv"
-    resources:
-        **OF_MESHES,
-    params:
-        mode=row_value("mode"),
-        group=row_value("group"),
-        material=config["material"],
-        solver=config["solver"],
-        contact=config["contact"],
-    message:
-        "Run at the optimum with free exponents: {wildcards.sample}"
-    script:
-        "../scripts/confirm_exponents.py"
+        "Run at the optimum with free exponents: group {wildcards.group}"
 
 
 rule table_exponents:
     input:
-        fits="<results>/extended/exponents.json",
-        runs=expand("<results>/extended/exponents/{sample}.json", sample=SAMPLES),
+        reports=expand("<results>/extended/exponents/{group}.json", group=GROUPS),
+        runs=expand("<results>/extended/exponents/confirmed/{group}.csv", group=GROUPS),
         code=library("workflow/scripts/table_exponents.py"),
     output:
         table=report(
@@ -159,7 +118,8 @@ rule table_exponents:
     log:
         "<logs>/table_exponents.log",
     params:
-        samples=list(SAMPLES),
+        groups=list(GROUPS),
+        law=FREE,
     message:
         "Tables of free exponents"
     script:
@@ -168,23 +128,22 @@ rule table_exponents:
 
 rule figure_exponents:
     input:
-        fits="<results>/extended/exponents.json",
-        profiles="<results>/extended/exponents_profiles.csv",
+        table="<results>/extended/exponents.csv",
         code=library("workflow/scripts/figure_exponents.py"),
     output:
         png=report(
             "<results>/extended/exponents.png",
-            caption="../report/exponents_profiles.rst",
+            caption="../report/exponents.rst",
             category="Extended",
-            labels={"figure": "Profile likelihood with free exponents"},
+            labels={"figure": "Free exponents"},
         ),
         pdf="<results>/extended/exponents.pdf",
     log:
         "<logs>/figure_exponents.log",
     params:
         alpha=config["material"]["alpha"],
-        confidence=config["uncertainty"]["confidence"],
+        ranges=[config["exponents"][name] for name in ("alpha1", "alpha2")],
     message:
-        "Figure: profile likelihood with free exponents"
+        "Figure: free exponents"
     script:
         "../scripts/figure_exponents.py"

@@ -101,16 +101,22 @@ rule choose_law:
         "../scripts/choose_law.py"
 
 
+# What a fitted law is run with.
+OF_CONFIRMED = {
+    "records": each(PLAN.samples_of, "<results>/records/{sample}.csv"),
+    "cuboids": each(PLAN.samples_of, "<results>/cuboid/{piece}.json"),
+    "meshes": each(PLAN.simulated, "<results>/mesh/{sample}/{geometry}.vtu"),
+    "reports": each(PLAN.simulated, "<results>/curves/{sample}/{geometry}/ogden2.json"),
+    "code": library("workflow/scripts/confirm_law.py"),
+}
+
+
 rule confirm_law:
     input:
+        **OF_CONFIRMED,
         choice="<results>/laws/choice.json",
         report="<results>/laws/{group}.json",
         laws="<results>/laws/{group}.csv",
-        records=each(PLAN.samples_of, "<results>/records/{sample}.csv"),
-        cuboids=each(PLAN.samples_of, "<results>/cuboid/{piece}.json"),
-        meshes=each(PLAN.simulated, "<results>/mesh/{sample}/{geometry}.vtu"),
-        reports=each(PLAN.simulated, "<results>/curves/{sample}/{geometry}/ogden2.json"),
-        code=library("workflow/scripts/confirm_law.py"),
     output:
         table="<results>/laws/confirmed/{group}.csv",
     log:
@@ -121,6 +127,7 @@ rule confirm_law:
         **OF_MESHES,
     params:
         **OF_LAWS,
+        law="",  # the chosen one
     message:
         "Run the chosen law on the study's mesh: group {wildcards.group}"
     script:

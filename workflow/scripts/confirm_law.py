@@ -1,4 +1,4 @@
-"""The chosen law on the study's mesh beside what the fit took for it (rule `confirm_law`)."""
+"""A law on the study's mesh beside what the fit took for it (rules `confirm_law` and others)."""
 
 import pandas as pd
 
@@ -10,7 +10,7 @@ from softsample.workflow import logged_to
 
 with logged_to(snakemake):
     given, files = snakemake.params, snakemake.input
-    name = read_json(files.choice)["groups"][snakemake.wildcards.group]["best"][0]
+    name = given.law or read_json(files.choice)["groups"][snakemake.wildcards.group]["best"][0]
     laws = LawSettings(**given.laws).laws(given.material["alpha"])
     chosen = next(law for law in laws if law.name == name), read_json(files.report)["laws"][name]
     curves = read_table(files.laws)

@@ -4,13 +4,13 @@ The area is the negative log likelihood of errors with Laplace's distribution. W
 taken from the record, -2 log L = 2 n ln(area), where n is the number of independent points.
 """
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
 
 from softsample.arrays import Array
-from softsample.calibration.profile import least, profile, profile_interval
+from softsample.calibration.profile import profile, profile_interval
 from softsample.calibration.slsqp import Fit, Search
 
 MODULI = ("mu", "mu1", "mu2")
@@ -81,12 +81,6 @@ class AreaLikelihood:
         """Deviance of a point, ln(A / A_min), at variables `x`."""
         return float(np.log(self.search(x) / self._least))
 
-    def at(self, shape: Mapping[str, float]) -> float:
-        """Least deviance with some shape parameters held."""
-        names = list(self.search.bounds)
-        held = {names.index(name): value for name, value in shape.items()}
-        return 2.0 * self.points * least(self, self.best, held, self.bounds)[0]
-
     def profile(self, name: str, step: float, confidence: float) -> Profile:
         """Profile of `mu`, `mu1`, `mu2` or a shape parameter.
 
@@ -135,14 +129,6 @@ class AreaLikelihood:
         best[0] += best[1]
         term = self.bounds[0][0] + min(logs), self.bounds[0][1] + max(logs)
         return deviance, best, [term, (min(logs), max(logs)), *self.bounds[2:]]
-
-    def profiles(self, confidence: float) -> dict[str, Profile]:
-        """Profiles of the moduli and of every shape parameter beside the fraction."""
-        shape = list(self.search.bounds)[2:]
-        return {
-            **{name: self.profile(name, 0.01, confidence) for name in MODULI},
-            **{name: self.profile(name, 0.1, confidence) for name in shape},
-        }
 
     def _profile(
         self, deviance: Callable[[Array], float], best: Array, bounds: list, name: str,

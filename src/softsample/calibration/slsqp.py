@@ -52,7 +52,7 @@ class Fit:
     mu : float
         Shear modulus mu1 + mu2 [Pa].
     shape : dict of float
-        The other parameters: `mu1_fraction` = mu1 / mu, and `alpha1`, `alpha2` if they are free.
+        The other parameters: `mu1_fraction` = mu1 / mu.
     area_error : dict of float
         Per sample: area between the curves over the area under the measured one.
     rms : dict of float
@@ -267,8 +267,7 @@ def fit_ogden(
 ) -> Fit:
     """Find the shear modulus and the shape of a group's curves by multi-start SLSQP.
 
-    The variables are ln(mu), mu1/mu and the exponents, the latter as far as the families cover a
-    range.
+    The variables are ln(mu), and mu1/mu as far as the families cover a range.
 
     Raises
     ------

@@ -1,5 +1,6 @@
 """Laws that may be chosen: the dictionary, and sums of at most two of its terms."""
 
+import re
 from collections.abc import Sequence
 from dataclasses import dataclass
 from itertools import product
@@ -11,6 +12,11 @@ from softsample.arrays import Array
 from softsample.constitutive.laws import LAWS
 from softsample.constitutive.material import Material, Term
 from softsample.errors import InputError
+
+Range = tuple[float, float]
+
+WRITTEN = re.compile(r"\s*(\w+)\s*(?:\((.*)\))?\s*")
+"""A term in the settings: a law, and ranges of its shape parameters."""
 
 FRACTION = "mu1_fraction"
 """Part of the shear modulus that is in the first of two terms."""
@@ -65,28 +71,37 @@ class Candidate:
         Names in `softsample.constitutive.laws.LAWS`, joined by `+` in tables.
     fixed : tuple of tuple of float
         Shape parameters of the terms that are not fitted; none by default.
+    ranges : tuple of tuple of (low, high)
+        Of the shape parameters of each term, in place of the law's.
     """
 
     laws: tuple[str, ...]
     fixed: tuple[tuple[float, ...], ...] = ()
+    ranges: tuple[tuple[Range, ...], ...] = ()
 
     @classmethod
     def of(cls, name: str) -> Self:
-        """From its name in the settings, such as `ogden` or `neo_hooke+ogden`.
+        """From its name in the settings, such as `neo_hooke+ogden` or `ogden(-18:-2)+ogden(4:26)`.
 
         Raises
         ------
         InputError
-            If a law is unknown or no solid alone, or there are more than two.
+            If a law is unknown or no solid alone, there are more than two, or ranges are no
+            `low:high` of each shape parameter.
         """
-        laws = tuple(part.strip() for part in name.split("+"))
+        terms = [WRITTEN.fullmatch(part) for part in name.split("+")]
+        laws = tuple(term[1] if term else "" for term in terms)
         solids = [law for law in LAWS if law != "fibre"]
         unknown = [law for law in laws if law not in solids]
         if unknown or len(laws) > 2:
             raise InputError(
                 f"laws.candidates: {name!r} is no sum of one or two of {', '.join(solids)}"
             )
-        return cls(laws)
+        written = [term[2] for term in terms if term]
+        if not any(written):
+            return cls(laws)
+        pairs = zip(laws, written, strict=True)
+        return cls(laws, ranges=tuple(_ranges(name, law, text) for law, text in pairs))
 
     @classmethod
     def of_pair(cls, alpha: Sequence[float]) -> Self:
@@ -96,15 +111,20 @@ class Candidate:
     @property
     def name(self) -> str:
         """Name in tables."""
-        numbers = [f"({', '.join(f'{x:g}' for x in numbers)})" for numbers in self.fixed]
-        return "+".join(map("".join, zip(self.laws, numbers or [""] * 2, strict=False)))
+        return "+".join(map("".join, zip(self.laws, self._numbers(""), strict=True)))
 
     @property
     def title(self) -> str:
         """Name in words."""
-        numbers = [f" ({', '.join(f'{x:g}' for x in numbers)})" for numbers in self.fixed]
         titles = [LAWS[law].title for law in self.laws]
-        return " + ".join(map("".join, zip(titles, numbers or [""] * 2, strict=False)))
+        return " + ".join(map("".join, zip(titles, self._numbers(" "), strict=True)))
+
+    def _numbers(self, before: str) -> list[str]:
+        """Fixed numbers or ranges of each term in brackets, empty where there are none."""
+        fixed = [[f"{x:g}" for x in numbers] for numbers in self.fixed]
+        ranges = [[f"{low:g}:{high:g}" for low, high in ends] for ends in self.ranges]
+        numbers = fixed or ranges or [[] for _ in self.laws]
+        return [f"{before}({', '.join(own)})" if own else "" for own in numbers]
 
     @property
     def shape(self) -> tuple[Shape, ...]:
@@ -112,7 +132,13 @@ class Candidate:
         found = [Shape(FRACTION, 0.0, 1.0, 0.5)] if len(self.laws) > 1 else []
         for number, law in enumerate(() if self.fixed else self.laws, 1):
             end = str(number) if self.laws.count(law) > 1 else ""
-            found += [Shape(p.name + end, p.low, p.high, p.default) for p in LAWS[law].shape]
+            ranges = (self.ranges[number - 1] if self.ranges else ()) or (
+                (p.low, p.high) for p in LAWS[law].shape
+            )
+            found += [
+                Shape(p.name + end, low, high, float(np.clip(p.default, low, high)))
+                for p, (low, high) in zip(LAWS[law].shape, ranges, strict=True)
+            ]
         return tuple(found)
 
     @property
@@ -149,3 +175,24 @@ class Candidate:
         if len(self.laws) == 2 and self.laws[0] == self.laws[1] and not self.fixed:
             points = [p for p in points if p[1] < p[-1]]
         return points
+
+
+def _ranges(name: str, law: str, text: str | None) -> tuple[Range, ...]:
+    """Ranges of a law's shape parameters, in the name of a candidate; none if it has no text."""
+    parameters = LAWS[law].shape
+    if text is None:
+        return ()
+    try:
+        found = []
+        for part, p in zip(text.split(","), parameters, strict=True):
+            low, high = map(float, part.split(":"))
+            if not p.low <= low < high <= p.high:
+                raise ValueError
+            found.append((low, high))
+    except ValueError:
+        limits = ", ".join(f"{p.name} in {p.low:g}:{p.high:g}" for p in parameters) or "none"
+        raise InputError(
+            f"laws.candidates: {name!r}: {law}({text}) has no range low:high of each shape "
+            f"parameter within that of the law; it has {limits}"
+        ) from None
+    return tuple(found)

@@ -12,7 +12,7 @@ from softsample.errors import CalibrationError
 from softsample.laws.candidates import Candidate
 from softsample.laws.fit import LawFit, Problem
 from softsample.laws.folds import Fits, error_on
-from softsample.laws.intervals import intervals, left_open, simpler_laws
+from softsample.laws.intervals import covariance_of_shape, intervals, left_open, simpler_laws
 from softsample.laws.simulate import simulate_law
 from softsample.laws.test import LawTest
 from softsample.protocol import travel_sign
@@ -98,6 +98,7 @@ def law_report(
             name: asdict(interval)
             for name, interval in intervals(found.weighted, best, confidence).items()
         } if best.mu > 0.0 else {},
+        "covariance_of_shape": covariance_of_shape(found.weighted, best).tolist(),
         "open": left_open(found.weighted, best),
         "at_bound": best.bounds_met,
         "discrepancy_percent": 100.0 * found.size,

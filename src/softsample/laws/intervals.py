@@ -57,7 +57,7 @@ def intervals(problem: Problem, fit: LawFit, confidence: float) -> dict[str, Int
     def of_modulus(value: float) -> LawFit:
         return problem.fit(fit.candidate, [fit.shape], 1, modulus=float(np.exp(value)))
 
-    steps = np.clip(level * deviations(problem, fit), *STEPS)
+    steps = np.clip(level * np.sqrt(np.diag(covariance(problem, fit))), *STEPS)
     centre = float(np.log(fit.mu))
     ends = [
         _end(of_modulus, fit.cost, centre, side * steps[0], side * np.inf, level)
@@ -102,14 +102,20 @@ def simpler_laws(
     return found
 
 
-def deviations(problem: Problem, fit: LawFit) -> Array:
-    """Standard deviations (1 + n_shape,) of ln(mu) and of shapes in parts of their ranges.
+def covariance(problem: Problem, fit: LawFit) -> Array:
+    """Covariance (1 + n_shape, 1 + n_shape) of ln(mu) and of shapes in parts of their ranges.
 
-    Those of the linearised problem, infinite in directions without information.
+    That of the linearised problem, large without end in directions without information.
     """
     jacobian = problem.jacobian(fit)
     values, directions = np.linalg.eigh(jacobian.T @ jacobian)
-    return np.asarray(np.sqrt(directions**2 @ (1.0 / np.maximum(values, 1e-12))))
+    return np.asarray(directions / np.maximum(values, 1e-12) @ directions.T)
+
+
+def covariance_of_shape(problem: Problem, fit: LawFit) -> Array:
+    """Covariance (n_shape, n_shape) of the shape parameters, see `covariance`."""
+    low, high = fit.candidate.bounds
+    return np.asarray(covariance(problem, fit)[1:, 1:] * np.outer(high - low, high - low))
 
 
 def _end(

@@ -94,9 +94,10 @@ class SamplesOfGroup:
         """
         found = self.response(piece)
         pair = Candidate.of_pair(self.sections["material"]["alpha"])
-        coarse = found.simulate(pair, np.array([mu1_fraction]))
-        curves = ResponseCurves.of_table(fine, found.homogeneous.mode)
-        found.anchor_to(curves.force_per_mu(mu1_fraction, found.grid), coarse)
+        fraction, uniform = np.array([mu1_fraction]), found.homogeneous
+        coarse = found.simulate(pair, fraction)
+        level = ResponseCurves.of_table(fine, uniform.mode).force_per_mu(mu1_fraction, found.grid)
+        found.anchor_to(level, coarse, uniform.unit_force(pair, fraction, found.grid))
         return found
 
     def tests(

@@ -2,8 +2,8 @@
 
 Forces change by orders of magnitude with a law's numbers, but little against those of the
 homogeneous test of the same law and nominal strain: that ratio is interpolated between runs. Runs
-are where a fit goes: at its optimum, beside it along each parameter, and at the optimum again until
-a run there is what was predicted (space mapping).
+are where a fit goes: at its optimum, beside it along each parameter, and at the likeliest place of
+all until a run there is what was predicted (space mapping).
 
 References
 ----------
@@ -23,7 +23,7 @@ from softsample.fem.boundary import Boundary
 from softsample.fem.explicit import ExplicitModel
 from softsample.laws.candidates import Candidate
 from softsample.laws.fit import Problem
-from softsample.laws.folds import everything
+from softsample.laws.folds import Fits, everything
 from softsample.laws.response import HomogeneousResponse
 from softsample.laws.test import LawTest
 from softsample.response.unit import unit_runs
@@ -31,8 +31,8 @@ from softsample.response.unit import unit_runs
 BESIDE = 0.08
 """Distance of the runs beside the first optimum, as a part of each range."""
 
-ROUNDS = 4
-"""Runs at an optimum, at most."""
+ROUNDS = 12
+"""Runs at an optimum, at most: four parameters far from the first guess take eight."""
 
 MARGIN = 0.1
 """How far beyond its runs a ratio is interpolated, as a part of each range."""
@@ -65,6 +65,7 @@ class SimulatedResponse:
     homogeneous: HomogeneousResponse
     grid: Array = field(default_factory=lambda: np.empty(0))
     anchor: Array | float = 1.0
+    guess: Array | float = 1.0
     places: dict[str, list[Array]] = field(default_factory=dict)
     ratios: dict[str, list[Array]] = field(default_factory=dict)
     _between: dict[str, RBFInterpolator] = field(default_factory=dict)
@@ -86,9 +87,7 @@ class SimulatedResponse:
         return float(np.abs(force - expected).max() / np.abs(force).max())
 
     def _keep(self, candidate: Candidate, shape: Array, force: Array) -> None:
-        uniform = self.homogeneous.unit_force(candidate, shape, self.grid)
-        strong = np.abs(force) > WEAK * np.abs(force).max()
-        ratio = np.interp(self.grid, self.grid[strong], force[strong] / uniform[strong])
+        ratio = self._ratio_of(force, self.homogeneous.unit_force(candidate, shape, self.grid))
         self._between.pop(candidate.name, None)
         place = _scaled(candidate, shape)
         places, ratios = (d.setdefault(candidate.name, []) for d in (self.places, self.ratios))
@@ -101,11 +100,12 @@ class SimulatedResponse:
         ratios.append(ratio)
 
     def unit_force(self, candidate: Candidate, shape: Array, displacement: Array) -> Array:
-        """See `Response.unit_force`; of a law without runs that of the homogeneous test."""
+        """See `Response.unit_force`; of a law without runs with the ratio of the anchor's."""
         uniform = self.homogeneous.unit_force(candidate, shape, displacement)
-        if candidate.name not in self.places:
+        known = candidate.name in self.places
+        ratio = (self._ratio(candidate, shape) if known else self.guess) * self.anchor
+        if not len(self.grid):  # nothing was run yet
             return uniform
-        ratio = self._ratio(candidate, shape) * self.anchor
         return np.asarray(uniform * np.interp(displacement, self.grid, ratio))
 
     def _ratio(self, candidate: Candidate, shape: Array) -> Array:
@@ -122,10 +122,21 @@ class SimulatedResponse:
         place = np.clip(_scaled(candidate, shape), low, high)
         return np.asarray(self._between[candidate.name](place[None])[0])
 
-    def anchor_to(self, fine: Array, coarse: Array) -> None:
-        """Take the level of the study's mesh: its force over that of the coarse one, of one law."""
-        strong = np.abs(coarse) > WEAK * np.abs(coarse).max()
-        self.anchor = np.interp(self.grid, self.grid[strong], fine[strong] / coarse[strong])
+    def anchor_to(self, fine: Array, coarse: Array, uniform: Array) -> None:
+        """Take the level of the study's mesh from forces (n,) of one law at the points of a run.
+
+        Parameters
+        ----------
+        fine, coarse, uniform : (n,) float64
+            On the study's mesh, on this one, and in the homogeneous test; the ratio of the last
+            two is the first guess for all laws.
+        """
+        self.anchor, self.guess = self._ratio_of(fine, coarse), self._ratio_of(coarse, uniform)
+
+    def _ratio_of(self, force: Array, reference: Array) -> Array:
+        """Ratio of forces (n,); where the first is weak, that at its next larger one."""
+        strong = np.abs(force) > WEAK * np.abs(force).max()
+        return np.interp(self.grid, self.grid[strong], force[strong] / reference[strong])
 
 
 def _spans(places: Sequence[Array]) -> bool:
@@ -173,17 +184,18 @@ def simulate_law(
               if isinstance(t.response, SimulatedResponse)}  # fmt: skip
     if not pieces:
         return 0.0
-    problem = Problem(tests, kept or everything(tests))
-    shape = problem.fit(candidate).shape
+    kept = kept or everything(tests)
+    shape = Problem(tests, kept).fit(candidate).shape
     if _add(candidate, shape, pieces.values(), tests) is None:
         return None
     for place in _beside(_scaled(candidate, shape)):
         _add(candidate, _unscaled(candidate, place), pieces.values(), tests)
     error: float | None = 0.0
     for _ in range(ROUNDS if len(shape) else 0):
-        shape = problem.fit(candidate, [shape], 1).shape
+        before, shape = shape, Fits(tests).of(candidate, kept)[1].shape
         error = _add(candidate, shape, pieces.values(), tests)
-        if error is None or error < tolerance:
+        moved = np.abs(_scaled(candidate, shape) - _scaled(candidate, before)).max()
+        if error is None or error < tolerance or moved < SAME:
             break
     return error
 

@@ -75,6 +75,7 @@ use rule laws_of_group as exponents_of_group with:
         hold_out=[],
         confidence=config["uncertainty"]["confidence"],
         floor=config["floor"],
+        contact_zero_mm=config["loop"]["noise"]["contact_zero_mm"],
     message:
         "Fit with free exponents: group {wildcards.group}"
 

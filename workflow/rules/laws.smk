@@ -71,6 +71,7 @@ rule laws_of_group:
         hold_out=HOLD_OUT,
         confidence=config["uncertainty"]["confidence"],
         floor=config["floor"],
+        contact_zero_mm=config["loop"]["noise"]["contact_zero_mm"],
     message:
         "Fit every elastic law: group {wildcards.group}"
     script:

@@ -19,7 +19,8 @@ with logged_to(snakemake):
     simulated = {level[0].name: samples.anchored(*level) for level in levels}
     qualities = zip(given.simulated, map(io.read_json, files.qualities), strict=True)
     sizes = {name: quality["element_size_mm"] for name, quality in qualities}
-    tests = samples.tests(simulated, sizes, FloorSettings(**given.floor), given.hold_out)
+    errors = FloorSettings(**given.floor), given.contact_zero_mm
+    tests = samples.tests(simulated, sizes, *errors, given.hold_out)
     laws = settings.laws(given.material["alpha"]), given.folds, settings.tolerance, given.confidence
     found, curves = group_report(tests, *laws, progress_bar())
     io.write_table(snakemake.output.curves, curves)

@@ -2,8 +2,9 @@
 
 A test's residual is white noise, an error that is correlated along the displacement, and an error
 of the scale of the whole test. The last two have one size, which restricted maximum likelihood
-takes from the residuals: it knows that parameters were fitted to them. What mesh and element type
-leave open of the scale of a simulated response comes on top.
+takes from the residuals: it knows that parameters were fitted to them. On top come what mesh and
+element type leave open of a simulated response, in proportion to it and smooth along the
+displacement, and what an image leaves open of the point at which contact begins.
 
 References
 ----------
@@ -47,7 +48,11 @@ def covariance(test: LawTest, model: Array, kept: Mask, size: float) -> Array:
     way, peak = test.displacement[kept], np.abs(test.force[kept]).max()
     apart = np.abs(np.subtract.outer(way, way)) / (LENGTH * test.stroke)
     scale = np.outer(model, model)
-    error = size**2 * (peak**2 * np.exp(-apart) + scale) + test.scale_error**2 * scale
+    error = size**2 * (peak**2 * np.exp(-apart) + scale)
+    error += test.scale_error**2 * scale * np.exp(-0.5 * (LENGTH * apart) ** 2)
+    if test.contact_zero and len(way) > 1:
+        moved = test.contact_zero * np.gradient(model, way)
+        error += np.outer(moved, moved)
     noise = test.noise**2 + (JITTER * peak) ** 2
     return np.asarray(error + noise * np.eye(len(way)))
 

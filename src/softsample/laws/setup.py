@@ -105,6 +105,7 @@ class SamplesOfGroup:
         simulated: Mapping[str, SimulatedResponse],
         element_sizes_mm: Mapping[str, float],
         floor: FloorSettings,
+        contact_zero_mm: float,
         hold_out: Sequence[Mapping[str, Any]],
     ) -> list[LawTest]:
         """Tests of all samples.
@@ -114,6 +115,8 @@ class SamplesOfGroup:
         simulated, element_sizes_mm : mapping
             Of each piece that has no closed form: response, element size of the study's mesh [mm].
         floor : FloorSettings
+        contact_zero_mm : float
+            Standard deviation of the highest point of an image [mm].
         hold_out : sequence of mapping
             Selections of the study's settings.
         """
@@ -131,6 +134,7 @@ class SamplesOfGroup:
                 shape.height,
                 stated=not (row.get("image") or row.get("surface")),
                 scale_error=scale_errors.get(piece, 0.0),
+                contact_zero=1e-3 * contact_zero_mm,
                 travel=simulated[piece].travel if piece in simulated else np.inf,
             )
             for row, piece, record, shape in zip(

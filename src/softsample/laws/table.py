@@ -14,7 +14,7 @@ from softsample.laws.group import ALL
 
 Reports = Mapping[str, Mapping[str, Any]]
 
-OF_THE_MODEL = ("geometry", "contact_zero", "time", "bond", "mesh", "hourglass")
+OF_THE_MODEL = ("geometry", "time", "bond", "mesh", "hourglass")
 """Terms of `tables/intervals.csv` that are no part of a law's residual model: they make moduli of
 all laws wrong by the same percentage."""
 

@@ -57,6 +57,9 @@ class LawTest:
     scale_error : float
         Standard deviation of the scale of the response, as a part of it: what mesh and element
         type leave open.
+    contact_zero : float
+        Standard deviation of the displacement at which contact begins [m]; 0 where it is fitted or
+        known.
     reached : float
         Part of the loading that the response covers; what is beyond is left out.
     """
@@ -71,6 +74,7 @@ class LawTest:
     contact_depth: float = 0.0
     held_out: Mask = field(default_factory=lambda: np.zeros(0, bool))
     scale_error: float = 0.0
+    contact_zero: float = 0.0
     reached: float = 1.0
     _known: dict[tuple[str, bytes], Array] = field(default_factory=dict, repr=False)
 
@@ -88,6 +92,7 @@ class LawTest:
         height: float,
         stated: bool,
         scale_error: float = 0.0,
+        contact_zero: float = 0.0,
         travel: float = np.inf,
     ) -> Self:
         """From the calibrated loading of a record.
@@ -105,8 +110,8 @@ class LawTest:
         stated : bool
             Whether its dimensions were stated: a platen that came from above the sample then finds
             contact, and how even the face is.
-        scale_error : float
-            Of the response, as a part of it.
+        scale_error, contact_zero : float
+            Of the response, as a part of it, and of the highest point of an image [m].
         travel : float
             Largest displacement of the response [m].
         """
@@ -120,6 +125,7 @@ class LawTest:
         return cls(
             row["sample"], row["mode"], row["specimen"], points[0], points[1], noise, response,
             CONTACT_DEPTH * height if found else 0.0, points[2], scale_error,
+            0.0 if stated or row["mode"] != "compression" else contact_zero,
             float(way.max()) / last if last > way.max() else 1.0,
         )  # fmt: skip
 

@@ -12,10 +12,10 @@ from softsample.loop.average import Weighed, averaged, weighed
 from softsample.loop.deviation import birge_ratio, bond_deviation, log_modulus_deviation
 from softsample.loop.diagnose import diagnose
 from softsample.loop.effects import library
-from softsample.loop.page import page
 from softsample.loop.posed import LoopSettings, pose
 from softsample.loop.screen import penalty
 from softsample.loop.verdict import report
+from softsample.report.verdict import page
 
 SETTINGS = LoopSettings()
 

@@ -40,7 +40,6 @@ from softsample.loop.noise import (
     covariances,
     measure_noise,
 )
-from softsample.loop.page import page
 from softsample.loop.posed import LoopSettings, pose
 from softsample.loop.resample import resampled, stretches
 from softsample.loop.screen import Signature, family_wise, null_threshold, penalty, signatures
@@ -62,6 +61,7 @@ from softsample.loop.select import (
 )
 from softsample.loop.specimen import Specimen, blocks
 from softsample.loop.verdict import judgement, report
+from softsample.report.verdict import page
 from softsample.response.curves import ResponseCurves
 from softsample.response.elastic import Elastic
 

@@ -14,11 +14,11 @@ from softsample.loop.diagnose import diagnose
 from softsample.loop.effects import library
 from softsample.loop.model import Model
 from softsample.loop.noise import NoiseSettings
-from softsample.loop.page import page
 from softsample.loop.posed import LoopSettings
 from softsample.loop.select import driven_to_an_end
 from softsample.loop.verdict import error_report, judgement, report
 from softsample.report.loop import verdict_table
+from softsample.report.verdict import page
 
 OFFSET = library()["force_offset"]
 

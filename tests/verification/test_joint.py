@@ -20,7 +20,6 @@ from softsample.loop.held_out import Tables, specimens_of
 from softsample.loop.leave_out import left_out_errors
 from softsample.loop.model import Material, Model, State
 from softsample.loop.noise import GEOMETRY, NoiseSettings
-from softsample.loop.page import page
 from softsample.loop.pool import Pooled
 from softsample.loop.posed import LoopSettings, pose
 from softsample.loop.screen import signatures
@@ -29,6 +28,7 @@ from softsample.loop.verdict import document, judgement, report
 from softsample.meshing.sample import mesh_ideal
 from softsample.protocol import travel_sign
 from softsample.records import Record
+from softsample.report.verdict import page
 from softsample.response.perturbations import perturbations_of
 from softsample.response.pieces import MechanicalTest, MeshedSample, PerturbationSettings
 from softsample.response.unit import (

@@ -69,8 +69,7 @@ def _beyond(value: float, ends: tuple[float, float]) -> float:
 
 def _scaled(effect: Effect, scales: dict[str, float]) -> Effect:
     return replace(
-        effect,
-        parameters=tuple(_stretched(p, scales.get(p.unit, 1.0)) for p in effect.parameters),
+        effect, parameters=tuple(_stretched(p, scales.get(p.unit, 1.0)) for p in effect.parameters)
     )
 
 

@@ -11,10 +11,7 @@ BLOCKS = 10.0
 
 
 def confidence(
-    problem: Problem,
-    selection: Selection,
-    settings: SelectionSettings,
-    draws: int,
+    problem: Problem, selection: Selection, settings: SelectionSettings, draws: int
 ) -> float:
     """Share of resampled groups whose first class holds the first effect of the selection.
 

@@ -687,10 +687,7 @@ def _in_class(candidate: Candidate, best: Candidate, settings: SelectionSettings
 
 
 def _members(
-    candidates: Sequence[Candidate],
-    best: Candidate,
-    threshold: float,
-    settings: SelectionSettings,
+    candidates: Sequence[Candidate], best: Candidate, threshold: float, settings: SelectionSettings
 ) -> list[str]:
     """The class of the best candidate, itself first."""
     others = [c for c in candidates if c.name != best.name]

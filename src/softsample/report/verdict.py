@@ -177,12 +177,7 @@ def _effect(effect: Mapping[str, Any], told: bool) -> list[str]:
         lines += [f"**Undecided:** these records cannot tell it from {named}.", ""]
     lines += [f"Signature: {known[effect['name']].signature}.", ""]
     sizes = [
-        [
-            name,
-            fitted(p["value"]),
-            f"{fitted(p['low'])} to {fitted(p['high'])}",
-            p["unit"],
-        ]
+        [name, fitted(p["value"]), f"{fitted(p['low'])} to {fitted(p['high'])}", p["unit"]]
         for name, p in effect["parameters"].items()
     ]
     if sizes:

@@ -26,7 +26,9 @@ def joint_fit(current: Fit, signature: Signature, tie: float) -> Fit:
     """Joint fit from the linear estimate of the sizes, or from a size that leaves less.
 
     Small sizes and the other points of the grid are tried until one fit earns what the linear
-    estimate promises; starts of the effect's own are all tried, at an even modulus fraction.
+    estimate promises; starts of the effect's own are all tried, at an even modulus fraction. Where
+    contact has moved further than is likely, the effect may be what moved it: an effect of one
+    parameter sets out from none, too.
 
     Parameters
     ----------
@@ -56,8 +58,12 @@ def joint_fit(current: Fit, signature: Signature, tie: float) -> Fit:
         states = [states[0], *problem.of_each_fraction(model, states[0])]
         promised = -np.inf
     elif len(effect.parameters) == 1:
-        best = _least_left(current, model, [states[0], *_ladder(states[0], effect)])
+        ladder = _ladder(states[0], effect)
+        best = _least_left(current, model, [states[0], *ladder])
         states = states if best is states[0] else [best, *states]
+        if abs(current.state.contact_zero) > problem.settings.contact_zero_mm:
+            unmoved = [replace(state, contact_zero=0.0) for state in ladder]
+            own = [*own, _least_left(current, model, unmoved)]
     elif effect.shifts_travel:
         own = [*own, _least_left(current, model, _either_way(states[0], signature))]
     fits = problem.fits(model, states, tie, promised)

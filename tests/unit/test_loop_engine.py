@@ -51,6 +51,7 @@ from softsample.loop.select import (
     _alone,
     _beside_hysteresis,
     _beyond_doubt,
+    _held,
     _members,
     _round,
     _Search,
@@ -488,6 +489,40 @@ def test_no_form_is_doubted_that_the_records_show_to_be_right(found):
     """An offset is an offset."""
     assert found.selection.final.model.names == ("force_offset",)
     assert FORM not in found.selection.final.problem.variances
+
+
+@pytest.mark.parametrize(("evidence", "given"), [(16.0, "late_contact"), (8.0, None)])
+def test_a_candidate_that_errors_may_imitate_gives_way_to_the_next(monkeypatch, evidence, given):
+    best, other = (
+        SimpleNamespace(name=name, evidence=gain, settled=name)
+        for name, gain in (("uneven_contact", 17.0), ("late_contact", evidence))
+    )
+    monkeypatch.setattr("softsample.loop.select._without", lambda here, candidate: None)
+    monkeypatch.setattr(
+        "softsample.loop.select._beyond_doubt",
+        lambda here, candidate, alone, threshold: candidate is other,
+    )
+    held = _held(None, best, [best, other], ("uneven_contact", None), 4.0)
+    assert getattr(held, "name", None) == given
+
+
+def test_an_effect_sets_out_from_contact_that_has_not_moved_too(problem, monkeypatch):
+    """What has moved it may be the effect."""
+    base, starts = problem.fit_material(), []
+    fits = Problem.fits
+    monkeypatch.setattr(
+        Problem, "fits", lambda self, model, states, *a, **k: (
+            starts.extend(states), fits(self, model, states, *a, **k)
+        )[1]
+    )  # fmt: skip
+    for zero in (0.01, -0.2):
+        moved = problem.at(base.model, replace(base.state, contact_zero=zero))
+        signature, *_ = signatures(moved, [library()["residual_precompression"]])
+        starts.clear()
+        joint_fit(moved, signature, 1.0)
+        assert {state.contact_zero for state in starts} == {zero} | (
+            {0.0} if zero < -0.1 else set()
+        )
 
 
 def test_signatures_are_what_no_change_of_the_material_imitates(problem):

@@ -577,9 +577,10 @@ def _chosen(
         return replace(nothing, refused=refused, why=why)
     if best.fit.model.effects[-1].is_law:
         best = _nearest_law(here, best, inside, settings)
-    alone = alone if best.settled is first else _without(here, best)
-    if not _beyond_doubt(here, best, alone, threshold):
+    held = _held(here, best, inside, (first, alone), threshold)
+    if held is None:
         return replace(nothing, refused=best, why=WITHIN_DOUBT)
+    best = held
     if not _earned(here, best):
         return replace(nothing, refused=best, why=NOT_EARNED)
     candidates = _compared(here.current, _one_of_each([best, *candidates]), best)
@@ -714,6 +715,25 @@ def _as_likely(one: Array, most: Array) -> bool:
 def _comes_later(candidate: Candidate) -> bool:
     """Whether what the model is known to leave out comes before a candidate."""
     return not candidate.fit.model.effects[-1].idealised
+
+
+def _held(
+    here: _Round,
+    best: Candidate,
+    inside: Sequence[Candidate],
+    known: tuple[Fit, Fit],
+    threshold: float,
+) -> Candidate | None:
+    """The best candidate or, if errors may be as large as it, the next beyond them.
+
+    None if that has far less evidence. `known` is a candidate's fit and the fit without it.
+    """
+    others = [c for c in inside if c.name != best.name and c.evidence >= RIVAL * best.evidence]
+    for candidate in [best, *others]:
+        alone = known[1] if candidate.settled is known[0] else _without(here, candidate)
+        if _beyond_doubt(here, candidate, alone, threshold):
+            return candidate
+    return None
 
 
 def _beyond_doubt(here: _Round, candidate: Candidate, alone: Fit, threshold: float) -> bool:

@@ -286,6 +286,18 @@ def test_a_column_that_was_named_stays_beside_one_of_our_titles(tmp_path):
     np.testing.assert_allclose(imported(path)[0]["force_N"], 0.5 * force, atol=2e-6)
 
 
+def test_a_column_may_be_named_without_its_unit(tmp_path):
+    time, travel, force = TEST
+    table = pd.DataFrame({"t (s)": time, "z (mm)": travel, "Fz (mN)": 1e3 * force})
+    path = tmp_path / "r.csv"
+    table.to_csv(path, index=False)
+    names = {"time": "t", "displacement": "z", "force": "Fz"}
+    np.testing.assert_allclose(imported(path, columns=names)[0]["force_N"], force, atol=2e-6)
+    table.assign(Fz=0.5 * table["Fz (mN)"]).to_csv(path, index=False)
+    whole = imported(path, columns=names, units={"force": "mN"})[0]
+    np.testing.assert_allclose(whole["force_N"], 0.5 * force, atol=2e-6)
+
+
 def workbook(path, sheets):
     """A workbook (.xlsx) of sheets by name, each of rows of cells."""
     book = openpyxl.Workbook()

@@ -398,8 +398,11 @@ def _candidates(quantity: str, titles: Sequence[str], wanted: Mapping[str, str])
     """Columns that may hold a quantity; those with one of its units, if there are any."""
     if quantity in wanted or COLUMNS[quantity] in titles:
         name = wanted.get(quantity, COLUMNS[quantity])
-        places = [place for place, title in enumerate(titles) if title == name]
-        return [Column(quantity, place, name, _split(name, quantity)[1]) for place in places]
+        places = [place for place, title in enumerate(titles) if title == name] or [
+            place for place, title in enumerate(titles) if _split(title, quantity)[0] == name
+        ]
+        found = [(titles[place], place) for place in places]
+        return [Column(quantity, at, title, _split(title, quantity)[1]) for title, at in found]
     found = []
     for place, title in enumerate(titles):
         name, unit = _split(title, quantity)

@@ -295,7 +295,7 @@ def _heading(text: _Text, wanted: Mapping[str, str], block: str, form: Form) -> 
                 return heading
             untimed = untimed or heading
     if untimed is None:
-        _no_titles(text, *best, block, form)
+        _no_titles(text, *best, wanted, block, form)
     return untimed
 
 
@@ -304,6 +304,7 @@ def _no_titles(
     number: int,
     titles: Sequence[str],
     missing: Sequence[str],
+    wanted: Mapping[str, str],
     block: str,
     form: Form,
 ) -> NoReturn:
@@ -321,6 +322,13 @@ def _no_titles(
         found for name in missing if (found := _plausible(titles, below, form.get(name, (name,))))
     )
     where = f"formats: {block}" if block else "records"
+    absent = [wanted[way] for name in missing for way in form.get(name, (name,)) if way in wanted]
+    if absent:
+        raise InputError(
+            f"{text.path}, line {number + 1}: no column is called {' or '.join(map(repr, absent))} "
+            f"(there are {', '.join(map(repr, titles))}); correct `columns` in section {where} of "
+            "the settings"
+        )
     cure = f"export the test with it, or name its column in the settings, section {where}"
     if len(named) == len(missing) == len({*named.values()}):
         keys = {"columns": named}

@@ -409,8 +409,8 @@ def _candidates(quantity: str, titles: Sequence[str], wanted: Mapping[str, str])
         places = [place for place, title in enumerate(titles) if title == name] or [
             place for place, title in enumerate(titles) if _split(title, quantity)[0] == name
         ]
-        found = [(titles[place], place) for place in places]
-        return [Column(quantity, at, title, _split(title, quantity)[1]) for title, at in found]
+        named = [(titles[place], place) for place in places]
+        return [Column(quantity, at, title, _split(title, quantity)[1]) for title, at in named]
     found = []
     for place, title in enumerate(titles):
         name, unit = _split(title, quantity)

@@ -293,12 +293,18 @@ def _heading(text: _Text, wanted: Mapping[str, str], block: str, form: Form) -> 
                 return heading
             untimed = untimed or heading
     if untimed is None:
-        _no_titles(text, *best, block, form)
+        _no_titles(text, *best, wanted, block, form)
     return untimed
 
 
 def _no_titles(
-    text: _Text, number: int, titles: Sequence[str], missing: Sequence[str], block: str, form: Form
+    text: _Text,
+    number: int,
+    titles: Sequence[str],
+    missing: Sequence[str],
+    wanted: Mapping[str, str],
+    block: str,
+    form: Form,
 ) -> NoReturn:
     """Refuse a text without a line of titles; `missing` quantities lack in the best line."""
     if not any(line.strip() for line in text.lines):
@@ -314,6 +320,13 @@ def _no_titles(
         found for name in missing if (found := _plausible(titles, below, form.get(name, (name,))))
     )
     where = f"formats: {block}" if block else "records"
+    absent = [wanted[way] for name in missing for way in form.get(name, (name,)) if way in wanted]
+    if absent:
+        raise InputError(
+            f"{text.path}, line {number + 1}: no column is called {' or '.join(map(repr, absent))} "
+            f"(there are {', '.join(map(repr, titles))}); correct `columns` in section {where} of "
+            "the settings"
+        )
     cure = f"export the test with it, or name its column in the settings, section {where}"
     if len(named) == len(missing) == len({*named.values()}):
         keys = {"columns": named}
@@ -391,8 +404,11 @@ def _candidates(quantity: str, titles: Sequence[str], wanted: Mapping[str, str])
     """Columns that may hold a quantity; those with one of its units, if there are any."""
     if quantity in wanted or COLUMNS[quantity] in titles:
         name = wanted.get(quantity, COLUMNS[quantity])
-        places = [place for place, title in enumerate(titles) if title == name]
-        return [Column(quantity, place, name, _split(name, quantity)[1]) for place in places]
+        places = [place for place, title in enumerate(titles) if title == name] or [
+            place for place, title in enumerate(titles) if _split(title, quantity)[0] == name
+        ]
+        named = [(titles[place], place) for place in places]
+        return [Column(quantity, at, title, _split(title, quantity)[1]) for title, at in named]
     found = []
     for place, title in enumerate(titles):
         name, unit = _split(title, quantity)

@@ -19,6 +19,12 @@ SAYING = {
 }
 
 
+OF_THE_MODEL = (
+    "Before: the calibrated model. After: the model with the effects above alone; the modulus to "
+    "quote counts other likely models, too."
+)
+"""What the table of moduli is of."""
+
 PATH = (
     "One line for each round of the selection: the five effects with the highest penalised log "
     "evidence, given beside each, then the outcome. An effect needs more than the threshold."
@@ -57,7 +63,15 @@ def page(group: str, verdict: Mapping[str, Any]) -> str:
     if verdict["correction"]:
         parts += [_correction(verdict["correction"]), ""]
     parts += _withheld(verdict)
-    parts += ["## Modulus", "", *_moduli(verdict), "", *_wider(verdict["birge_ratio"]["after"])]
+    parts += [
+        "## Modulus",
+        "",
+        OF_THE_MODEL,
+        "",
+        *_moduli(verdict),
+        "",
+        *_wider(verdict["birge_ratio"]["after"]),
+    ]
     parts += ["## Error", "", *_errors(verdict, "error", "test", "phase"), ""]
     if verdict["held_out_before"]:
         rule = (

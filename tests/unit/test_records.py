@@ -82,7 +82,7 @@ REFUSED = {
     ),
     "displacement in m": (
         lambda t: t.assign(displacement_mm=1e-3 * t["displacement_mm"]),
-        "travels 0.0039 mm only; is the column in m instead of mm",
+        "moves 0.0039 mm only; is the column in m instead of mm",
     ),
     "time runs back": (
         put("time_s", 50, 0.0),

@@ -9,12 +9,10 @@ from collections.abc import Sequence
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.stats import chi2
 
+from softsample.arrays import Array
 from softsample.errors import CalibrationError
-
-Array = NDArray[np.float64]
 
 
 def shared_value(values: Sequence[Array], covariances: Sequence[Array]) -> dict[str, Any]:

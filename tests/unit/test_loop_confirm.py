@@ -114,7 +114,7 @@ def confirmed(factor, stiffness=None):
             )
         )
     sizes = {"poisson_ratio": {"nu": 0.40}}
-    table = confirmations(specimens, sizes, 12.0, LoopSettings(), library(), stiffness)
+    table = confirmations(specimens, sizes, 12.0, LoopSettings(), library(), stiffness, {})
     (row,) = table.to_dict("records")
     return row
 

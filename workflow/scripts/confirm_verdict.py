@@ -21,8 +21,9 @@ with logged_to(snakemake):
     tests = tests_of(given.rows, records, responses, shapes, given.hold_out)
     effects = {effect.name: effect for effect in candidates(tests, shapes[0].height, solid)}
     told = sizes_to_confirm(verdict), verdict["path"][0]["threshold"]
-    settings, stiffness = LoopSettings.of_config(given.loop), verdict["specimen_stiffness"]
-    table = confirmations(tests, *told, settings, effects, stiffness)
+    settings = LoopSettings.of_config(given.loop)
+    own = verdict["specimen_stiffness"], verdict["specimen_contact_mm"]
+    table = confirmations(tests, *told, settings, effects, *own)
     for place, name in enumerate(("group", "geometry")):
         table.insert(place, name, snakemake.wildcards[name])
     io.write_table(snakemake.output.table, table)

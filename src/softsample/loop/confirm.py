@@ -150,6 +150,7 @@ def confirmations(
     settings: LoopSettings,
     effects: Mapping[str, Effect],
     stiffness: Mapping[str, float],
+    contact: Mapping[str, float],
 ) -> pd.DataFrame:
     """Evidence of effects whose change was scaled, and of the same ones simulated at their sizes.
 
@@ -168,6 +169,8 @@ def confirmations(
         Library that it chose from.
     stiffness : mapping
         Modulus of specimens over that of the group, where the verdict has found that they scatter.
+    contact : mapping
+        Where their compression begins, over the mean [mm], in the same way.
 
     Returns
     -------
@@ -176,7 +179,8 @@ def confirmations(
         penalty for the parameters; whether the latter passes; `mu_pa` and `mu_confirmed_pa`;
         `difference_percent`, the largest one of the predicted forces [% of the peak of the test].
     """
-    problem, _ = pose([s.of_stiffness(stiffness) for s in specimens], settings.noise)
+    own = [s.of_stiffness(stiffness).of_contact(contact) for s in specimens]
+    problem, _ = pose(own, settings.noise)
     base = problem.fit_material()
     before, rows = settled(problem, base).misfit, []
     for name, values in sizes.items():

@@ -218,6 +218,12 @@ class Problem:
         specimens = [s.of_stiffness(known) for s in self.specimens]
         return replace(self, specimens=specimens, unseen=unseen)
 
+    def of_contact(self, known: Mapping[str, float]) -> "Problem":
+        """The same tests of specimens whose compression begins elsewhere [mm]."""
+        unseen = [s.of_contact(known) for s in self.unseen]
+        specimens = [s.of_contact(known) for s in self.specimens]
+        return replace(self, specimens=specimens, unseen=unseen)
+
     def with_open_contact(self) -> "Problem":
         """The same if the height of the samples did not say where compression begins."""
         return replace(self, settings=replace(self.settings, contact_zero_mm=np.inf))

@@ -43,7 +43,10 @@ def left_out_errors(
         if all(s.held_out.all() for s in rest[0].specimens):
             continue
         found = diagnose_ends(rest, settings, elsewhere)
-        plain, judged = (_only(models[ends].every, samples) for ends in (0, found.slides))
+        plain, judged = (
+            [s.of_contact(found.posed.contact) for s in _only(models[ends].every, samples)]
+            for ends in (0, found.slides)
+        )
         white, origin = white_of(found.posed.problem, found.posed.noises), found.origin
         alike = [specimen.of_stiffness(found.posed.stiffness) for specimen in judged]
         before[name] = held_out_errors(origin.posed.first, plain, white, origin.scales_before)

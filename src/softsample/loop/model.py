@@ -130,7 +130,7 @@ class Model:
         """Travel of the rigid machine (n,) [m]."""
         travel = specimen.travel
         if specimen.elastic.contact:
-            travel = travel - 1e-3 * state.contact_zero
+            travel = travel - 1e-3 * (state.contact_zero + specimen.contact)
         for effect in self._acting(specimen):
             if effect.travel:
                 travel = effect.travel(specimen, travel, state.values[effect.name])

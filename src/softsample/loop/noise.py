@@ -408,6 +408,11 @@ class Whitener:
                  for n, m in self.discrepancy.items()}  # fmt: skip
         return replace(self, discrepancy=whole, shared={}, slot=None)
 
+    @property
+    def without_scale(self) -> "Whitener":
+        """The same if there were no other test and no error of scale."""
+        return replace(self.alone, variances={**self.variances, "scale": 0.0})
+
     def coloured(self, white: Array) -> Array:
         """Block means with this covariance from independent unit noise (n_blocks, ...) [N]."""
         return np.asarray(self._factor @ white)

@@ -6,6 +6,7 @@ from typing import Any, Self
 
 import numpy as np
 
+from softsample.loop.contact import own_contact
 from softsample.loop.fit import Fit, Problem
 from softsample.loop.noise import (
     Noise,
@@ -59,15 +60,18 @@ class Posed:
     Parameters
     ----------
     specimens : list of Specimen
-        All tests, with the stiffness of their specimens where these scatter.
+        All tests, with what is their specimens' own where these scatter.
     problem : Problem
         What is not held out of them.
     noises : list of Noise
         One for each test of the problem.
     first : Fit
-        Plain model of one stiffness.
+        Plain model of one stiffness, with the contact points of specimens.
     stiffness : mapping of float
         Modulus of specimens over that of the group where they scatter; empty if not.
+    contact : mapping of float
+        Displacement at which the compression of specimens begins, over the mean [mm]; empty where
+        the records do not ask for it.
     """
 
     specimens: list[Specimen]
@@ -75,19 +79,25 @@ class Posed:
     noises: list[Noise]
     first: Fit
     stiffness: Mapping[str, float]
+    contact: Mapping[str, float]
 
     @classmethod
     def of(cls, specimens: Sequence[Specimen], settings: LoopSettings) -> Self:
         """Of tests that share their material and machine."""
         problem, noises = pose(specimens, settings.noise)
         first = plain_model(problem)
+        contact = own_contact(first, settings.selection.least_gain)
+        if contact:
+            specimens = [specimen.of_contact(contact) for specimen in specimens]
+            problem, noises = pose(specimens, settings.noise)
+            first = plain_model(problem)
         found = relative_stiffness(first)
         usual = 0.01 * settings.noise.scale_percent * settings.selection.unknown_ratio
         stiffness = found if scatter(found) > usual else {}  # no more than scales may be
         alike = [specimen.of_stiffness(stiffness) for specimen in specimens]
         if stiffness:
             problem, noises = pose(alike, settings.noise)
-        return cls(alike, problem, noises, first, stiffness)
+        return cls(alike, problem, noises, first, stiffness, contact)
 
     @property
     def spread(self) -> list[float]:

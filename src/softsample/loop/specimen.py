@@ -61,6 +61,8 @@ class Specimen:
         What was tested, which may have had other tests; by default the sample.
     stiffness : float
         Its modulus over that of the group.
+    contact : float
+        Displacement at which its compression begins, over that of the group [mm].
     material_z, material_x : int
         Directions of the material along the loading axis and along the shear, 1 to 3, negative for
         the opposite one; 0 if not stated.
@@ -81,6 +83,7 @@ class Specimen:
     partner: Self | None = None
     piece: str = ""
     stiffness: float = 1.0
+    contact: float = 0.0
     bond: float = 0.0
     material_z: int = 0
     material_x: int = 0
@@ -123,6 +126,13 @@ class Specimen:
             return self
         partner = self.partner and self.partner.of_stiffness(known)
         return replace(self, stiffness=known[self.piece], partner=partner)
+
+    def of_contact(self, known: Mapping[str, float]) -> Self:
+        """The same with the offset of its specimen, if that is known [mm]."""
+        if self.piece not in known:
+            return self
+        partner = self.partner and self.partner.of_contact(known)
+        return replace(self, contact=known[self.piece], partner=partner)
 
     def reduced(self, size: int) -> Self:
         """The same with groups of `size` samples replaced by their means; the rest is left out.

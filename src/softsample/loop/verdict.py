@@ -190,6 +190,7 @@ def judgement(diagnosis: Diagnosis, settings: LoopSettings) -> dict[str, Any]:
         "objection": diagnosis.objection or None,
         "effects": effects,
         "specimen_stiffness": dict(posed.stiffness),
+        "specimen_contact_mm": dict(posed.contact),
         "theta_before": _theta(origin.posed.first, {}),
         "theta_after": _theta(final, posed.stiffness),
         "withheld": _withheld(diagnosis, settings),

@@ -52,6 +52,8 @@ def page(group: str, verdict: Mapping[str, Any]) -> str:
         parts += [_unseen(*unseen[0]), ""]
     if verdict["specimen_stiffness"] and not verdict["effects"]:
         parts += [_specimens(verdict["specimen_stiffness"]), ""]
+    if verdict["specimen_contact_mm"]:
+        parts += [_contact(verdict["specimen_contact_mm"]), ""]
     if verdict["pooled"]:
         parts += [_pooled(verdict["pooled"]), ""]
     if verdict["other_ends"]:
@@ -174,6 +176,12 @@ def _specimens(stiffness: Mapping[str, float]) -> str:
     """One sentence on specimens that differ, where no effect is given."""
     named = ", ".join(f"{piece} {value:.3g}" for piece, value in stiffness.items())
     return f"The specimens differ in stiffness, over their geometric mean: {named}."
+
+
+def _contact(offsets: Mapping[str, float]) -> str:
+    """One sentence on specimens that the platen meets at displacements of their own."""
+    named = ", ".join(f"{piece} {value:+.2f} mm" for piece, value in offsets.items())
+    return f"The platen meets the specimens at displacements that differ, over their mean: {named}."
 
 
 def _table(header: list[str], rows: list[list[str]]) -> list[str]:

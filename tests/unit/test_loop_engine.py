@@ -39,6 +39,7 @@ from softsample.loop.noise import (
     block_size,
     covariances,
     measure_noise,
+    shared,
 )
 from softsample.loop.posed import LoopSettings, pose
 from softsample.loop.resample import resampled, stretches
@@ -139,6 +140,28 @@ def test_a_reading_coarser_than_its_noise_is_no_better_than_its_last_digit(perfe
     dithered = measure_noise(replace(specimen, force=digit * np.round(rough / digit)), SETTINGS)
     assert dithered.white == pytest.approx(np.hypot(digit, digit / np.sqrt(12.0)), rel=0.5)
     assert dithered.slow < 0.3 * digit
+
+
+def test_a_record_of_another_cell_keeps_its_own_noise(perfect):
+    """Six times the noise, as a cell of another range has: the others share theirs."""
+    rng = np.random.default_rng(5)
+    one = perfect[0]
+    noises = (rng.normal(0.0, by * 1e-3, len(one.force)) for by in (1.0, 1.0, 1.0, 6.0))
+    rough = [replace(one, force=one.force + noise) for noise in noises]
+    alone = [measure_noise(specimen, SETTINGS) for specimen in rough]
+    *alike, other = shared(alone, ["force"] * 4)
+    whites, slow = {n.white for n in alike}, np.median([n.slow for n in alone])
+    assert whites == {np.median([n.white for n in alone])}
+    assert {n.slow for n in alike} == {slow}
+    assert other.white == alone[3].white
+    assert other.slow == pytest.approx(slow * other.white / min(whites))
+    turned = shared(alone, ["force"] * 3 + ["torque"])[3]
+    assert (turned.white, turned.slow) == (alone[3].white, alone[3].slow)
+
+
+def test_of_few_samples_nothing_tells_noise_from_that_of_others():
+    noises = [Noise(1e-3, 1e-4, 4, 12), Noise(1.2e-3, 0.0, 4, 12), Noise(2e-3, 3e-4, 4, 12)]
+    assert {n.white for n in shared(noises, ["force"] * 3)} == {1.2e-3}
 
 
 def test_blocks_leave_out_the_rest():
@@ -1086,7 +1109,8 @@ def test_a_parameter_that_no_record_shows_keeps_its_whole_range():
     (effect,) = report(diagnose(specimens, LoopSettings(), effects), LoopSettings())["effects"]
     shown, hidden = (effect["parameters"][f"{mode}_mN"] for mode in ("shear", "compression"))
     assert shown["high"] - shown["low"] < 5.0
-    assert (hidden["low"], hidden["high"]) == (-50.0, 50.0)
+    (whole,) = {(p.low, p.high) for p in effects[0].parameters}
+    assert (hidden["low"], hidden["high"]) == whole
 
 
 def test_the_bend_of_a_ramp_is_not_taken_for_noise():

@@ -240,8 +240,11 @@ def _evidence(fit: Fit) -> float:
 
 
 def white_of(problem: Problem, noises: Sequence[Noise]) -> dict[str, float]:
-    """Standard deviation of a sample [N], by what the cell of a test measures."""
-    return {s.cell: noise.white for s, noise in zip(problem.specimens, noises, strict=True)}
+    """Standard deviation of a sample [N], by what the cell of a test measures; of most tests."""
+    of: dict[str, list[float]] = {}
+    for specimen, noise in zip(problem.specimens, noises, strict=True):
+        of.setdefault(specimen.cell, []).append(noise.white)
+    return {cell: float(np.median(whites)) for cell, whites in of.items()}
 
 
 def held_out_errors(

@@ -140,6 +140,15 @@ class NoiseSettings:
         return {name: self.spread**2 * factor for name, factor in {FORM: 1.0, **least}.items()}
 
 
+ROUGHNESS = 1.6
+"""Standard error of the log of a white noise times the root of the number of second differences:
+1.16 of a median of independent ones (Rousseeuw and Croux, doi:10.1080/01621459.1993.10476408),
+and 1.39 since neighbours overlap."""
+
+FURTHEST_NOISE = 3.0
+"""Standard errors up to which a record has the noise of the others."""
+
+
 @dataclass(frozen=True)
 class Noise:
     """Noise of one record.
@@ -152,11 +161,14 @@ class Noise:
         Standard deviation of the correlated part [N].
     size : int
         Samples in a block.
+    samples : int
+        From so many second differences the white noise is known; 0 if it is not from the record.
     """
 
     white: float
     slow: float
     size: int
+    samples: int = 0
 
     @property
     def block(self) -> float:
@@ -208,7 +220,7 @@ def measure_noise(specimen: Specimen, settings: NoiseSettings, most: int = MOST_
     if len(chunks) < 2:
         chunks, degree = _windows(specimen, size, long) or _windows(specimen, size, 8), 5
     if not chunks:
-        return Noise(white, least, size)
+        return Noise(white, least, size, len(second))
     window = len(chunks[0])
     axis = np.linspace(-1.0, 1.0, window)
     basis, _ = np.linalg.qr(np.stack([axis**k for k in range(degree + 1)], axis=1))
@@ -217,7 +229,8 @@ def measure_noise(specimen: Specimen, settings: NoiseSettings, most: int = MOST_
     lag = np.abs(np.subtract.outer(range(window), range(window))) * block
     share = float(np.trace(left @ np.exp(-lag / settings.correlation_s)))
     excess = variance - np.trace(left) * white**2 / size
-    return Noise(white, max(least, float(np.sqrt(max(excess, 0.0) / share))), size)
+    slow = max(least, float(np.sqrt(max(excess, 0.0) / share)))
+    return Noise(white, slow, size, len(second))
 
 
 def _windows(
@@ -239,20 +252,33 @@ def _last_digit(force: Array) -> float:
 
 
 def shared(noises: Sequence[Noise], cells: Sequence[str]) -> list[Noise]:
-    """Noise of records of one machine: the medians, as one record alone shows it but roughly.
+    """Noise of records of one cell: the medians, as one record alone shows it but roughly.
 
-    `cells` says what the cell of each measures, torque or force.
+    A record whose white noise is not the median's, beyond its error, has another cell, range or
+    amplifier: it keeps its own, and its slow noise is as much larger.
+
+    Parameters
+    ----------
+    noises : sequence of Noise
+        Of each record by itself.
+    cells : sequence of str
+        What the cell of each measures: `torque` or `force`.
     """
     of = {
         cell: np.median(
             [(n.white, n.slow) for n, c in zip(noises, cells, strict=True) if c == cell], axis=0
-        ).tolist()
+        )
         for cell in set(cells)
     }
-    return [
-        Noise(of[cell][0], of[cell][1], noise.size)
-        for noise, cell in zip(noises, cells, strict=True)
-    ]
+    return [_known(noise, *of[cell]) for noise, cell in zip(noises, cells, strict=True)]
+
+
+def _known(noise: Noise, white: float, slow: float) -> Noise:
+    """The noise of a record in a group whose medians are known."""
+    error = FURTHEST_NOISE * ROUGHNESS / np.sqrt(max(noise.samples, 1))
+    if min(noise.white, white) > 0.0 and abs(np.log(noise.white / white)) > error:
+        return replace(noise, slow=float(slow * noise.white / white))
+    return replace(noise, white=float(white), slow=float(slow))
 
 
 def moved(specimen: Specimen, size: int) -> Array:

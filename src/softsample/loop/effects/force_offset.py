@@ -5,8 +5,8 @@ from softsample.loop.effects.base import MODES, Effect, Parameter
 EFFECT = Effect(
     name="force_offset",
     title="Offset of the force",
-    parameters=tuple(Parameter(f"{mode}_mN", "mN", -50.0, 50.0, 5.0) for mode in MODES),
-    source="cells of 2.5 N: about 5 mN",
+    parameters=tuple(Parameter(f"{mode}_mN", "mN", -200.0, 200.0, 5.0) for mode in MODES),
+    source="cells of 2.5 N: about 5 mN; one of 50 N at a fifth of a percent: 100 mN",
     signature="a constant, at rest as well",
     confused_with=("self_weight", "adhesion"),
     experiment="rest with the platen off the sample, in both orientations",

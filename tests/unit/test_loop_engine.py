@@ -1186,3 +1186,26 @@ def test_an_effect_that_is_alone_in_the_end_has_the_class_of_the_round_of_the_pl
         "machine_compliance": ["machine_compliance", "poisson_ratio"]
     }
     assert told("poisson_ratio") == told("machine_compliance", "law") == told("other") == {}
+
+
+def test_what_lies_beyond_its_range_alone_is_tried_beside_other_effects():
+    """The zero of the displacement has to stand for the yielding of the machine as well."""
+    lab = laboratory.Lab(
+        seed=3, compliance=0.4, zero={"tension": -0.48, "compression": -0.4, "shear": -0.45}
+    )
+    tests = [from_sample(specimen, 200) for specimen in lab.specimens()]
+    zero = library()["displacement_zero"]
+    narrow = replace(
+        zero, parameters=tuple(replace(p, low=-0.466, high=0.466) for p in zero.parameters)
+    )
+    alone = diagnose(tests, LoopSettings(), [narrow])
+    assert alone.objection.endswith("lies at the end of its range")
+    found = diagnose(tests, LoopSettings(), [narrow, library()["machine_compliance"]])
+    assert found.objection == ""
+    assert set(found.selection.classes) == {"displacement_zero", "machine_compliance"}
+
+
+def from_sample(specimen, first):
+    """The record from a sample on, without rest before it."""
+    names = ("time", "travel", "force", "phase", "held_out")
+    return replace(specimen, **{name: getattr(specimen, name)[first:] for name in names})

@@ -202,7 +202,7 @@ def select(problem: Problem, effects: Sequence[Effect], settings: SelectionSetti
     Selection
         Of the likeliest model that the searches came to, penalties included. Searches set out
         from the plain model and, if their end is likelier by more than the threshold, from
-        another law or from what the model is known to leave out.
+        another law, from what the model is known to leave out or from what was refused by itself.
     """
     first = _plain_round(problem)
     library = [e for e in effects if e.identifiable]
@@ -219,7 +219,9 @@ def select(problem: Problem, effects: Sequence[Effect], settings: SelectionSetti
     )  # fmt: skip
     search = fresh.completed()
     opening, plain = search.steps[0], search.visited[0]
-    others = (fresh.law_first(opening), fresh.left_out_first(opening))
+    others = (
+        fresh.law_first(opening), fresh.left_out_first(opening), fresh.refused_first(opening)
+    )  # fmt: skip
     rivals = [fresh.completed(step) for step in others if step is not None]
     asked = [one for one in rivals if one.likeliest.left < plain.left - threshold]
     visited = [model for one in (search, *rivals) for model in one.visited]
@@ -399,6 +401,18 @@ class _Search:
         found = _fitted(self.opening, known, self.threshold, self.settings)
         usable = [c for c in found if not unusable(c.settled)]
         return Step(self.threshold, usable, usable[0], [usable[0].name]) if usable else None
+
+    def refused_first(self, opening: Step) -> Step | None:
+        """A first step to what was refused by itself: its size may be that of two effects.
+
+        Beside the other one it may lie within its range.
+        """
+        refused = opening.refused
+        if refused is None or opening.chosen or not unusable(refused.settled):
+            return None
+        candidates = _compared(self.opening.current, opening.candidates, refused)
+        members = _members(candidates, refused, self.threshold, self.settings)
+        return Step(self.threshold, candidates, refused, members)
 
     def begin(self, step: Step) -> None:
         """Set out from a step."""

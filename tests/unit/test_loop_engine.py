@@ -33,6 +33,7 @@ from softsample.loop.model import Material, Model, Packing, State
 from softsample.loop.noise import (
     FORM,
     MOST_OF_GROUP,
+    OF_WHITE,
     Noise,
     NoiseSettings,
     Whitener,
@@ -157,6 +158,16 @@ def test_a_record_of_another_cell_keeps_its_own_noise(perfect):
     assert other.slow == pytest.approx(slow * other.white / min(whites))
     turned = shared(alone, ["force"] * 3 + ["torque"])[3]
     assert (turned.white, turned.slow) == (alone[3].white, alone[3].slow)
+
+
+def test_the_error_of_a_white_noise_is_that_of_many_records(perfect):
+    """A white noise drawn 300 times."""
+    one, rng = perfect[0], np.random.default_rng(4)
+    parts = {name: getattr(one, name)[:500] for name in ("time", "travel", "phase", "held_out")}
+    drawn = [measure_noise(replace(one, force=rng.normal(size=500), **parts), SETTINGS)
+             for _ in range(300)]  # fmt: skip
+    scatter = np.std(np.log([noise.white for noise in drawn])) * np.sqrt(drawn[0].samples)
+    assert scatter == pytest.approx(OF_WHITE, rel=0.15)
 
 
 def test_of_few_samples_nothing_tells_noise_from_that_of_others():

@@ -140,13 +140,12 @@ class NoiseSettings:
         return {name: self.spread**2 * factor for name, factor in {FORM: 1.0, **least}.items()}
 
 
-ROUGHNESS = 1.6
-"""Standard error of the log of a white noise times the root of the number of second differences:
-1.16 of a median of independent ones (Rousseeuw and Croux, doi:10.1080/01621459.1993.10476408),
-and 1.39 since neighbours overlap."""
+OF_WHITE = 1.4
+"""Standard error of the log of a white noise, times the root of its number of second differences:
+of a median, whose neighbours overlap (test)."""
 
-FURTHEST_NOISE = 3.0
-"""Standard errors up to which a record has the noise of the others."""
+AS_OTHERS = 3.0
+"""Standard errors up to which the noise of a record is taken for that of the others."""
 
 
 @dataclass(frozen=True)
@@ -275,7 +274,7 @@ def shared(noises: Sequence[Noise], cells: Sequence[str]) -> list[Noise]:
 
 def _known(noise: Noise, white: float, slow: float) -> Noise:
     """The noise of a record in a group whose medians are known."""
-    error = FURTHEST_NOISE * ROUGHNESS / np.sqrt(max(noise.samples, 1))
+    error = AS_OTHERS * OF_WHITE / np.sqrt(max(noise.samples, 1))
     if min(noise.white, white) > 0.0 and abs(np.log(noise.white / white)) > error:
         return replace(noise, slow=float(slow * noise.white / white))
     return replace(noise, white=float(white), slow=float(slow))

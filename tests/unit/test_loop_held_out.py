@@ -287,6 +287,16 @@ def test_tests_at_another_speed_or_to_another_displacement_tell_nothing_of_stiff
     assert relative_stiffness(problem.fit_material()) == {}
 
 
+def test_a_specimen_of_another_height_has_the_same_test_at_the_same_strain():
+    """And at the same speed of the platen; at the same displacement its strain is another one."""
+    (one,) = laboratory.Lab(seed=7).specimens(["shear"])
+    higher = replace(one.elastic, height=1.4 * one.elastic.height)
+    longer = replace(one, name="B", piece="B", travel=1.4 * one.travel, time=1.4 * one.time)
+    assert same_tests([one, longer]) == [0, 1]
+    assert same_tests([one, replace(longer, elastic=higher)]) == [0, 0]
+    assert same_tests([one, replace(one, elastic=higher)]) == [0, 1]
+
+
 def test_what_is_left_of_a_scale_belongs_to_other_tests_of_the_specimen():
     """A shear of 3 % more than the others: its error of scale, and that of its normal force."""
     (one,) = laboratory.Lab(seed=7).specimens(["shear"])

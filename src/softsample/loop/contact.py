@@ -1,14 +1,16 @@
 """Where compression begins in each of several specimens, which need not touch at one height."""
 
 from collections.abc import Sequence
-from dataclasses import replace
+from dataclasses import dataclass, replace
+from typing import Self
 
 import numpy as np
 from scipy.optimize import minimize_scalar
 
 from softsample.loop.discrepancy import settled
 from softsample.loop.fit import Fit
-from softsample.loop.scale import same_tests, stiffness_asked
+from softsample.loop.noise import NoiseSettings
+from softsample.loop.scale import same_tests
 from softsample.loop.specimen import Array, Specimen
 
 ROUNDS = 2
@@ -18,30 +20,88 @@ an offset shows better where the discrepancy no longer has to stand for it."""
 TRIED = np.linspace(-1.0, 1.0, 41)
 """Offsets that are tried first [mm]: where contact sets in late, the sum of squares has minima."""
 
+SOFTEST = 0.05
+"""Stiffness of a specimen over that of the group, at least."""
 
-def own_contact(first: Fit, least_gain: float) -> dict[str, float]:
+NEAR = 0.01
+"""Step over which the curvature of the sum of squares is taken [mm]."""
+
+
+def own_contact(first: Fit, usual: float, least_gain: float) -> dict[str, float]:
     """Displacement at which the compression of each specimen begins, over the mean [mm].
 
     Of specimens that had the same test, each with a stiffness of its own meanwhile. Empty if the
-    records do not ask for it: if the likelihood does not rise by more than the penalty for the
-    offsets.
+    records do not ask for it: if they are not likelier by `least_gain` over a prior of the offsets.
 
     Parameters
     ----------
     first : Fit
         Of a model in which all begin at one displacement.
+    usual : float
+        Standard deviation of the logarithm of the stiffness of specimens, beforehand.
     least_gain : float
-        Fall of twice the negative log likelihood beyond the penalty that counts.
+        Fall of twice the negative log likelihood that counts.
     """
     tests = _comparable(first.problem.specimens)
     if not tests:
         return {}
-    alike, _ = _settled(first, tests, False)
-    own, offsets = _settled(first, tests, True)
-    zero = first.problem.settings.contact_zero_mm
-    penalties = sum((x / zero) ** 2 for x in offsets.values())
-    penalties += (len(offsets) - 1) * np.log(len(first.white))
-    return offsets if alike.misfit - own.misfit - penalties > least_gain else {}
+    free = replace(first, problem=first.problem.with_open_contact())
+    prior = _Prior.of(first.problem.settings, usual)
+    alike = _settled(free, tests, replace(prior, offset=0.0))
+    own = _settled(free, tests, prior)
+    return own.offsets if alike.left - own.left > least_gain else {}
+
+
+@dataclass(frozen=True)
+class _Prior:
+    """Standard deviations of what is a specimen's own: log of its stiffness, its offset [mm]."""
+
+    stiffness: float
+    offset: float
+
+    @classmethod
+    def of(cls, settings: NoiseSettings, usual: float) -> Self:
+        """Offsets are known `spread` times less well than where compression begins as a whole."""
+        return cls(usual, settings.spread * settings.contact_zero_mm)
+
+
+@dataclass(frozen=True)
+class _Own:
+    """Of one specimen: log of its stiffness, its offset [mm], and what is known of that [1/mm2]."""
+
+    stiffness: float
+    offset: float
+    known: float
+
+
+@dataclass(frozen=True)
+class _Settled:
+    """A fit with what is each specimen's own."""
+
+    fit: Fit
+    own: dict[str, _Own]
+    prior: _Prior
+
+    @property
+    def offsets(self) -> dict[str, float]:
+        """By specimen [mm]; none if their prior has no width."""
+        return {piece: one.offset for piece, one in self.own.items()} if self.prior.offset else {}
+
+    @property
+    def left(self) -> float:
+        """Twice the negative log likelihood over the priors, by Laplace's approximation.
+
+        One offset is that of the mean, which is free.
+        """
+        found = self.fit.misfit
+        found += sum((one.stiffness / self.prior.stiffness) ** 2 for one in self.own.values())
+        if wide := self.prior.offset:
+            prices = [
+                (one.offset / wide) ** 2 + np.log1p(one.known * wide**2)
+                for one in self.own.values()
+            ]
+            found += float(np.sum(prices)) * (len(prices) - 1) / len(prices)
+        return found
 
 
 def _comparable(specimens: Sequence[Specimen]) -> list[list[int]]:
@@ -53,52 +113,51 @@ def _comparable(specimens: Sequence[Specimen]) -> list[list[int]]:
     return [of for of in found.values() if len({specimens[k].piece for k in of}) > 1]
 
 
-def _settled(
-    first: Fit, tests: Sequence[Sequence[int]], moved: bool
-) -> tuple[Fit, dict[str, float]]:
-    """Fit with the stiffness of each specimen and, if they are moved, offsets by specimen [mm]."""
-    fit, offsets = first, {}
+def _settled(first: Fit, tests: Sequence[Sequence[int]], prior: _Prior) -> _Settled:
+    """Fit of the group, and what is each specimen's own, in turn."""
+    found = _Settled(first, {}, prior)
     for _ in range(ROUNDS):
-        stiffness, found = _own(fit, tests, moved)
-        offsets = found if moved else {}
-        problem = fit.problem.of_stiffness(stiffness).of_contact(offsets)
-        fit = settled(problem, problem.fit(fit.model, fit.state), 1)
-    return fit, offsets
+        found = replace(found, own=_own(found.fit, tests, prior))
+        stiffness = {piece: float(np.exp(one.stiffness)) for piece, one in found.own.items()}
+        problem = found.fit.problem.of_stiffness(stiffness).of_contact(found.offsets)
+        fit = settled(problem, problem.fit(found.fit.model, found.fit.state), 1)
+        found = replace(found, fit=fit)
+    return found
 
 
-def _own(
-    fit: Fit, tests: Sequence[Sequence[int]], moved: bool
-) -> tuple[dict[str, float], dict[str, float]]:
-    """Stiffness over its mean, and offset less its mean [mm], that each specimen asks for."""
+def _own(fit: Fit, tests: Sequence[Sequence[int]], prior: _Prior) -> dict[str, _Own]:
+    """What each specimen asks for, less the means over those that had the same test."""
     asked: dict[str, list[Array]] = {}
     for places in tests:
-        found = [_of_test(fit, k, moved) for k in places]
+        found = np.array([_of_test(fit, k, prior) for k in places])
+        found[:, :2] -= found[:, :2].mean(axis=0)
         for k, own in zip(places, found, strict=True):
-            piece = fit.problem.specimens[k].piece
-            asked.setdefault(piece, []).append(own - np.mean(found, axis=0))
-    means = {piece: np.mean(of, axis=0) for piece, of in asked.items()}
-    stiffness = {piece: float(np.exp(log)) for piece, (log, _) in means.items()}
-    return stiffness, {piece: float(offset) for piece, (_, offset) in means.items()}
+            asked.setdefault(fit.problem.specimens[k].piece, []).append(own)
+    return {piece: _Own(*np.mean(of, axis=0).tolist()) for piece, of in asked.items()}
 
 
-def _of_test(fit: Fit, k: int, moved: bool) -> Array:
-    """Log of the stiffness of one specimen over that of the group, and its offset [mm]."""
-    specimen, zero = fit.problem.specimens[k], fit.problem.settings.contact_zero_mm
-    apart = fit.problem.whiteners[k].without_scale
-    measured = apart(specimen.force)
+def _of_test(fit: Fit, k: int, prior: _Prior) -> tuple[float, float, float]:
+    """Log of the stiffness, offset [mm], what is known of it [1/mm2], all else as it is."""
+    specimen, apart = fit.problem.specimens[k], fit.problem.whiteners[k].without_scale
+    measured, wide = apart(specimen.force), prior.offset
+    pulled = prior.stiffness**-2
 
     def asked(offset: float) -> tuple[float, float]:
-        """Sum of squares, and stiffness, with an offset."""
-        there = replace(specimen, contact=offset, stiffness=1.0)
-        one = apart(fit.model.predict(there, fit.state))
-        factor = stiffness_asked(float(one @ measured), float(one @ one))
-        return float(np.sum((measured - factor * one) ** 2)) + (offset / zero) ** 2, factor
+        """Sum of squares with priors, and stiffness, with an offset."""
+        here = replace(specimen, contact=offset, stiffness=1.0)
+        one = apart(fit.model.predict(here, fit.state))
+        stiffness = float(one @ measured + pulled) / float(one @ one + pulled)
+        squares = np.sum((measured - stiffness * one) ** 2) + pulled * (stiffness - 1.0) ** 2
+        return float(squares) + (offset / wide if wide else 0.0) ** 2, stiffness
 
-    if not moved:
-        return np.array([np.log(asked(0.0)[1]), 0.0])
-    here = min(TRIED, key=lambda x: asked(x)[0])
-    step = TRIED[1] - TRIED[0]
-    best = minimize_scalar(
-        lambda x: asked(x)[0], bounds=(here - step, here + step), method="bounded"
-    ).x
-    return np.array([np.log(asked(best)[1]), best])
+    def left(offset: float) -> float:
+        return asked(offset)[0]
+
+    best, known = 0.0, 0.0
+    if wide:
+        near, step = min(TRIED, key=left), TRIED[1] - TRIED[0]
+        ends = (near - step, near + step)
+        best = float(minimize_scalar(left, bounds=ends, method="bounded").x)
+        curvature = (left(best + NEAR) - 2.0 * left(best) + left(best - NEAR)) / NEAR**2
+        known = max(0.5 * curvature - wide**-2, 0.0)
+    return float(np.log(max(asked(best)[1], SOFTEST))), best, known

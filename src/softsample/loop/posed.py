@@ -86,13 +86,13 @@ class Posed:
         """Of tests that share their material and machine."""
         problem, noises = pose(specimens, settings.noise)
         first = plain_model(problem)
-        contact = own_contact(first, settings.selection.least_gain)
+        usual = 0.01 * settings.noise.scale_percent * settings.selection.unknown_ratio
+        contact = own_contact(first, usual, settings.selection.least_gain)
         if contact:
             specimens = [specimen.of_contact(contact) for specimen in specimens]
             problem, noises = pose(specimens, settings.noise)
             first = plain_model(problem)
         found = relative_stiffness(first)
-        usual = 0.01 * settings.noise.scale_percent * settings.selection.unknown_ratio
         stiffness = found if scatter(found) > usual else {}  # no more than scales may be
         alike = [specimen.of_stiffness(stiffness) for specimen in specimens]
         if stiffness:

@@ -41,7 +41,7 @@ def scale_of(specimen: Specimen, known: Scales) -> float:
 def relative_stiffness(fit: Fit) -> dict[str, float]:
     """Modulus of each specimen over the geometric mean of those that had the same test.
 
-    That is one of the same mode to about the same displacement at about the same speed. What had
+    That is one of the same mode to about the same strain at about the same speed. What had
     no test in common says nothing of stiffness: scales may differ for other reasons.
 
     Parameters
@@ -85,15 +85,15 @@ def stiffness_asked(top: float, bottom: float) -> float:
 
 
 def same_tests(specimens: Sequence[Specimen]) -> list[int]:
-    """A number for each test, the same for those of one mode, channel, displacement and speed."""
+    """A number for each test, the same for those of one mode, channel, strain and speed."""
     return numbered(specimens, _alike)
 
 
 def _alike(one: Specimen, other: Specimen) -> bool:
     """Whether two tests are the same but for the specimen."""
-    ratios = [one.reach / other.reach]
+    ratios = [one.strain / other.strain]
     if one.timed and other.timed:
-        ratios.append(ratios[0] * other.loading_time / one.loading_time)
+        ratios.append(one.reach / other.reach * other.loading_time / one.loading_time)
     near = all(1.0 / ALIKE < ratio < ALIKE for ratio in ratios)
     return near and (one.mode, one.channel) == (other.mode, other.channel)
 

@@ -197,6 +197,11 @@ class Specimen:
         return float(np.abs(self.travel).max())
 
     @property
+    def strain(self) -> float:
+        """Largest displacement over the height; the displacement [m] if no height is known."""
+        return self.reach / (self.elastic.height or 1.0)
+
+    @property
     def peak(self) -> float:
         """Largest force of what is fitted [N], or of all if nothing is."""
         fitted = self.force[~self.held_out]

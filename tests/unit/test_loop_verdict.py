@@ -104,8 +104,8 @@ def test_an_effect_that_leaves_most_of_an_error_above_the_floor_is_no_explanatio
 
 
 def test_a_size_at_the_end_of_its_range_is_no_explanation():
-    """An offset of 60 mN is more than the 50 mN that are plausible; a share may be all of it."""
-    found = judged(60.0)
+    """An offset of 240 mN is more than the 200 mN that are plausible; a share may be all of it."""
+    found = judged(240.0)
     reason = found.objection
     assert found.verdict in ("unknown", "explained_class")  # with a correction or without
     assert re.fullmatch(r"force_offset\.\w+_mN lies at the end of its range", reason)

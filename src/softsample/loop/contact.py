@@ -2,15 +2,13 @@
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
-from typing import Self
 
 import numpy as np
 from scipy.optimize import minimize_scalar
 
 from softsample.loop.discrepancy import settled
 from softsample.loop.fit import Fit
-from softsample.loop.noise import NoiseSettings
-from softsample.loop.scale import same_tests
+from softsample.loop.scale import RANGE, same_tests
 from softsample.loop.specimen import Array, Specimen
 
 ROUNDS = 2
@@ -19,9 +17,6 @@ an offset shows better where the discrepancy no longer has to stand for it."""
 
 TRIED = np.linspace(-1.0, 1.0, 41)
 """Offsets that are tried first [mm]: where contact sets in late, the sum of squares has minima."""
-
-SOFTEST = 0.05
-"""Stiffness of a specimen over that of the group, at least."""
 
 NEAR = 0.01
 """Step over which the curvature of the sum of squares is taken [mm]."""
@@ -46,7 +41,8 @@ def own_contact(first: Fit, usual: float, least_gain: float) -> dict[str, float]
     if not tests:
         return {}
     free = replace(first, problem=first.problem.with_open_contact())
-    prior = _Prior.of(first.problem.settings, usual)
+    settings = first.problem.settings
+    prior = _Prior(usual, settings.spread * settings.contact_zero_mm)
     alike = _settled(free, tests, replace(prior, offset=0.0))
     own = _settled(free, tests, prior)
     return own.offsets if alike.left - own.left > least_gain else {}
@@ -54,15 +50,13 @@ def own_contact(first: Fit, usual: float, least_gain: float) -> dict[str, float]
 
 @dataclass(frozen=True)
 class _Prior:
-    """Standard deviations of what is a specimen's own: log of its stiffness, its offset [mm]."""
+    """Standard deviations of what is a specimen's own: log of its stiffness, its offset [mm].
+
+    Offsets are known less well than where compression begins as a whole.
+    """
 
     stiffness: float
     offset: float
-
-    @classmethod
-    def of(cls, settings: NoiseSettings, usual: float) -> Self:
-        """Offsets are known `spread` times less well than where compression begins as a whole."""
-        return cls(usual, settings.spread * settings.contact_zero_mm)
 
 
 @dataclass(frozen=True)
@@ -160,4 +154,4 @@ def _of_test(fit: Fit, k: int, prior: _Prior) -> tuple[float, float, float]:
         best = float(minimize_scalar(left, bounds=ends, method="bounded").x)
         curvature = (left(best + NEAR) - 2.0 * left(best) + left(best - NEAR)) / NEAR**2
         known = max(0.5 * curvature - wide**-2, 0.0)
-    return float(np.log(max(asked(best)[1], SOFTEST))), best, known
+    return float(np.log(np.clip(asked(best)[1], *RANGE))), best, known

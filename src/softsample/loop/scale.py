@@ -72,16 +72,13 @@ def _relative(fit: Fit) -> dict[str, float]:
         sums[specimen.piece] = sums.get(specimen.piece, np.zeros(2)) + more
     logs: dict[str, list[float]] = {}
     for sums in (of for of in asked.values() if len(of) > 1):
-        own = {piece: np.log(stiffness_asked(top, bottom)) for piece, (top, bottom) in sums.items()}
+        own = {
+            piece: np.log(np.clip(top / bottom, *RANGE)) for piece, (top, bottom) in sums.items()
+        }
         mean = float(np.mean(list(own.values())))
         for piece, log in own.items():
             logs.setdefault(piece, []).append(float(log) - mean)
     return {piece: float(np.exp(np.mean(parts))) for piece, parts in logs.items()}
-
-
-def stiffness_asked(top: float, bottom: float) -> float:
-    """Stiffness of a specimen over that of the group: a quotient, within `RANGE`."""
-    return float(np.clip(top / max(bottom, 1e-300), *RANGE))
 
 
 def same_tests(specimens: Sequence[Specimen]) -> list[int]:

@@ -290,6 +290,15 @@ MISTAKES = {
         r"row 4 \(C\).*C.csv: loading 1 of 5 is calibrated.*write last into column cycle",
         True,
     ),
+    "its loading held out": (
+        lambda s: (
+            s.record("C.csv", *cycles(3)),
+            s.cells("C", cycle="3"),
+            s.settings({"hold_out": [{"cycle": [2, 3], "sample": "C"}]}),
+        ),
+        r"row 4 \(C\).*C.csv: loading 3 of 3, the one .* is held out; write 1 into column cycle",
+        True,
+    ),
     "capital letters": (
         lambda s: s.cells("C", mode="Compression"),
         r"row 4 \(C\), column 'mode': 'Compression' is not one of.*write compression into column",

@@ -118,6 +118,7 @@ def fitted_curves(
     if not found:
         raise CalibrationError(
             f"all of {', '.join(rows)} is held out: nothing is left to calibrate on; narrow "
-            "hold_out in the settings of the study"
+            "hold_out in the settings of the study, or write the number of another loading into "
+            "column cycle of the table"
         )
     return found

@@ -10,10 +10,11 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from softsample.arrays import Mask
 from softsample.errors import InputError, SoftsampleError
 from softsample.formats import Volume
 from softsample.formats.machine import described, read
-from softsample.holdout import check_hold_out, selecting
+from softsample.holdout import check_hold_out, held_out, selecting
 from softsample.images import check_image, on_grid_of, one_label, world_axis
 from softsample.imaging.measure import MeasurementSettings
 from softsample.imaging.propose import Glance, coarsened, glance
@@ -352,10 +353,14 @@ def _record(
     limits = Limits(**settings["plausibility"]).of(row["mode"])
     own = [*doubts(facts, known, limits, cells, given.block)]
     result.doubts += [f"{where}: {path}: {doubt}" for doubt in (*facts["warnings"], *own)]
-    result.doubts += [f"{where}: {path}: {doubt}" for doubt in _unused(facts, row)]
     height = known.height if known else None
-    record = Record.of_table(table)
-    held = selecting(record, row, height, settings["hold_out"])
+    record, hold_out = Record.of_table(table), settings["hold_out"]
+    held = selecting(record, row, height, hold_out)
+    free = ~held_out(record, row, height or np.inf, "force", hold_out)
+    unused = (
+        _unused(facts, row) if record.calibrated[free].any() else _no_loading(record, free, facts)
+    )
+    result.doubts += [f"{where}: {path}: {doubt}" for doubt in unused]
     return record, facts | {"doubted": bool(own), "held_out_by": held}
 
 
@@ -367,6 +372,17 @@ def _unused(facts: Mapping[str, Any], row: Mapping[str, str]) -> Iterator[str]:
             f"loading {chosen} of {count} is calibrated, as the first that reaches the largest "
             "displacement; if those before the last are preconditioning, write last into column "
             "cycle (or first, if the first is right)"
+        )
+
+
+def _no_loading(record: Record, free: Mask, facts: Mapping[str, Any]) -> Iterator[str]:
+    """What to say if the calibrated loading is held out, and others are not: all but `free`."""
+    others = free & (record.phase == "ramp")
+    if others.any():
+        widest = record.cycle[others][np.argmax(np.abs(record.displacement[others]))]
+        yield (
+            f"loading {facts['calibrated_loading']} of {facts['loadings']}, the one that is "
+            f"calibrated, is held out; write {widest} into column cycle"
         )
 
 

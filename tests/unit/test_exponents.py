@@ -83,6 +83,19 @@ def test_row_of_free_exponents_by_hand():
     assert list(table["study_rejected"]) == [False, True]
 
 
+def test_a_group_whose_law_was_crushed_has_no_exponents_but_the_reason():
+    reason = "elements are crushed where it fits best"
+    crushed = {"modes": ["shear"], "laws": {STUDY: {}}, "skipped": {FREE: reason}}
+    reports = {"S": crushed, "T": bounded(["shear"], (-8.0, 15.0))}
+    runs = dict.fromkeys(reports, pd.DataFrame({"difference_percent": []}))
+    table = exponent_table(FREE, reports, runs).set_index("group")
+    assert table.loc["S", "open"] == reason
+    assert np.isnan(table.loc["S", "alpha1"])
+    assert table.loc["T", "alpha1"] == -8.0
+    assert common_table(FREE, reports).empty  # one group shares nothing
+    assert exponents_figure(table.reset_index(), [(-18.0, -2.0), (4.0, 26.0)], (-8.0, 16.0))
+
+
 def bounded(modes, alpha):
     report = report_of(modes, alpha)
     for interval in report["laws"][FREE]["intervals"].values():

@@ -523,8 +523,9 @@ def test_a_confirming_run_meets_an_uneven_face_as_the_fit_does(stated):
         model = FakeModel()
         model.factor = stiffer
         object.__setattr__(samples, "response", lambda piece, model=model: simulated(model))
-        found = samples.confirmed(piece, law, report["laws"]["ogden"], curves)
+        found = samples.confirmed(piece, law, report, curves)
         assert found["difference_percent"][0] == pytest.approx(100.0 * (factor - 1.0), abs=0.1)
+    assert samples.confirmed(piece, law, {"laws": {}}, curves).empty
 
 
 def test_what_lies_beyond_the_runs_is_left_out_and_said():

@@ -12,12 +12,12 @@ with logged_to(snakemake):
     given, files = snakemake.params, snakemake.input
     name = given.law or read_json(files.choice)["groups"][snakemake.wildcards.group]["best"][0]
     laws = LawSettings(**given.laws).laws(given.material["alpha"])
-    chosen = next(law for law in laws if law.name == name), read_json(files.report)["laws"][name]
-    curves = read_table(files.laws)
+    chosen = next(law for law in laws if law.name == name)
+    fits = read_json(files.report), read_table(files.laws)
     records = [*map(read_record, files.records)]
     shapes = [IdealShape.of_report(read_json(path)) for path in files.cuboids]
     samples = SamplesOfGroup(given.rows, given.pieces, records, shapes, given)
     meshes, reports = map(read_mesh_with_data, files.meshes), map(read_json, files.reports)
     pieces = map(SimulatedPiece, given.simulated, given.ends, meshes, reports)
-    tables = [samples.confirmed(piece, *chosen, curves) for piece in pieces]
+    tables = [samples.confirmed(piece, chosen, *fits) for piece in pieces]
     write_table(snakemake.output.table, pd.concat(tables))

@@ -11,6 +11,12 @@ from softsample.protocol import loading
 
 EXPONENTS = ("alpha1", "alpha2")
 
+COLUMNS = (
+    "group", "mode", "mu1_pa", "mu2_pa", "mu_pa", "mu_low_pa", "mu_high_pa", "alpha1", "alpha1_low",
+    "alpha1_high", "alpha2", "alpha2_low", "alpha2_high", "error_percent", "study_rejected",
+    "active_bounds", "open", "mesh_curve_percent",
+)  # fmt: skip
+
 SIGNIFICANCE = 0.05
 """Exponents count as different below this probability."""
 
@@ -35,10 +41,15 @@ def exponent_table(
         One row a group: moduli [Pa] and exponents with their intervals (an end is empty where it
         is open), error [% of peak], whether the records reject the study's exponents, parameters
         at a bound or open, and the largest difference of a run on the study's mesh [% of peak].
+        Of a group whose law could not be simulated all is empty but the reason, in `open`.
     """
     rows = []
     for group, report in reports.items():
         laws = report["laws"]
+        if law not in laws:
+            rows.append({"group": group, "mode": loading(report["modes"]),
+                         "open": report["skipped"][law]})  # fmt: skip
+            continue
         (study,) = laws.keys() - {law}
         fit, share = laws[law], laws[law]["shape"]["mu1_fraction"]
         row: dict[str, Any] = {"group": group, "mode": loading(report["modes"])}
@@ -56,13 +67,13 @@ def exponent_table(
             "open": "; ".join(fit["open"]),
             "mesh_curve_percent": runs[group]["difference_percent"].max(),
         })  # fmt: skip
-    return pd.DataFrame(rows)
+    return pd.DataFrame(rows, columns=list(COLUMNS))
 
 
 def common_table(law: str, reports: Mapping[str, Mapping[str, Any]]) -> pd.DataFrame:
     """Exponents that groups share, and whether they do: all of them, and those of each loading.
 
-    Groups whose records leave an end of an interval open have no covariance, and no part.
+    Groups without a fit, or whose records leave an end of an interval open, have no part.
 
     Parameters
     ----------
@@ -71,8 +82,9 @@ def common_table(law: str, reports: Mapping[str, Mapping[str, Any]]) -> pd.DataF
     """
     kinds: dict[str, list[str]] = {"all": []}
     for group, report in reports.items():
-        ends = [report["laws"][law]["intervals"][name] for name in EXPONENTS]
-        if not any(None in (end["low"], end["high"]) for end in ends):
+        fit = report["laws"].get(law)
+        ends = [fit["intervals"][name] for name in EXPONENTS] if fit else []
+        if fit and not any(None in (end["low"], end["high"]) for end in ends):
             for kind in ("all", loading(report["modes"])):
                 kinds.setdefault(kind, []).append(group)
     rows = []

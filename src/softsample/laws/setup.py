@@ -22,6 +22,9 @@ from softsample.response.floor import FloorSettings
 from softsample.response.unit import curve_difference
 from softsample.shapes import IdealShape
 
+CONFIRMED = ("sample", "law", "difference_percent", "elements")
+"""Columns of the table of runs on the study's mesh."""
+
 
 @dataclass(frozen=True, eq=False)
 class SimulatedPiece:
@@ -146,7 +149,7 @@ class SamplesOfGroup:
         self,
         piece: SimulatedPiece,
         candidate: Candidate,
-        fitted: Mapping[str, Any],
+        report: Mapping[str, Any],
         curves: pd.DataFrame,
     ) -> pd.DataFrame:
         """Run a fitted law on the study's mesh and compare with what the fit took for its force.
@@ -156,21 +159,22 @@ class SamplesOfGroup:
         piece : SimulatedPiece
             With the study's mesh.
         candidate : Candidate
-        fitted : mapping
-            `law_report` of it.
-        curves : DataFrame
+        report, curves : mapping, DataFrame
             `group_report` of the group.
 
         Returns
         -------
         DataFrame
             Of each sample of the piece: `sample`, `law`, `difference_percent` (largest after
-            contact, of the peak force), `elements`.
+            contact, of the peak force), `elements`; none if the law could not be fitted.
         """
+        found: list[dict[str, Any]] = []
+        if (fitted := report["laws"].get(candidate.name)) is None:
+            return pd.DataFrame(found, columns=list(CONFIRMED))
         response, shape = self.response(piece), np.array(list(fitted["shape"].values()))
         response.add(candidate, shape)
         contact = {name: (1e-3 * a, 1e-3 * b) for name, (a, b) in fitted["contact_mm"].items()}
-        fit, found = LawFit(candidate, fitted["mu_pa"], shape, 0.0, contact), []
+        fit = LawFit(candidate, fitted["mu_pa"], shape, 0.0, contact)
         for row, name, ideal in zip(self.rows, self.pieces, self.shapes, strict=True):
             if name != piece.name:
                 continue
@@ -185,4 +189,4 @@ class SamplesOfGroup:
             found.append({"sample": sample, "law": candidate.name,
                           "difference_percent": 100.0 * difference,
                           "elements": len(response.model.mesh.hexes)})  # fmt: skip
-        return pd.DataFrame(found)
+        return pd.DataFrame(found, columns=list(CONFIRMED))

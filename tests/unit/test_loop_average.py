@@ -134,6 +134,24 @@ def test_weights_are_odds_of_evidence_and_prior(withheld):
     assert weights["poisson_ratio",] / weights[()] == pytest.approx(odds)
 
 
+def test_what_the_records_do_not_tell_from_the_choice_is_as_probable():
+    """Of two effects one is chosen; the other is weighed within its class and outside."""
+    known = [library()[name] for name in ("poisson_ratio", "elastic_law")]
+    selection = diagnose(softer(2.0, 0.1), SETTINGS, known).selection
+    opening = selection.steps[0]
+    names = [candidate.name for candidate in opening.candidates]
+    assert opening.chosen.name == names[0]
+    ratios = []
+    for members in (names[:1], names):
+        steps = [replace(opening, members=members), *selection.steps[1:]]
+        weights = {
+            one.fit.model.names: one.weight for one in weighed(replace(selection, steps=steps), {})
+        }
+        ratios.append(weights[tuple(names[1:])] / weights[tuple(names[:1])])
+    assert ratios[0] < 0.1
+    assert ratios[1] == pytest.approx(1.0, rel=0.02)  # the last fit settles once more
+
+
 def test_an_effect_that_is_withheld_counts_for_the_modulus_to_quote(withheld):
     assert withheld.verdict == "none"
     verdict = report(withheld, SETTINGS)

@@ -5,6 +5,7 @@ force. Of each group the loading up to a strain is known, and all of the others.
 """
 
 from dataclasses import replace
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -178,8 +179,9 @@ class Tried:
         return self.all[2](self.names)
 
 
-def searched(monkeypatch, left, evidence, holds=lambda names: True):
+def searched(monkeypatch, left, evidence, holds=lambda names: True, laws=""):
     """What a search finds where errors and evidence of all sets of three effects are given."""
+    own = SimpleNamespace(library={n: SimpleNamespace(is_law=n in laws) for n in "abc"})
     errors = {frozenset(names): error + SCATTER for names, error in left.items()}
     # groups scatter so much with "a" that no third effect is significantly better
     errors[frozenset("a")] = 1.0 + 10.0 * SCATTER
@@ -188,7 +190,7 @@ def searched(monkeypatch, left, evidence, holds=lambda names: True):
     )
     start = Tried([], errors, evidence, holds)
     rules = replace(SelectionSettings(), most_effects=2)
-    return pool._Search(None, None, (), rules).completed(pool._Chain(start))
+    return pool._Search(own, None, (), rules).completed(pool._Chain(start))
 
 
 def test_effects_that_were_tried_in_another_order_are_not_fitted_again(monkeypatch):
@@ -221,6 +223,14 @@ def test_the_effect_that_all_records_ask_for_most_is_followed_too(monkeypatch, e
     left = {"": 3.0, "a": 1.0, "b": 2.0, "c": 2.0, "ab": 0.99, "ac": 0.99, "bc": 0.2}
     found = searched(monkeypatch, left, {"a": 100.0, "b": 100.0, "c": evidence})
     assert "".join(found.classes) == expected
+
+
+@pytest.mark.parametrize(("laws", "expected"), [("ab", "bc"), ("b", "a"), ("a", "a")])
+def test_beside_a_law_the_best_other_law_is_followed_too(monkeypatch, laws, expected):
+    """It alone lowers the error far less; with an effect of the machine it is the right one."""
+    left = {"": 3.0, "a": 1.0, "b": 2.0, "c": 2.5, "ab": 0.99, "ac": 0.99, "bc": 0.2}
+    evidence = {"a": 100.0, "b": 90.0, "c": 50.0}
+    assert "".join(searched(monkeypatch, left, evidence, laws=laws).classes) == expected
 
 
 def test_an_effect_that_ends_at_a_bound_in_the_group_is_none_of_its(monkeypatch):

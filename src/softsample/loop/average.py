@@ -55,19 +55,25 @@ def weighed(selection: Selection, stiffness: Mapping[str, float]) -> list[Weighe
     """Models that the selection fitted, the likeliest first.
 
     Each set of effects counts once. Each effect makes a model less probable beforehand by the
-    number of effects in the library, so that no effect is as probable as any one of them. If what
-    the plain model is known to leave out was selected, no model without it counts.
+    number of effects in the library, so that no effect is as probable as any one of them. Those of
+    a class, which the records do not tell apart, are as probable as the one that was chosen. If
+    what the plain model is known to leave out was selected, no model without it counts.
     """
     known = {effect.name for effect in selection.final.model.effects if effect.idealised}
     likeliest: dict[frozenset[str], tuple[float, Fit]] = {}
     odds = 2.0 * np.log(len(selection.library) or 1)
-    candidates = [c.settled for step in selection.steps for c in step.candidates]
-    for fit in (selection.base, selection.final, *candidates, *selection.visited):
+    fits = selection.base, selection.final, *selection.visited
+    tried = [(fit, misfit_with_penalties(fit)) for fit in fits]
+    for step in selection.steps:
+        for c in step.candidates:
+            alike = (c, step.chosen) if step.chosen and c.name in step.members else (c,)
+            tried.append((c.settled, min(misfit_with_penalties(one.settled) for one in alike)))
+    for fit, misfit in tried:
         effects = fit.model.effects
         names = frozenset(fit.model.names)
         if (effects and unusable(fit)) or not known <= names:
             continue
-        left = misfit_with_penalties(fit) + odds * len(effects)
+        left = misfit + odds * len(effects)
         if names not in likeliest or left < likeliest[names][0]:
             likeliest[names] = left, fit
     least = min(left for left, _ in likeliest.values())

@@ -266,8 +266,7 @@ def pooled(
     if not found.classes or np.nanmean(left) >= np.nanmean(alone):
         return None
     fit = found.tried.predicting(own, list(found.classes))
-    errors = _percent(plain.left), _percent(alone), left
-    return Pooled(fit, found.classes, found.evidence, *errors)
+    return Pooled(fit, found.classes, found.evidence, _percent(plain.left), _percent(alone), left)
 
 
 def _percent(errors: Array) -> float:
@@ -372,9 +371,10 @@ class _Search:
     def completed(self, chain: _Chain) -> _Chain:
         """The chain with more effects, as long as they lower the error.
 
-        Of effects that do so equally well the best two are followed, each to its end: what is
-        second now can be what another effect needs beside it. So is the one that all records ask
-        for most: what is held out is a small part of them.
+        Of effects that do so equally well the best two are followed to their ends: what is second
+        now can be what another effect needs beside it. So are the one that all records ask for
+        most, as what is held out is a small part of them, and the best other law: a wrong one may
+        stand for the right one and an effect of the machine.
         """
         if len(chain.classes) == self.rules.most_effects:
             return chain
@@ -385,13 +385,16 @@ class _Search:
         if not ranked or not lower(left[ranked[0]], chain.tried.left):
             return chain
         alike = [name for name in ranked if not lower(left[ranked[0]], left[name])]
-        ends = []
         likeliest = max(found, key=lambda name: found[name].evidence[name])
-        for name in dict.fromkeys([*alike[:BRANCHES], likeliest]):
-            as_good = [name, *(n for n in alike if n != name)]
-            taken = replace(found[name], classes={**chain.classes, name: as_good})
+        followed = [*alike[:BRANCHES], likeliest]
+        laws = [name for name in ranked if self.own.library[name].is_law]
+        if not set(laws).isdisjoint(followed):
+            followed += [name for name in laws if name not in followed][:1]
+        ends = []
+        for name in dict.fromkeys(followed):
+            classes = {**chain.classes, name: [name, *(n for n in alike if n != name)]}
             if lower(left[name], chain.tried.left):
-                ends.append(self.completed(taken))
+                ends.append(self.completed(replace(found[name], classes=classes)))
         return min(ends, key=lambda end: end.tried.mean)
 
     def _added(self, chain: _Chain, name: str) -> _Chain | None:

@@ -23,7 +23,7 @@ SETTINGS = LoopSettings()
 def model_of(mu, deviation, weight):
     """A model of which nothing counts but its modulus [Pa] and the deviation of its logarithm."""
     state = SimpleNamespace(material=SimpleNamespace(mu=mu))
-    return Weighed(SimpleNamespace(state=state), weight, deviation)
+    return Weighed(SimpleNamespace(state=state), weight, weight, deviation)
 
 
 def test_of_one_model_the_interval_is_its_own():
@@ -99,7 +99,7 @@ def test_compression_beside_it_tells_some_of_the_bonded_area():
 
 def test_the_bonded_area_widens_the_interval():
     _, fit = plain(("shear",), ("shear",))
-    found = Weighed.of(fit, 1.0, {}).deviation
+    found = Weighed.of(fit, 1.0, 1.0, {}).deviation
     alone = log_modulus_deviation(fit, {})
     assert found == pytest.approx(np.hypot(alone, bond_deviation(fit)))
     assert found > 1.5 * alone
@@ -134,22 +134,27 @@ def test_weights_are_odds_of_evidence_and_prior(withheld):
     assert weights["poisson_ratio",] / weights[()] == pytest.approx(odds)
 
 
-def test_what_the_records_do_not_tell_from_the_choice_is_as_probable():
+def test_the_interval_holds_what_the_records_do_not_tell_from_the_choice():
     """Of two effects one is chosen; the other is weighed within its class and outside."""
     known = [library()[name] for name in ("poisson_ratio", "elastic_law")]
     selection = diagnose(softer(2.0, 0.1), SETTINGS, known).selection
     opening = selection.steps[0]
     names = [candidate.name for candidate in opening.candidates]
-    assert opening.chosen.name == names[0]
-    ratios = []
+    assert opening.chosen.name == names[0] == "poisson_ratio"
+    found = []
     for members in (names[:1], names):
         steps = [replace(opening, members=members), *selection.steps[1:]]
-        weights = {
-            one.fit.model.names: one.weight for one in weighed(replace(selection, steps=steps), {})
-        }
-        ratios.append(weights[tuple(names[1:])] / weights[tuple(names[:1])])
-    assert ratios[0] < 0.1
-    assert ratios[1] == pytest.approx(1.0, rel=0.02)  # the last fit settles once more
+        models = weighed(replace(selection, steps=steps), {})
+        of = {one.fit.model.names: one for one in models}
+        other, chosen = of["elastic_law",], of["poisson_ratio",]
+        found.append((averaged(models), other.alike / chosen.alike, other.weight / chosen.weight))
+    (alone, apart, _), (wider, alike, weight) = found
+    assert apart == weight < 1e-3
+    assert alike == pytest.approx(1.0, rel=0.02)  # the last fit settles once more
+    assert wider[0] == alone[0]  # the estimate is that of the likeliest
+    moduli = [one.fit.state.material.mu for one in models[:2]]
+    assert wider[1] <= min(moduli) < max(moduli) <= wider[2]
+    assert wider[2] - wider[1] > alone[2] - alone[1]
 
 
 def test_an_effect_that_is_withheld_counts_for_the_modulus_to_quote(withheld):

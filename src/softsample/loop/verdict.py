@@ -77,17 +77,13 @@ def document(
         if errors:
             own = verdict[key] if judged.held_out else {}
             verdict[key] = {**own, **error_report(errors)}
+    in_model = "sliding" if found.slides else "bonded"
     return {
         **verdict,
         "rule": rule if found.origin.before.held_out or left_out[0] else "",
         "elastic_law": elastic_law(found.final.state.values, solid),
-        "ends": sorted({_ends(row["ends"], found) for row in rows}),
+        "ends": sorted({row["ends"].replace("unknown", in_model) for row in rows}),
     }
-
-
-def _ends(stated: str, found: Diagnosis) -> str:
-    """Ends of a sample in the model that is reported."""
-    return stated if stated != "unknown" else "sliding" if found.slides else "bonded"
 
 
 def elastic_law(values: Mapping[str, Values], solid: Material) -> dict[str, Any]:
@@ -135,8 +131,7 @@ def recommended(diagnosis: Diagnosis) -> dict[str, Any]:
     rest, several = diagnosis.rest, not (diagnosis.objection or diagnosis.told)
     tried = [(one, model) for one, part in diagnosis.of_ends for model in _weighed(one, part)]
     tried.sort(key=lambda pair: -pair[1].weight)
-    models = [model for _, model in tried]
-    mu, low, high = averaged(models)
+    mu, low, high = averaged([model for _, model in tried])
     return {
         "mu": _sized(mu, "Pa", low * min([1.0, *rest.values()]), high * max([1.0, *rest.values()])),
         "estimate": "averaged over the models fitted" if several else "of the model reported",
@@ -149,16 +144,17 @@ def recommended(diagnosis: Diagnosis) -> dict[str, Any]:
             for one, model in tried
             if model.weight >= SHOWN
         ],
+        "widened_by_class": any(one.alike > one.weight + SHOWN for _, one in tried),
         "widened_by_rest": any(abs(factor - 1.0) > SHOWN for factor in rest.values()),
     }
 
 
 def _weighed(diagnosis: Diagnosis, part: float) -> list[Weighed]:
     """Models of a diagnosis, whose weights add up to a part."""
-    found = [Weighed.of(diagnosis.final, 1.0, diagnosis.posed.stiffness)]
+    found = [Weighed.of(diagnosis.final, 1.0, 1.0, diagnosis.posed.stiffness)]
     if not (diagnosis.objection or diagnosis.told):
         found = weighed(diagnosis.selection, diagnosis.posed.stiffness)
-    return [replace(one, weight=part * one.weight) for one in found]
+    return [replace(one, weight=part * one.weight, alike=part * one.alike) for one in found]
 
 
 def _first_size(effect: Effect, multiple: float) -> dict[str, float | str]:

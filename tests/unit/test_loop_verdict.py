@@ -14,7 +14,7 @@ from softsample.loop.diagnose import diagnose
 from softsample.loop.effects import library
 from softsample.loop.model import Model
 from softsample.loop.noise import NoiseSettings
-from softsample.loop.posed import LoopSettings
+from softsample.loop.posed import LoopSettings, pose
 from softsample.loop.select import driven_to_an_end
 from softsample.loop.verdict import error_report, judgement, report
 from softsample.report.loop import verdict_table
@@ -120,6 +120,16 @@ def test_a_size_at_the_end_of_its_range_is_no_explanation():
     limited = tuple(replace(p, limits=(p.low, p.high)) for p in OFFSET.parameters)
     model = Model((replace(OFFSET, parameters=limited),))
     assert driven_to_an_end(replace(refused, model=model)) == ""
+
+
+def test_poissons_ratio_may_be_that_of_an_incompressible_sample_but_no_lower_than_plausible():
+    effect = library()["poisson_ratio"]
+    problem, _ = pose(laboratory.Lab(seed=3).specimens(), LoopSettings().noise)
+    fit = problem.fit_material()
+    ratio = effect.parameters[0]
+    for end, name in ((ratio.high, ""), (ratio.low, "poisson_ratio.nu")):
+        state = fit.state.with_values("poisson_ratio", {"nu": end})
+        assert driven_to_an_end(problem.at(Model((effect,)), state)) == name
 
 
 def test_a_period_at_the_end_of_its_range_is_no_explanation():

@@ -6,11 +6,11 @@ from softsample.loop.effects.base import SOLID, Effect, Parameter
 
 def about(solid: Material) -> Effect:
     """The effect for a model with the Poisson's ratio of a solid."""
-    nu = solid.poisson_ratio
+    nu, most = solid.poisson_ratio, 0.2 * solid.poisson_ratio + 0.8 * 0.5
     return Effect(
         name="poisson_ratio",
         title="Another Poisson's ratio",
-        parameters=(Parameter("nu", "1", nu - 0.14, 0.2 * nu + 0.8 * 0.5, nu - 0.01, neutral=nu),),
+        parameters=(Parameter("nu", "1", nu - 0.14, most, nu - 0.01, neutral=nu, limits=(most,)),),
         like_floor=True,
         source="Hinrichsen et al., Biomech. Model. Mechanobiol. 2023, "
         "doi:10.1007/s10237-023-01739-w",

@@ -16,6 +16,7 @@ COLUMNS = (
     "alpha1_high", "alpha2", "alpha2_low", "alpha2_high", "error_percent", "study_rejected",
     "active_bounds", "open", "mesh_curve_percent",
 )  # fmt: skip
+"""Of the table of exponents."""
 
 SIGNIFICANCE = 0.05
 """Exponents count as different below this probability."""

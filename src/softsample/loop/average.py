@@ -89,7 +89,7 @@ def weighed(selection: Selection, stiffness: Mapping[str, float]) -> list[Weighe
 def averaged(models: Sequence[Weighed]) -> tuple[float, float, float]:
     """Modulus and the ends of its 90 % interval [Pa]: log-normal in each model, weighted.
 
-    The interval holds that of the models of a class as alike: the records do not tell them apart.
+    It holds the interval with all members of a class as probable: records do not tell them apart.
     """
     means = np.log([one.fit.state.material.mu for one in models])
     deviations = np.array([one.deviation for one in models])

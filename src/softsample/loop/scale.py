@@ -69,12 +69,11 @@ def _relative(fit: Fit) -> dict[str, float]:
         one, measured = apart(force), apart(specimen.force)
         more = np.array([one @ measured, one @ one / specimen.stiffness])
         sums = asked.setdefault(test, {})
-        sums[specimen.piece] = sums.get(specimen.piece, np.zeros(2)) + more
+        nothing = np.array([0.0, 1e-300])  # a test without force asks for no stiffness
+        sums[specimen.piece] = sums.get(specimen.piece, nothing) + more
     logs: dict[str, list[float]] = {}
     for sums in (of for of in asked.values() if len(of) > 1):
-        own = {
-            piece: np.log(np.clip(top / bottom, *RANGE)) for piece, (top, bottom) in sums.items()
-        }
+        own = {piece: np.log(np.clip(a / b, *RANGE)) for piece, (a, b) in sums.items()}
         mean = float(np.mean(list(own.values())))
         for piece, log in own.items():
             logs.setdefault(piece, []).append(float(log) - mean)

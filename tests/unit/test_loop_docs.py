@@ -85,7 +85,7 @@ def test_second_effects_and_moduli_of_the_cuboid_are_those_of_the_table():
         named.append(set(row.truth.split("; ")) <= set(beside))
     assert f"the second effect or its class in {sum(named)} of {len(named)}" in PAGE
     ratio = by["ideal"]["mu_after_pa"].astype(float) / by["real"]["mu_after_pa"].astype(float)
-    assert f"within {100.0 * (ratio - 1.0).abs().max():.0f} % of those on the real" in PAGE
+    assert f"within {100.0 * (ratio - 1.0).abs().max():.1f} % of those on the real" in PAGE
 
 
 def test_the_cohort_is_that_of_its_tables():

@@ -26,7 +26,7 @@ from softsample.loop.scale import (
     scale_of,
     scatter,
 )
-from softsample.loop.specimen import FORCE, NORMAL
+from softsample.loop.specimen import FORCE, NORMAL, Specimen
 from softsample.loop.verdict import document, judgement, recommended
 from softsample.response.unit import homogeneous_response, response_table
 from softsample.shapes import IdealShape
@@ -236,6 +236,26 @@ def test_where_they_touch_is_known_beside_their_stiffness():
 def test_specimens_that_the_platen_meets_at_one_height_share_their_contact_point():
     tests = [met_at(0.0, name) for name in GAPS]
     assert diagnose(tests, SETTINGS, [library()["force_offset"]]).posed.contact == {}
+
+
+@pytest.mark.parametrize("gap", [0.5, 1.2])
+def test_free_travel_before_contact_is_found_in_compression_alone(gap):
+    """The plain model has bent its law to the toe, beside which no small gap is any better."""
+    model, rng = laboratory.exact("compression"), np.random.default_rng(1)
+    time, travel = laboratory.clock("compression")
+    loading = time < laboratory.REST + laboratory.STROKE["compression"] / laboratory.SPEED
+    time, travel = time[loading], travel[loading]
+    reached = 1e-3 * np.maximum(travel - gap, 0.0)
+    force = laboratory.MU * model.force_per_mu(laboratory.FRACTION, reached)
+    force += rng.normal(0.0, 2e-4, len(force))
+    table = pd.DataFrame({"time_s": time, "displacement_mm": -travel, "force_N": -force})
+    record = laboratory.record_of(table, "compression")
+    found = diagnose([Specimen.of_record("C", "compression", record, model)], SETTINGS)
+    (named,) = judgement(found, SETTINGS)["effects"]
+    assert named["name"] == "late_contact"
+    assert named["parameters"]["gap_mm"]["value"] == pytest.approx(gap, abs=0.02)
+    mu = recommended(found)["mu"]
+    assert mu["low"] < laboratory.MU < mu["high"] < 1.3 * mu["low"]
 
 
 def test_what_is_left_out_of_a_specimen_begins_where_the_rest_of_it_does(uneven):

@@ -62,8 +62,7 @@ class Signature:
 
 
 STEPS = (0.1, 1.0)
-"""Parts of the nominal size at which the signature of a shifted travel is taken: a curve that
-begins with a toe changes by a small shift in another way than by a large one."""
+"""Parts of the nominal size at which signatures are taken: by how far it shifts, a toe bends."""
 
 
 def signatures(base: Fit, effects: Sequence[Effect]) -> list[Signature]:

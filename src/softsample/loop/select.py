@@ -620,13 +620,13 @@ def _fitted(
         and (s.effect.starts or (s.effect.idealised and s.strength >= LEAST_SIGNATURE))
     ]  # fmt: skip
     for signature in [*promising, *others]:
-        # of others a linear gain says little, but not more than the smooth residual can be gained
+        # of others a linear gain says little, but one without a kink gains what is smooth at most
         asked = max([threshold, *(c.evidence - settings.class_gain for c in candidates)])
-        if signature in others and not signature.effect.idealised and smooth < asked:
+        kinked = signature.effect.idealised or signature.effect.shifts_travel
+        if signature in others and not kinked and smooth < asked:
             continue
-        candidates.append(
-            _candidate(here, joint_fit(current, signature, settings.class_gain), settings)
-        )
+        joint = joint_fit(current, signature, settings.class_gain)
+        candidates.append(_candidate(here, joint, settings))
     if _loses_on_return(here.base.problem):
         laws = [effect for effect in effects if effect.is_law]
         candidates += [_beside_hysteresis(here, law, settings) for law in laws]

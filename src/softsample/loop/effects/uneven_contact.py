@@ -23,5 +23,6 @@ EFFECT = Effect(
     confused_with=("late_contact", "platen_tilt", "real_geometry"),
     experiment="scan the face; cut it anew; pressure film",
     modes=("compression",),
+    starts=({"depth_mm": 0.5},),
     heights=_heights,
 )

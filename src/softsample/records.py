@@ -39,6 +39,9 @@ OFF_ZERO = 0.05
 """A ramp may begin at this part of its displacement or of its peak force without a doubt raised."""
 STARTS_LOADED = 0.25
 """A force of this part of the peak in the first sample, without a rest before it, is doubted."""
+FREE_PART, FREE_PARTS, FREE_FORCE, FREE_NOISE = 0.25, 20, 0.002, 3.0
+"""The first quarter of a loading, in twentieths, is doubted if the mean force of each stays below
+this part of the peak and so many standard errors."""
 LONE_PART, LONE_NOISE, LONE_STEPS = 0.05, 10.0, 3.0
 """A reading stands alone if it is off by this part of the peak, and by so many times what half of
 the readings are, and the steps beside it."""
@@ -612,6 +615,8 @@ def _facts(
     peak = force[np.abs(force).argmax()]
     warnings = [] if known else ["no rest before the ramp: force zero and noise are not known"]
     warnings += _off_zero(record, loading, peak, rest if known else slice(0, 0), settings)
+    if known and loading is course.loadings[0]:
+        warnings += _free(record, rows, rest, settings)
     warnings += _relaxing(record.force[loading.ramps[-1]])
     warnings += _lone(lines, record.force, abs(peak))
     for ramp in loading.ramps if record.timed else ():
@@ -719,6 +724,27 @@ def _off_zero(
         yield (
             f"the force before the ramp is {before.mean():.3g} N; if the sample is not loaded "
             f"there, set {settings.setting(zero={'force': zero})}"
+        )
+
+
+def _free(
+    record: Record, rows: NDArray[np.intp], rest: slice, settings: RecordSettings
+) -> Iterator[str]:
+    """What says that the platen moves a long way before it loads the sample."""
+    force = record.force - record.force[rest].mean()
+    noise, least = force[rest].std(ddof=1), FREE_FORCE * np.abs(force[rows]).max()
+    parts = np.array_split(rows, FREE_PARTS)
+    loaded = [
+        abs(force[part].mean()) > max(least, FREE_NOISE * noise / np.sqrt(len(part)))
+        for part in parts
+    ]
+    free = loaded.index(True) if any(loaded) else FREE_PARTS
+    if FREE_PART * FREE_PARTS <= free < FREE_PARTS:
+        way = abs(record.displacement[parts[free][0]] - record.displacement[rows[0]])
+        yield (
+            f"the force stays within its noise over the first {way / MM:.3g} mm of the loading, "
+            "which count as strain; if nothing touches there, delete the lines before contact and "
+            f"set {settings.setting(zero={'displacement': 'start'})}"
         )
 
 

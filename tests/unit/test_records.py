@@ -188,6 +188,21 @@ def test_a_ramp_that_begins_loaded_or_away_from_zero_is_a_warning():
     assert check(small)["warnings"] == []
 
 
+@pytest.mark.parametrize(("free", "told"), [(0.0, False), (0.1, False), (0.4, True)])
+def test_a_loading_that_begins_without_force_is_a_warning(free, told):
+    table = record(noise=0.005)
+    way = table["displacement_mm"].min()
+    reached = np.minimum(table["displacement_mm"] - free * way, 0.0)
+    noise = np.random.default_rng(1).normal(0.0, 0.005, len(table))
+    table["force_N"] = reached / way / (1.0 - free) * -1.0 + noise
+    found = [w for w in check(table)["warnings"] if "within its noise" in w]
+    assert bool(found) == told
+    for warning in found:
+        over = float(re.search(r"over the first (\S+) mm", warning)[1])
+        assert over == pytest.approx(abs(free * way), abs=0.05 * abs(way))
+        assert "zero: {displacement: start}" in warning
+
+
 @pytest.mark.parametrize(("mode", "sign"), [("tension", 1.0), ("compression", -1.0)])
 def test_a_cell_that_was_not_tared_is_no_wrong_sign(mode, sign):
     table = record(sign=sign, rest=0.0)

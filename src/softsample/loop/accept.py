@@ -7,7 +7,7 @@ import numpy as np
 
 from softsample.loop.errors import Error, Errors, cross_validated, log_density
 from softsample.loop.noise import NoiseSettings
-from softsample.loop.select import WITHIN_DOUBT, Selection, SelectionSettings, unusable
+from softsample.loop.select import EARNED, WITHIN_DOUBT, Selection, SelectionSettings, unusable
 
 
 @dataclass(frozen=True)
@@ -74,7 +74,7 @@ def objection_to(
     - the scales of the tests are as well known as the settings say; beside effects, whose evidence
       counts with free scales, they are not at the end of their range;
     - no size was driven to the end of its range, and the modulus stays known;
-    - what folds leave out of the fitted records is no less likely with the effects than without.
+    - what folds leave out of the fitted records is not far less likely (`EARNED`) with the effects.
 
     Parameters
     ----------
@@ -106,7 +106,6 @@ def objection_to(
         return why
     fits = selection.base, selection.final
     without, beside = (log_density(fit, cross_validated(fit)) for fit in fits)
-    if beside < without:
-        less = without - beside
+    if (less := without - beside) > EARNED:
         return f"what folds leave out is exp({less:.3g}) times less likely with the effects"
     return ""

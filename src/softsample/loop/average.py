@@ -36,8 +36,8 @@ class Weighed:
     fit : Fit
         Of it.
     weight, alike : float
-        Its probability, and that if the models of a class are all as probable as the one that was
-        chosen; those of all models add up to 1.
+        Its probability, and that if the models of a class are as probable as the one that was
+        chosen, or refused ones may hold; those of all models add up to 1.
     deviation : float
         Standard deviation of ln(mu), with what the bonded area leaves open.
     """

@@ -437,9 +437,7 @@ def lower(one: Array, other: Array) -> bool:
 def _common(told: Sequence[Told]) -> Told:
     """What groups tell of another one: their mean, and how far that one may be from it."""
     return {
-        effect: {
-            name: _spread([one[effect][name] for one in told]) for name in parameters
-        }
+        effect: {name: _spread([one[effect][name] for one in told]) for name in parameters}
         for effect, parameters in told[0].items()
     }  # fmt: skip
 

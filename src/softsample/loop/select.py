@@ -616,14 +616,14 @@ def _fitted(
     smooth = _smooth_excess(current.problem.by_test(current.white[: current.problem.count]))
     promising = [s for gain, s in ranked[: settings.refits] if gain >= least]
     others = [
-        s for _, s in ranked if s not in promising
+        s for _, s in ranked if s not in promising and s.basis.size
         and (s.effect.starts or (s.effect.idealised and s.strength >= LEAST_SIGNATURE))
     ]  # fmt: skip
     for signature in [*promising, *others]:
-        # of others a linear gain says little, but one without a kink gains what is smooth at most
+        # of others a linear gain says little; laws and relaxation gain what is smooth at most
         asked = max([threshold, *(c.evidence - settings.class_gain for c in candidates)])
-        kinked = signature.effect.idealised or signature.effect.shifts_travel
-        if signature in others and not kinked and smooth < asked:
+        smoothing = signature.effect.is_law or signature.effect.of_time
+        if signature in others and smoothing and smooth < asked:
             continue
         joint = joint_fit(current, signature, settings.class_gain)
         candidates.append(_candidate(here, joint, settings))

@@ -144,16 +144,18 @@ def recommended(diagnosis: Diagnosis) -> dict[str, Any]:
             for one, model in tried
             if model.weight >= SHOWN
         ],
-        "widened_by_class": any(one.alike > one.weight + SHOWN for _, one in tried),
+        "widened_by_models": any(one.alike > one.weight + SHOWN for _, one in tried),
         "widened_by_rest": any(abs(factor - 1.0) > SHOWN for factor in rest.values()),
     }
 
 
 def _weighed(diagnosis: Diagnosis, part: float) -> list[Weighed]:
     """Models of a diagnosis, whose weights add up to a part."""
-    found = [Weighed.of(diagnosis.final, 1.0, 1.0, diagnosis.posed.stiffness)]
-    if not (diagnosis.objection or diagnosis.told):
-        found = weighed(diagnosis.selection, diagnosis.posed.stiffness)
+    reported = Weighed.of(diagnosis.final, 1.0, 1.0, diagnosis.posed.stiffness)
+    found = [] if diagnosis.told else weighed(diagnosis.selection, diagnosis.posed.stiffness)
+    if diagnosis.objection or diagnosis.told:  # what does not hold may still be there
+        rest = [replace(one, weight=0.0, alike=one.weight) for one in found]
+        found = [replace(reported, alike=0.0 if rest else 1.0), *rest]
     return [replace(one, weight=part * one.weight, alike=part * one.alike) for one in found]
 
 
@@ -363,9 +365,8 @@ def _effect_report(effect: Effect, selection: Selection, noise: NoiseSettings) -
         (e.name, p.name): float(d) * (p.high - p.low)
         for (e, p), d in zip(final.model.parameters, deviation, strict=True)
     }
-    chosen = [
-        step.chosen for step in selection.steps if step.chosen and step.chosen.name == effect.name
-    ][-1]  # one that was dropped can come back
+    # one that was dropped can come back
+    chosen = [s.chosen for s in selection.steps if s.chosen and s.chosen.name == effect.name][-1]
     parameters = {}
     for p in effect.parameters:
         value = final.state.values[effect.name][p.name]

@@ -111,8 +111,8 @@ def _recommended(found: Mapping[str, Any]) -> str:
     models = [*map(_model, named), *([] if alone else [rest])]
     whose = "of" if len(models) == 1 and alone else "averaged over"
     text = f"Modulus to quote: **{value}** ({limits}), {whose} {', '.join(models)}."
-    if found["widened_by_class"]:
-        text += " The interval allows for each member of a class, as no record tells them apart."
+    if found["widened_by_models"]:
+        text += " The interval allows for other models that the records leave open."
     if found["widened_by_rest"]:
         text += " It allows for what the error that is left makes of the modulus at small strain."
     return text

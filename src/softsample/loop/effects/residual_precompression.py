@@ -24,5 +24,6 @@ EFFECT = Effect(
     "shear scaled by a few percent",
     confused_with=("anisotropy", "poisson_ratio", "displacement_zero"),
     experiment="record the force during pre-load and rest; shear before and after",
+    starts=({"d_mm": 0.5},),
     elastic=_elastic,
 )

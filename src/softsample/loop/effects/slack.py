@@ -22,6 +22,7 @@ EFFECT = Effect(
     confused_with=("displacement_zero", "permanent_set"),
     experiment="raise the pre-load; mark the displacement at which the strip is straight",
     modes=("tension",),
+    starts=({"slack_mm": 0.3}, {"slack_mm": 1.0}),
     travel=lambda specimen, travel, values: travel - 1e-3 * values["slack_mm"],
     contact=_contact,
 )

@@ -47,16 +47,23 @@ def test_an_effect_that_makes_what_folds_leave_out_less_likely_is_withheld(monke
     assert (found.verdict, judgement(found, settings)["withheld"]) == ("explained", [])
     rules = settings.selection, settings.noise
     assert objection_to(found.selection, found.before, found.selected, *rules) == ""
-    monkeypatch.setattr(
-        accept, "log_density", lambda fit, folds: -2.0 * len(fit.model.effects) - len(folds)
-    )
-    objection = objection_to(found.selection, found.before, found.selected, *rules)
-    assert objection == "what folds leave out is exp(2) times less likely with the effects"
+    objections = []
+    for less in (2.0, 4.0):
+        monkeypatch.setattr(
+            accept, "log_density", lambda fit, folds, less=less: -less * len(fit.model.effects)
+        )
+        objections.append(objection_to(found.selection, found.before, found.selected, *rules))
+    objection = "what folds leave out is exp(4) times less likely with the effects"
+    assert objections == ["", objection]  # exp(2) is no more than chance
     verdict = report(replace(found, objection=objection), settings)
     assert (verdict["verdict"], verdict["effects"]) == ("unknown", [])
     (withheld,) = verdict["withheld"]
     assert (withheld["name"], withheld["reason"]) == ("force_offset", objection)
     assert withheld["held_out_if_given"] == error_report(found.selected.folds)
+    mu, refused = verdict["recommended"]["mu"], found.selection.final.state.material.mu
+    assert mu["value"] == pytest.approx(found.selection.base.state.material.mu)
+    assert mu["low"] < refused < mu["high"]
+    assert verdict["recommended"]["widened_by_models"]
     left = [e.rms / e.peak for tests in found.selected.folds.values() for e in tests.values()]
     percent = f"{100.0 * np.sqrt(np.mean(np.square(left))):.3g}"
     assert f"With `force_offset`, {percent} % of the peak would be left of what" in page(

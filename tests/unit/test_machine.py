@@ -114,6 +114,14 @@ REFUSED = {
         "no column is known to hold force .*'Temp \\(C\\)'",
     ),
     "two forces": ("Time (s),Disp (mm),Load (N),Force (N)", "2 columns may hold force"),
+    "forces of two specimens": (
+        "Disp (mm),Load 1 (N),Load 2 (N)",
+        r"2 columns may hold force \('Load 1 \(N\)', 'Load 2 \(N\)'\); name the right one .*"
+        r"\{columns: \{force: Load 1 \(N\)\}\}`, or in a block of `formats` for each row",
+    ),
+    "forces of two channels": ("Disp (mm),Ch1 Force (N),Ch2 Force (N)", "2 columns may hold force"),
+    "a number beside none": ("Disp (mm),Load (N),Load 2 (N)", "2 columns may hold force"),
+    "travel of two specimens": ("Disp 1 (mm),Disp 2 (mm),Load (N)", "2 columns may hold displ"),
     "no unit": ("Time (s),Disp (mm),Load", "column 'Load': no unit is named"),
     "strange unit": ("Time (s),Disp (mm),Load (V)", "'V' is no known unit of force"),
     "same title twice": (
@@ -137,6 +145,19 @@ def test_what_a_title_leaves_open_is_refused(tmp_path, name):
     path = machines.write(tmp_path / "r.csv", plain(titles))
     with pytest.raises(InputError, match=message):
         read(path)
+
+
+@pytest.mark.parametrize("title", ["Load 1 (N)", "Load 2 (N)", "Ch2 Force (N)", "Load cell 3 (N)"])
+def test_a_number_alone_leaves_nothing_open(tmp_path, title):
+    path = machines.write(tmp_path / "r.csv", plain(f"Time (s),Disp (mm),{title}"))
+    np.testing.assert_allclose(read(path).table["force_N"], TEST[2], atol=1e-5)
+
+
+def test_each_of_several_specimens_is_had_by_its_title(tmp_path):
+    path = machines.write(tmp_path / "r.csv", plain("Load 1 (N),Disp (mm),Load 2 (N)"))
+    for title, number in (("Load 1 (N)", 0), ("Load 2 (N)", 2)):
+        found = read(path, {"force": title}).table["force_N"]
+        np.testing.assert_allclose(found, TEST[number], atol=1e-5)
 
 
 @pytest.mark.parametrize(

@@ -20,7 +20,14 @@ import pandas as pd
 from softsample.errors import InputError, records_setting
 from softsample.files import PathLike
 from softsample.formats.text import read_lines
-from softsample.formats.titles import BESIDE, COLUMNS, COMPRESSIVE, NAMES, UNITS
+from softsample.formats.titles import (
+    BESIDE,
+    COLUMNS,
+    COMPRESSIVE,
+    NAMES,
+    NUMBERED,
+    UNITS,
+)
 from softsample.formats.workbook import is_workbook, read_sheets
 
 Form = Mapping[str, Sequence[str]]
@@ -378,7 +385,7 @@ def _plausible(
     title = next((found[0] for found in (fitting, silent) if len(found) == 1), None)
     if title is None:
         return None
-    words = set(re.findall(WORDS, title.lower()))
+    words = _words(title)
 
     def fits(way: str) -> tuple[bool, bool]:
         return _split(title, way)[1] in UNITS[way], bool(words & NAMES.get(way, set()))
@@ -412,12 +419,21 @@ def _candidates(quantity: str, titles: Sequence[str], wanted: Mapping[str, str])
     found = []
     for place, title in enumerate(titles):
         name, unit = _split(title, quantity)
-        words = set(re.findall(WORDS, name.lower()))
+        words = _unnumbered(name)
         if words and (words - BESIDE or words) <= NAMES[quantity]:
             found.append(Column(quantity, place, title, unit))
     fitting = [column for column in found if column.unit in UNITS[quantity]]
     silent = [column for column in found if not column.unit]
     return fitting or silent or found
+
+
+def _words(title: str) -> set[str]:
+    return set(re.findall(WORDS, title.lower()))
+
+
+def _unnumbered(title: str) -> set[str]:
+    """Words of a title without numbers of specimens or channels."""
+    return {word for word in _words(title) if not NUMBERED.fullmatch(word)}
 
 
 def _split(title: str, quantity: str) -> tuple[str, str]:
@@ -437,10 +453,12 @@ def _only(columns: Sequence[Column], where: str, block: str) -> Column:
         quantity = columns[0].quantity
         titles = [column.title for column in columns]
         name = records_setting({"columns": {quantity: titles[0]}}, block)
+        alike = len({frozenset(_unnumbered(title)) for title in titles}) < len(titles)
         cure = (
             "delete the columns of other tests, or give each its own title"
             if titles.count(titles[0]) > 1
             else f"name the right one in the settings of the study, such as {name}"
+            + alike * ", or in a block of `formats` for each row if they are of several specimens"
         )
         raise InputError(
             f"{where}: {len(columns)} columns may hold {quantity} "

@@ -1,6 +1,7 @@
 """Check the record of one sample, and its image if it has one (rule `check_inputs`)."""
 
 from softsample import io
+from softsample.files import refuse_missing
 from softsample.formats.machine import read
 from softsample.images import check_image
 from softsample.manifest import check_files
@@ -11,6 +12,7 @@ from softsample.workflow import logged_to, provenance
 
 with logged_to(snakemake):
     files, given = snakemake.input, snakemake.params
+    refuse_missing(given.missing)
     if files.manifest:
         shipped = [files.table, *files.image, *files.surface, files.record]
         check_files(io.read_samples(files.manifest), files.manifest, shipped)

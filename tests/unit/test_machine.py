@@ -91,7 +91,7 @@ def test_lines_are_those_of_the_file(tmp_path):
 
 
 def plain(titles="a,b,c", test=TEST):
-    rows = [f"{t:.2f},{d:.4f},{f:.5f}" for t, d, f in zip(*test, strict=True)]
+    rows = [",".join(f"{x:.5f}" for x in cells) for cells in zip(*test, strict=True)]
     return "\n".join([titles, *rows, ""])
 
 
@@ -175,6 +175,28 @@ def test_a_column_is_proposed_as_what_it_holds(tmp_path, titles, cure):
     with pytest.raises(InputError) as refused:
         read(path, mode=mode)
     assert f"`records: {cure}`" in str(refused.value)
+
+
+@pytest.mark.parametrize(
+    "titles",
+    [
+        "Time (s),True strain (%),True stress (kPa)",
+        "Time (s),Hencky_strain,Load (N)",
+        "Disp (mm),Temp (C),Cauchy (kPa)",
+        "Zeit (s),Weg (mm),Wahre Spannung (kPa)",
+    ],
+)
+def test_true_stress_and_strain_are_not_taken_for_nominal_ones(tmp_path, titles):
+    with pytest.raises(InputError, match="nominal stress and strain are needed, and ") as refused:
+        read(machines.write(tmp_path / "r.csv", plain(titles)))
+    assert "`" not in str(refused.value)
+    assert "nominal stress = true stress / stretch" in str(refused.value)
+
+
+def test_a_nominal_column_is_proposed_beside_a_true_one(tmp_path):
+    titles = "Time (s),True strain,Eng. strain,Load (N)"
+    with pytest.raises(InputError, match=r"\{columns: \{strain: Eng. strain\}\}"):
+        read(machines.write(tmp_path / "r.csv", plain(titles, (*TEST, TEST[2]))))
 
 
 def test_brackets_may_hold_no_unit_where_the_line_below_tells_it(tmp_path):

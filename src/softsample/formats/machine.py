@@ -26,6 +26,7 @@ from softsample.formats.titles import (
     COMPRESSIVE,
     NAMES,
     NUMBERED,
+    TRUE,
     UNITS,
 )
 from softsample.formats.workbook import is_workbook, read_sheets
@@ -349,6 +350,13 @@ def _no_titles(
             f"{' and its unit' if silent else ''} in the settings of the study: "
             f"{records_setting(keys, block)}"
         )
+    elif form is NEEDED and (true := [title for title in below if _is_true(title)]):
+        cure = (
+            f"nominal stress and strain are needed, and {' and '.join(map(repr, true))} "
+            f"{'are' if len(true) > 1 else 'is'} of the deformed sample; export force and "
+            "displacement, or convert: stretch = exp(true strain), nominal stress = true stress / "
+            "stretch (of an incompressible sample)"
+        )
     raise InputError(
         f"{text.path}, line {number + 1}: no column is known to hold {' and '.join(ways)} "
         f"(there are {', '.join(map(repr, titles))}); {cure}"
@@ -377,7 +385,9 @@ def _plausible(
     free = [
         title
         for title in titles
-        if title in below and not any(_candidates(name, [title], {}) for name in NAMES)
+        if title in below
+        and not _is_true(title)
+        and not any(_candidates(name, [title], {}) for name in NAMES)
     ]
     units = {unit for way in ways for unit in UNITS[way]}
     fitting = [title for title in free if any(_split(title, way)[1] in units for way in ways)]
@@ -429,6 +439,11 @@ def _candidates(quantity: str, titles: Sequence[str], wanted: Mapping[str, str])
 
 def _words(title: str) -> set[str]:
     return set(re.findall(WORDS, title.lower()))
+
+
+def _is_true(title: str) -> bool:
+    """Whether a title says that it is of the deformed sample, while nominal ones are needed."""
+    return not TRUE.isdisjoint(re.findall(r"[^\W_]+", title.lower()))
 
 
 def _unnumbered(title: str) -> set[str]:

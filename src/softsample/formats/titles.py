@@ -66,6 +66,12 @@ BESIDE = {
 }
 """Words of a title that do not change what it names."""
 
+TRUE = {
+    *("true", "cauchy", "log", "ln", "logarithmic", "hencky", "natural"),
+    *("wahre", "wahrer", "logarithmische", "umformgrad", "vraie", "verdadera"),
+}
+"""Words of a title that say that stress or strain is that of the deformed sample."""
+
 NUMBERED = re.compile(r"(ch)?\d+", re.ASCII)
 """Words that tell specimens or channels apart, and do not change what a title names either."""
 

@@ -295,6 +295,7 @@ def aligned_record(
     signs = _Signs(turned, settings)
     record, facts = _checked(aligned, mode, schema, source, signs, size, which)
     facts["warnings"] += _untimed(reading, settings) if not record.timed else []
+    facts["warnings"] += reading.get("doubts", [])
     return aligned.assign(**record.marks), {
         **facts,
         "reading": dict(reading),

@@ -269,6 +269,36 @@ def test_wrong_cells_keep_their_line_and_their_text(tmp_path):
         imported(path)
 
 
+@pytest.mark.parametrize("letters", [2, 5])
+def test_a_line_in_which_the_file_ends_is_left_out_and_doubted(tmp_path, letters):
+    path = machines.write(tmp_path / "r.csv", machines.univert(*TEST)[: -1 - letters])
+    raw = read(path)
+    table, facts = imported(path)
+    assert len(raw.table) == len(table) == len(TEST[2]) - 1
+    (doubt,) = raw.reading["doubts"]
+    assert f"line {len(TEST[2]) + 1}: the file ends within its last number, -0." in doubt
+    assert doubt in facts["warnings"]
+
+
+WHOLE = {
+    "an end": lambda text: text[:-3] + "\n",
+    "no end": lambda text: text[:-1],
+    "quotes": lambda text: text[:-8] + '"-0.9"',
+    "a cell behind it": lambda text: text[:-3] + ",",
+    "other decimals": lambda text: text[:-3].replace(second := text.split("\n")[1], f"{second}0"),
+    "few lines": lambda text: "\n".join([*text.splitlines()[:8], text.splitlines()[8][:-3]]),
+}
+"""What is done to a text with a last cell of fewer decimals whose last line is whole."""
+
+
+@pytest.mark.parametrize("name", WHOLE)
+def test_a_last_line_that_is_whole_is_read(tmp_path, name):
+    text = WHOLE[name](machines.univert(*TEST))
+    raw = read(machines.write(tmp_path / "r.csv", text))
+    assert raw.reading["doubts"] == []
+    assert raw.table.index[-1] == len(text.splitlines())
+
+
 def test_the_sign_of_a_machine_is_told_not_guessed(tmp_path):
     time, travel, force = TEST
     path = machines.write(tmp_path / "r.csv", machines.univert(time, -travel, -force))

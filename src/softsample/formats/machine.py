@@ -124,8 +124,8 @@ class MachineRecord:
     reading : dict
         What was understood: `kind`, `columns` (title, unit and factor of each), `decimal_comma`,
         `compressive` (quantities whose titles count compression as positive), `ignored`
-        (titles), `ascending` (those of them whose numbers rise as time does), `notes`; of a
-        workbook `sheet`.
+        (titles), `ascending` (those of them whose numbers rise as time does), `notes`, `doubts`;
+        of a workbook `sheet`.
     """
 
     table: pd.DataFrame
@@ -203,6 +203,8 @@ def read(
     text, heading = _text_with_titles(path, columns or {}, sheet, block, form)
     found = heading.columns
     rows, kept, names = _rows(text, heading)
+    if cut := _cut_off(text, heading, rows, kept):
+        rows, kept = rows[:-1], kept[:-1]
     found = [_with_unit(column, names, units or {}, text, block) for column in found]
     comma = _decimal_comma(rows, found, text.path)
     titles = heading.titles
@@ -228,6 +230,7 @@ def read(
         "ignored": ignored,
         "ascending": _ascending(rows, titles, ignored),
         "notes": text.notes,
+        "doubts": [cut] if cut else [],
     }
     return MachineRecord(table[~repeated], reading)
 
@@ -516,6 +519,32 @@ def _rows(text: _Text, heading: _Heading) -> tuple[list[list[str]], list[int], l
     if repeats:
         text.notes.append(f"repetitions of the titles: {repeats}; all blocks are read")
     return rows, kept, units
+
+
+def _cut_off(
+    text: _Text, heading: _Heading, rows: Sequence[Sequence[str]], kept: Sequence[int]
+) -> str:
+    """What says that a file ends within its last number; empty if its last line is whole.
+
+    A cut line has no end, and its last cell fewer decimals than all others of the column, which
+    have one number of them.
+    """
+    place = max(column.place for column in heading.columns)
+    *before, last = (_cell(row, place) for row in rows)
+    decimals = {_decimals(cell) for cell in before}
+    of_last_line = kept[-1] == len(text.lines) and text.lines[-1].endswith(last)
+    if text.sheet or not of_last_line or len(rows[-1]) != place + 1 or len(before) < LOOKED_AT:
+        return ""
+    if len(decimals) > 1 or _decimals(last) >= max(decimals) or not NUMBER.fullmatch(last):
+        return ""
+    return (
+        f"line {kept[-1]}: the file ends within its last number, {last}, so that the line is left "
+        "out; if the test went on, export it again"
+    )
+
+
+def _decimals(cell: str) -> int:
+    return len(cell.replace(",", ".").partition(".")[2])
 
 
 def _check_line(

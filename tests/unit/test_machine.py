@@ -269,6 +269,20 @@ def test_wrong_cells_keep_their_line_and_their_text(tmp_path):
         imported(path)
 
 
+@pytest.mark.parametrize("named", ["Specimen 2\n", ""])
+def test_blocks_without_time_may_be_of_several_specimens(tmp_path, named):
+    once = plain("Time (s),Extension (mm),Load (N)")
+    timeless = "\n".join(line.partition(",")[2] for line in once.splitlines()) + "\n"
+    path = machines.write(tmp_path / "r.csv", f"Specimen 1\n{timeless}{named}{timeless}")
+    first = named.strip() or "Extension (mm),Load (N)"
+    (doubt,) = read(path).reading["doubts"]
+    assert f"line {len(TEST[0]) + 3}: {first!r} begins another block, which is read as" in doubt
+    assert doubt in imported(path)[1]["warnings"]
+    assert read(machines.write(path, timeless)).reading["doubts"] == []
+    timed = machines.wintest(*TEST)
+    assert read(machines.write(path, timed)).reading["doubts"] == []
+
+
 @pytest.mark.parametrize("letters", [2, 5])
 def test_a_line_in_which_the_file_ends_is_left_out_and_doubted(tmp_path, letters):
     path = machines.write(tmp_path / "r.csv", machines.univert(*TEST)[: -1 - letters])

@@ -140,6 +140,7 @@ class _Text:
     lines: list[str]
     notes: list[str] = field(default_factory=list)
     sheet: str = ""
+    doubts: list[str] = field(default_factory=list)
 
     @classmethod
     def of_file(cls, path: PathLike) -> Self:
@@ -204,6 +205,7 @@ def read(
     found = heading.columns
     rows, kept, names = _rows(text, heading)
     if cut := _cut_off(text, heading, rows, kept):
+        text.doubts.append(cut)
         rows, kept = rows[:-1], kept[:-1]
     found = [_with_unit(column, names, units or {}, text, block) for column in found]
     comma = _decimal_comma(rows, found, text.path)
@@ -230,7 +232,7 @@ def read(
         "ignored": ignored,
         "ascending": _ascending(rows, titles, ignored),
         "notes": text.notes,
-        "doubts": [cut] if cut else [],
+        "doubts": text.doubts,
     }
     return MachineRecord(table[~repeated], reading)
 
@@ -495,7 +497,7 @@ def _rows(text: _Text, heading: _Heading) -> tuple[list[list[str]], list[int], l
     rows: list[list[str]] = []
     kept: list[int] = []
     metadata: list[int] = []
-    repeats = 0
+    blocks: list[int] = []
     titles, found = heading.titles, heading.columns
     for number, line in enumerate(text.lines[heading.line + 1 :], start=heading.line + 2):
         cells = text.cells(line, heading.delimiter)
@@ -505,7 +507,7 @@ def _rows(text: _Text, heading: _Heading) -> tuple[list[list[str]], list[int], l
         if not rows and not units and not any(numbers) and {*map(str.lower, cells)} != {"nan"}:
             units = cells
         elif cells in (titles, units):
-            repeats += cells == titles
+            blocks += [*metadata, number][: cells == titles]
             metadata = []
         elif not numbers[0]:
             metadata.append(number)
@@ -516,8 +518,13 @@ def _rows(text: _Text, heading: _Heading) -> tuple[list[list[str]], list[int], l
     _check_line(text, metadata, 0, [], titles)
     if not rows:
         raise InputError(f"{text.path}: no numbers below the titles; export the whole test")
-    if repeats:
-        text.notes.append(f"repetitions of the titles: {repeats}; all blocks are read")
+    if blocks:
+        text.notes.append(f"repetitions of the titles: {len(blocks)}; all blocks are read")
+    if blocks and not heading.timed:
+        text.doubts.append(
+            f"line {blocks[0]}: {text.lines[blocks[0] - 1].strip()!r} begins another block, which "
+            "is read as a part of the same test; if of another specimen, give each its own file"
+        )
     return rows, kept, units
 
 

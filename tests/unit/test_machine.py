@@ -269,6 +269,45 @@ def test_wrong_cells_keep_their_line_and_their_text(tmp_path):
         imported(path)
 
 
+def of_day(seconds, form="{:02d}:{:02d}:{:06.3f}"):
+    """Times as a clock shows them."""
+    minutes, rest = divmod(seconds, 60.0)
+    hours, minutes = divmod(int(minutes), 60)
+    return form.format(hours % 24, minutes, rest)
+
+
+@pytest.mark.parametrize("begin", [0.0, 36300.0, 86398.0])
+@pytest.mark.parametrize(
+    ("title", "date", "mark"),
+    [
+        ("Time (hh:mm:ss)", "", "."),
+        ("Zeit", "", ","),
+        ("Timestamp", "2024-03-01 ", "."),
+        ("Time", "2024-03-01T", "."),
+        ("Time (s)", "1.3.2024 ", "."),
+    ],
+)
+def test_times_of_a_clock_are_read_as_seconds(tmp_path, begin, title, date, mark):
+    rows = [
+        date + f"{of_day(begin + t)};{d:.4f};{f:.5f}".replace(".", mark)
+        for t, d, f in zip(*TEST, strict=True)
+    ]
+    text = "\n".join([f"{title};Extension (mm);Load (N)", *rows, ""])
+    raw = read(machines.write(tmp_path / "r.csv", text))
+    np.testing.assert_allclose(raw.table["time_s"], begin + TEST[0], rtol=0, atol=1e-6)
+    np.testing.assert_allclose(raw.table["force_N"], TEST[2], atol=1e-7)
+    assert "times of a clock are read as seconds, and go on after midnight" in raw.reading["notes"]
+    assert raw.reading["columns"]["time_s"]["unit"] == "s"
+
+
+def test_a_line_that_is_no_time_of_a_clock_is_told(tmp_path):
+    lines = [f"{of_day(t)};{d:.4f};{f:.5f}" for t, d, f in zip(*TEST, strict=True)]
+    titles = "Time;Extension (mm);Load (N)"
+    path = machines.write(tmp_path / "r.csv", "\n".join([titles, *(f"{x[3:]}" for x in lines)]))
+    with pytest.raises(InputError, match="line 2: .*; write times in seconds, or as hh:mm:ss"):
+        read(path)
+
+
 @pytest.mark.parametrize("named", ["Specimen 2\n", ""])
 def test_blocks_without_time_may_be_of_several_specimens(tmp_path, named):
     once = plain("Time (s),Extension (mm),Load (N)")

@@ -10,13 +10,14 @@ may stand for force and displacement.
 import csv
 import re
 from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import Any, NoReturn, Self
 
 import numpy as np
 import pandas as pd
 
+from softsample.arrays import Array
 from softsample.errors import InputError, records_setting
 from softsample.files import PathLike
 from softsample.formats.text import read_lines
@@ -57,6 +58,16 @@ KINDS = (
 
 NUMBER = re.compile(r"[+-]?(\d+[.,]?\d*|[.,]\d+)([eE][+-]?\d+)?", re.ASCII)
 
+CLOCK = re.compile(
+    r"(?:\d{4}-\d\d-\d\d[ T]|\d\d?[./]\d\d?[./]\d{4} )?(\d+):(\d\d):(\d\d(?:[.,]\d*)?)", re.ASCII
+)
+"""A time of day, or one that elapsed; a date before it is of no use."""
+
+VALUE = re.compile(f"{NUMBER.pattern}|{CLOCK.pattern}", re.ASCII)
+
+DAY = 86400.0
+"""Seconds after which a clock begins anew."""
+
 WORDS = r"[^\s_.:]+"
 """Each word of a title."""
 
@@ -82,7 +93,8 @@ class Column:
     title, unit : str
         As written; the unit is empty if only the line below tells it.
     unit_from : str
-        What tells the unit: `title`, `below` (a line of units) or `settings`.
+        What tells the unit: `title`, `below` (a line of units), `settings`, or the `cells` of a
+        clock.
     """
 
     quantity: str
@@ -207,13 +219,22 @@ def read(
     if cut := _cut_off(text, heading, rows, kept):
         text.doubts.append(cut)
         rows, kept = rows[:-1], kept[:-1]
-    found = [_with_unit(column, names, units or {}, text, block) for column in found]
+    clock = _clock(rows, found)
+    found = [
+        replace(column, unit="s", unit_from="cells")
+        if column.quantity == "time" and clock is not None
+        else _with_unit(column, names, units or {}, text, block)
+        for column in found
+    ]
     comma = _decimal_comma(rows, found, text.path)
     titles = heading.titles
     own = {COLUMNS["displacement"], COLUMNS["force"]} <= set(titles)
     cells = {
         COLUMNS[column.quantity]: _numbers(rows, column.place, column.factor) for column in found
     }
+    if clock is not None:
+        cells[COLUMNS["time"]] = clock
+        text.notes.append("times of a clock are read as seconds, and go on after midnight")
     ignored = [title for title in titles if title not in {column.title for column in found}]
     if own:  # the schema of records knows what else such a table may hold
         more = [title for title in ignored if title not in {*cells, *DERIVED}]
@@ -503,7 +524,7 @@ def _rows(text: _Text, heading: _Heading) -> tuple[list[list[str]], list[int], l
         cells = text.cells(line, heading.delimiter)
         if not any(cells) or line.lstrip().startswith("#"):
             continue
-        numbers = [bool(NUMBER.fullmatch(_cell(cells, column.place))) for column in found]
+        numbers = [bool(VALUE.fullmatch(_cell(cells, column.place))) for column in found]
         if not rows and not units and not any(numbers) and {*map(str.lower, cells)} != {"nan"}:
             units = cells
         elif cells in (titles, units):
@@ -558,9 +579,14 @@ def _check_line(
     text: _Text, metadata: Sequence[int], number: int, cells: Sequence[str], titles: Sequence[str]
 ) -> None:
     if metadata:
+        line = text.lines[metadata[0] - 1].strip()
+        cure = (
+            "write times in seconds, or as hh:mm:ss"
+            if re.search(r"\d:\d", line)
+            else "delete the line, or export the test again"
+        )
         raise InputError(
-            f"{text.path}, line {metadata[0]}: {text.lines[metadata[0] - 1].strip()!r} stands "
-            "among the numbers; delete the line, or export the test again"
+            f"{text.path}, line {metadata[0]}: {line!r} stands among the numbers; {cure}"
         )
     if len(cells) > len(titles):
         raise InputError(
@@ -649,6 +675,18 @@ def _numbers(rows: Sequence[Sequence[str]], place: int, factor: float) -> Any:
     if any(isinstance(value, str) for value in values):
         return pd.array([None if value == "" else value for value in values], dtype=object)
     return np.array(values, dtype=np.float64)
+
+
+def _clock(rows: Sequence[Sequence[str]], found: Sequence[Column]) -> Array | None:
+    """Seconds (n,) of a column of times of a clock, which go on after midnight; None of others."""
+    places = [column.place for column in found if column.quantity == "time"]
+    times = [CLOCK.fullmatch(_cell(row, place)) for place in places for row in rows]
+    seconds = [
+        3600.0 * int(time[1]) + 60.0 * int(time[2]) + float(time[3].replace(",", "."))
+        for time in times
+        if time
+    ]
+    return np.unwrap(seconds, period=DAY) if len(seconds) == len(rows) else None
 
 
 def _ascending(

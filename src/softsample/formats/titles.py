@@ -23,7 +23,7 @@ COLUMNS = {
 NAMES = {
     "time": {
         *("time", "zeit", "prüfzeit", "testzeit", "versuchszeit", "laufzeit", "temps", "tiempo"),
-        *("tempo", "elapsed", "runtime", "timestamp"),
+        *("tempo", "elapsed", "runtime", "timestamp", "uhrzeit"),
     },
     "displacement": {
         *("displacement", "disp", "displ", "extension", "compression", "travel", "stroke"),

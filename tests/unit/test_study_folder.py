@@ -454,3 +454,22 @@ def test_after_a_run_with_failures_the_finished_groups_are_reported(own, tmp_pat
     settings = second[second.index("--config") + 1 :]
     given = [f"samples={tmp_path}/samples.tsv", f"results={tmp_path}/results"] if own else []
     assert settings == [*given, "report={groups: finished}"]
+
+
+@pytest.mark.parametrize(
+    ("targets", "told"),
+    [
+        ([], "Report: lab/results/report.html"),
+        (["reported"], "Report: lab/results/report.html"),
+        (["verdicts"], "Results: lab/results"),
+    ],
+)
+def test_a_report_is_announced_only_by_runs_that_make_it(
+    targets, told, tmp_path, monkeypatch, capsys
+):
+    monkeypatch.chdir(tmp_path)
+    (tmp_path / "lab").mkdir()
+    (tmp_path / "lab/samples.tsv").touch()
+    monkeypatch.setattr(run, "_call", lambda words: 0)
+    assert run.run_study("lab", targets=targets) == 0
+    assert capsys.readouterr().out == f"{told}\n"

@@ -19,10 +19,8 @@ with logged_to(snakemake):
     settings = RecordSettings(**given.records)
     raw = read(files.record, *settings.of_files, given.mode)
     size = IdealShape.of_row(given.shape) if given.shape else None
-    schema, test = io.read_yaml(files.schema), (given.mode, settings)
-    record, facts = aligned_record(
-        raw.table, raw.reading, *test, schema, files.record, size, given.cycle
-    )
+    test = (given.mode, settings, io.read_yaml(files.schema), files.record, size, given.cycle)
+    record, facts = aligned_record(raw.table, raw.reading, *test)
     limits = Limits(**given.plausibility).of(given.mode)
     facts["warnings"] += doubts(facts, size, limits, block=settings.block)
     report = {"sample": snakemake.wildcards.sample, "mode": given.mode, "record": facts}

@@ -247,8 +247,8 @@ CONTENTS = {
         "line 2: 'NaN,NaN,NaN' stands among the numbers; delete the line",
     ),
     "a word among the numbers": (
-        b"Time (s),Disp (mm),Load (N)\n0,0,1\npaused\n1,1,1\n",
-        "line 3: 'paused' stands among the numbers",
+        b"Time (s),Disp (mm),Load (N)\n0,0,1\npaused at 10:05:00\n1,1,1\n",
+        "line 3: 'paused at 10:05:00' stands among the numbers; delete the line",
     ),
 }
 

@@ -582,7 +582,7 @@ def _check_line(
         line = text.lines[metadata[0] - 1].strip()
         cure = (
             "write times in seconds, or as hh:mm:ss"
-            if re.search(r"\d:\d", line)
+            if re.match(r"[\d\s./-]*\d:\d", line)
             else "delete the line, or export the test again"
         )
         raise InputError(

@@ -6,7 +6,7 @@ import glob
 import hashlib
 import os
 import shutil
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterable, Iterator, Mapping
 from contextlib import contextmanager, suppress
 from pathlib import Path
 
@@ -120,6 +120,23 @@ def _differs(path: Path, digest: str) -> bool:
     except OSError:
         return False
     return written.split(" ", 1)[0] != digest
+
+
+def refuse_missing(files: Mapping[str, PathLike]) -> None:
+    """Refuse files that a row of the table names and that are not there (`InputError`).
+
+    Parameters
+    ----------
+    files
+        Paths by column.
+    """
+    if files:
+        raise InputError(
+            "\n".join(
+                f"{path}: no such {column}; correct its path in the table"
+                for column, path in files.items()
+            )
+        )
 
 
 def disk_is_full(error: BaseException) -> bool:

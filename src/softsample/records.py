@@ -295,9 +295,11 @@ def aligned_record(
         if column in aligned
     }
     aligned = aligned - pd.Series(subtracted).reindex(aligned.columns, fill_value=0.0)
+    _refuse(_parts_of_one(aligned, reading, source))
     signs = _Signs(turned, settings)
     record, facts = _checked(aligned, mode, schema, source, signs, size, which)
     facts["warnings"] += _untimed(reading, settings) if not record.timed else []
+    facts["warnings"] += reading.get("doubts", [])
     return aligned.assign(**record.marks), {
         **facts,
         "reading": dict(reading),
@@ -514,9 +516,19 @@ def _wrong_time(table: pd.DataFrame, source: str) -> Iterator[str]:
     back = np.flatnonzero(np.diff(time) <= 0.0)
     if len(back):
         at = int(back[0])
+        if (time[back + 1] < time[back]).any():
+            cure = "sort the lines, or give a test that begins here a file of its own"
+        elif len(back) == 1:
+            cure = "delete one of these lines if it repeats the other"
+        else:
+            cure = (
+                f"{len(back)} times are rounded to that of the line before; export time with "
+                "more decimals, or take its column out of the file (samples are then taken in "
+                "their order, without effects of time)"
+            )
         yield (
-            f"{source}, line {table.index[at + 1]}, column 'time_s': {time[at + 1]:g} s follows "
-            f"{time[at]:g} s; time must rise from line to line, so sort or delete repeated lines"
+            f"{source}, line {table.index[at + 1]}, column 'time_s': {time[at + 1]:.10g} s follows "
+            f"{time[at]:.10g} s, but time must rise from line to line; {cure}"
         )
 
 
@@ -535,6 +547,17 @@ def _wrong_ramp(
             f"{source}: the loading ramp (lines {table.index[loading.start]} to "
             f"{table.index[loading.last]}) has {samples} samples; record at least "
             f"{FEWEST_IN_RAMP}, at a higher sampling rate"
+        )
+
+
+def _parts_of_one(table: pd.DataFrame, reading: Mapping[str, Any], source: str) -> Iterator[str]:
+    """Refuse a strain in %, by its title, that moves the platen as little as parts of one would."""
+    strain = reading.get("columns", {}).get("strain", {})
+    way = np.ptp(table["displacement_mm"]) * MM
+    if strain.get("unit") == "%" and 0.0 < way < SMALLEST_TRAVEL:
+        yield (
+            f"{source}, column {strain['title']!r}: the platen moves {way / MM:.3g} mm only; if "
+            "these are parts of one, as in cells of a workbook that show %, write 1 in place of %"
         )
 
 

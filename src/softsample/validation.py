@@ -313,6 +313,8 @@ def _wrong_cells(
                 f"{row[column]!r} lies outside the study folder; copy the file into it, or make "
                 "a link to it there",
             )
+        if braces := re.search("[{}]", row[column]):  # Snakemake takes them for a wildcard
+            yield column, f"{row[column]!r} has a brace, {braces[0]}; rename the file without it"
     yield from _wrong_geometry(row)
     yield from _wrong_ends(row)
     yield from _wrong_indenter(row)

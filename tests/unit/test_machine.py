@@ -91,7 +91,7 @@ def test_lines_are_those_of_the_file(tmp_path):
 
 
 def plain(titles="a,b,c", test=TEST):
-    rows = [f"{t:.2f},{d:.4f},{f:.5f}" for t, d, f in zip(*test, strict=True)]
+    rows = [",".join(f"{x:.5f}" for x in cells) for cells in zip(*test, strict=True)]
     return "\n".join([titles, *rows, ""])
 
 
@@ -114,6 +114,14 @@ REFUSED = {
         "no column is known to hold force .*'Temp \\(C\\)'",
     ),
     "two forces": ("Time (s),Disp (mm),Load (N),Force (N)", "2 columns may hold force"),
+    "forces of two specimens": (
+        "Disp (mm),Load 1 (N),Load 2 (N)",
+        r"2 columns may hold force \('Load 1 \(N\)', 'Load 2 \(N\)'\); name the right one .*"
+        r"\{columns: \{force: Load 1 \(N\)\}\}`, or in a block of `formats` for each row",
+    ),
+    "forces of two channels": ("Disp (mm),Ch1 Force (N),Ch2 Force (N)", "2 columns may hold force"),
+    "a number beside none": ("Disp (mm),Load (N),Load 2 (N)", "2 columns may hold force"),
+    "travel of two specimens": ("Disp 1 (mm),Disp 2 (mm),Load (N)", "2 columns may hold displ"),
     "no unit": ("Time (s),Disp (mm),Load", "column 'Load': no unit is named"),
     "strange unit": ("Time (s),Disp (mm),Load (V)", "'V' is no known unit of force"),
     "same title twice": (
@@ -139,6 +147,19 @@ def test_what_a_title_leaves_open_is_refused(tmp_path, name):
         read(path)
 
 
+@pytest.mark.parametrize("title", ["Load 1 (N)", "Load 2 (N)", "Ch2 Force (N)", "Load cell 3 (N)"])
+def test_a_number_alone_leaves_nothing_open(tmp_path, title):
+    path = machines.write(tmp_path / "r.csv", plain(f"Time (s),Disp (mm),{title}"))
+    np.testing.assert_allclose(read(path).table["force_N"], TEST[2], atol=1e-5)
+
+
+def test_each_of_several_specimens_is_had_by_its_title(tmp_path):
+    path = machines.write(tmp_path / "r.csv", plain("Load 1 (N),Disp (mm),Load 2 (N)"))
+    for title, number in (("Load 1 (N)", 0), ("Load 2 (N)", 2)):
+        found = read(path, {"force": title}).table["force_N"]
+        np.testing.assert_allclose(found, TEST[number], atol=1e-5)
+
+
 @pytest.mark.parametrize(
     ("titles", "cure"),
     [
@@ -154,6 +175,28 @@ def test_a_column_is_proposed_as_what_it_holds(tmp_path, titles, cure):
     with pytest.raises(InputError) as refused:
         read(path, mode=mode)
     assert f"`records: {cure}`" in str(refused.value)
+
+
+@pytest.mark.parametrize(
+    "titles",
+    [
+        "Time (s),True strain (%),True stress (kPa)",
+        "Time (s),Hencky_strain,Load (N)",
+        "Disp (mm),Temp (C),Cauchy (kPa)",
+        "Zeit (s),Weg (mm),Wahre Spannung (kPa)",
+    ],
+)
+def test_true_stress_and_strain_are_not_taken_for_nominal_ones(tmp_path, titles):
+    with pytest.raises(InputError, match="nominal stress and strain are needed, and ") as refused:
+        read(machines.write(tmp_path / "r.csv", plain(titles)))
+    assert "`" not in str(refused.value)
+    assert "nominal stress = true stress / stretch" in str(refused.value)
+
+
+def test_a_nominal_column_is_proposed_beside_a_true_one(tmp_path):
+    titles = "Time (s),True strain,Eng. strain,Load (N)"
+    with pytest.raises(InputError, match=r"\{columns: \{strain: Eng. strain\}\}"):
+        read(machines.write(tmp_path / "r.csv", plain(titles, (*TEST, TEST[2]))))
 
 
 def test_brackets_may_hold_no_unit_where_the_line_below_tells_it(tmp_path):
@@ -204,8 +247,8 @@ CONTENTS = {
         "line 2: 'NaN,NaN,NaN' stands among the numbers; delete the line",
     ),
     "a word among the numbers": (
-        b"Time (s),Disp (mm),Load (N)\n0,0,1\npaused\n1,1,1\n",
-        "line 3: 'paused' stands among the numbers",
+        b"Time (s),Disp (mm),Load (N)\n0,0,1\npaused at 10:05:00\n1,1,1\n",
+        "line 3: 'paused at 10:05:00' stands among the numbers; delete the line",
     ),
 }
 
@@ -224,6 +267,89 @@ def test_wrong_cells_keep_their_line_and_their_text(tmp_path):
     path = machines.write(tmp_path / "r.csv", "\n".join(lines))
     with pytest.raises(InputError, match=r"line 41, column 'force_N': 'n/a' .*\(2 such cells\)"):
         imported(path)
+
+
+def of_day(seconds, form="{:02d}:{:02d}:{:06.3f}"):
+    """Times as a clock shows them."""
+    minutes, rest = divmod(seconds, 60.0)
+    hours, minutes = divmod(int(minutes), 60)
+    return form.format(hours % 24, minutes, rest)
+
+
+@pytest.mark.parametrize("begin", [0.0, 36300.0, 86398.0])
+@pytest.mark.parametrize(
+    ("title", "date", "mark"),
+    [
+        ("Time (hh:mm:ss)", "", "."),
+        ("Zeit", "", ","),
+        ("Timestamp", "2024-03-01 ", "."),
+        ("Time", "2024-03-01T", "."),
+        ("Time (s)", "1.3.2024 ", "."),
+    ],
+)
+def test_times_of_a_clock_are_read_as_seconds(tmp_path, begin, title, date, mark):
+    rows = [
+        date + f"{of_day(begin + t)};{d:.4f};{f:.5f}".replace(".", mark)
+        for t, d, f in zip(*TEST, strict=True)
+    ]
+    text = "\n".join([f"{title};Extension (mm);Load (N)", *rows, ""])
+    raw = read(machines.write(tmp_path / "r.csv", text))
+    np.testing.assert_allclose(raw.table["time_s"], begin + TEST[0], rtol=0, atol=1e-6)
+    np.testing.assert_allclose(raw.table["force_N"], TEST[2], atol=1e-7)
+    assert "times of a clock are read as seconds, and go on after midnight" in raw.reading["notes"]
+    assert raw.reading["columns"]["time_s"]["unit"] == "s"
+
+
+def test_a_line_that_is_no_time_of_a_clock_is_told(tmp_path):
+    lines = [f"{of_day(t)};{d:.4f};{f:.5f}" for t, d, f in zip(*TEST, strict=True)]
+    titles = "Time;Extension (mm);Load (N)"
+    path = machines.write(tmp_path / "r.csv", "\n".join([titles, *(f"{x[3:]}" for x in lines)]))
+    with pytest.raises(InputError, match="line 2: .*; write times in seconds, or as hh:mm:ss"):
+        read(path)
+
+
+@pytest.mark.parametrize("named", ["Specimen 2\n", ""])
+def test_blocks_without_time_may_be_of_several_specimens(tmp_path, named):
+    once = plain("Time (s),Extension (mm),Load (N)")
+    timeless = "\n".join(line.partition(",")[2] for line in once.splitlines()) + "\n"
+    path = machines.write(tmp_path / "r.csv", f"Specimen 1\n{timeless}{named}{timeless}")
+    first = named.strip() or "Extension (mm),Load (N)"
+    (doubt,) = read(path).reading["doubts"]
+    assert f"line {len(TEST[0]) + 3}: {first!r} begins another block, which is read as" in doubt
+    assert doubt in imported(path)[1]["warnings"]
+    assert read(machines.write(path, timeless)).reading["doubts"] == []
+    timed = machines.wintest(*TEST)
+    assert read(machines.write(path, timed)).reading["doubts"] == []
+
+
+@pytest.mark.parametrize("letters", [2, 5])
+def test_a_line_in_which_the_file_ends_is_left_out_and_doubted(tmp_path, letters):
+    path = machines.write(tmp_path / "r.csv", machines.univert(*TEST)[: -1 - letters])
+    raw = read(path)
+    table, facts = imported(path)
+    assert len(raw.table) == len(table) == len(TEST[2]) - 1
+    (doubt,) = raw.reading["doubts"]
+    assert f"line {len(TEST[2]) + 1}: the file ends within its last number, -0." in doubt
+    assert doubt in facts["warnings"]
+
+
+WHOLE = {
+    "an end": lambda text: text[:-3] + "\n",
+    "no end": lambda text: text[:-1],
+    "quotes": lambda text: text[:-8] + '"-0.9"',
+    "a cell behind it": lambda text: text[:-3] + ",",
+    "other decimals": lambda text: text[:-3].replace(second := text.split("\n")[1], f"{second}0"),
+    "few lines": lambda text: "\n".join([*text.splitlines()[:8], text.splitlines()[8][:-3]]),
+}
+"""What is done to a text with a last cell of fewer decimals whose last line is whole."""
+
+
+@pytest.mark.parametrize("name", WHOLE)
+def test_a_last_line_that_is_whole_is_read(tmp_path, name):
+    text = WHOLE[name](machines.univert(*TEST))
+    raw = read(machines.write(tmp_path / "r.csv", text))
+    assert raw.reading["doubts"] == []
+    assert raw.table.index[-1] == len(text.splitlines())
 
 
 def test_the_sign_of_a_machine_is_told_not_guessed(tmp_path):

@@ -86,7 +86,15 @@ REFUSED = {
     ),
     "time runs back": (
         put("time_s", 50, 0.0),
-        "line 50, column 'time_s': 0 s follows 0.45 s; time must rise",
+        "line 50, column 'time_s': 0 s follows 0.45 s, but time must rise .*; sort the lines, or",
+    ),
+    "rounded time": (
+        lambda t: t.assign(time_s=t["time_s"].round(1)),
+        r"0 s follows 0 s.*; \d{4} times are rounded .* more decimals, or take its column out",
+    ),
+    "one time twice": (
+        lambda t: t.assign(time_s=t["time_s"].where(t.index != t.index[5], t["time_s"].iloc[4])),
+        "0.04 s follows 0.04 s, .*; delete one of these lines if it repeats the other",
     ),
     "force of the wrong sign": (
         lambda t: t.assign(force_N=-t["force_N"]),
@@ -272,9 +280,11 @@ class Size(NamedTuple):
 AS_IN_FILE = {"displacement": "file", "force": "file"}
 
 
-def aligned(table, mode="compression", size=None, which="largest", compressive=(), **settings):
+def aligned(
+    table, mode="compression", size=None, which="largest", compressive=(), columns=(), **settings
+):
     given = {"positive": dict.fromkeys(AS_IN_FILE, "tension"), "zero": AS_IN_FILE, **settings}
-    reading = {"compressive": [*compressive]}
+    reading = {"compressive": [*compressive], "columns": dict(columns)}
     read = RecordSettings({}, {}, **given)
     return aligned_record(table, reading, mode, read, SCHEMA, "r.csv", size, which)
 
@@ -399,6 +409,16 @@ def test_stress_and_strain_become_force_and_displacement():
     assert told["positive"] == {"displacement_mm": "compression", "force_N": "compression"}
     with pytest.raises(InputError, match="r.csv: strain and stress_Pa need dimensions.*or shape"):
         aligned(of_material(record()))
+
+
+def test_a_plain_strain_under_a_title_in_percent_is_told_as_such():
+    table = of_material(record()).assign(strain=lambda t: 1e-2 * t["strain"])
+    told = {"strain": {"title": "Strain (%)", "unit": "%"}}
+    message = r"'Strain \(%\)': the platen moves 0.039 mm only; .* write 1 in place of %"
+    with pytest.raises(InputError, match=message):
+        aligned(table, size=Size(), columns=told)
+    with pytest.raises(InputError, match="is the column in m instead of mm"):
+        aligned(table, size=Size())
 
 
 def test_stretch_is_below_one_in_compression_whatever_the_settings_say():

@@ -290,6 +290,10 @@ BAD_TABLES = {
         "column 'record': '../../other/a.csv' lies outside the study folder; copy the file",
     ),
     "path from the root": ([{"image": "/mri/a.nii"}], "'/mri/a.nii' lies outside the study"),
+    "wildcard of Snakemake": (
+        [{"record": "it's {7}.csv"}],
+        r"column 'record': \"it's \{7\}.csv\" has a brace, \{; rename the file without it",
+    ),
     "axis": ([{"loading_axis": "z"}], "column 'loading_axis': 'z' is not one of .x, -x"),
 }
 

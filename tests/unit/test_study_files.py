@@ -33,6 +33,16 @@ def test_named_files_are_beside_the_table():
     assert study("").given("image", "T1") == "t1.nii"
 
 
+def test_a_missing_file_is_told_and_no_input(tmp_path):
+    (tmp_path / "t1.nii").touch()
+    files = study(tmp_path / "lab")
+    assert files.missing("A1") == {}
+    assert files.missing("T1") == {"image": str(tmp_path / "lab/t1.nii")}
+    assert files.there("image", "T1") == files.image("image", "T1") == []
+    assert study(tmp_path).missing("T1") == {}
+    assert study(tmp_path).there("image", "T1") == str(tmp_path / "t1.nii")
+
+
 def test_an_image_is_its_files_for_the_real_geometry(tmp_path):
     folder = tmp_path / "t1.nii"
     folder.mkdir()

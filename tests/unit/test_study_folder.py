@@ -370,6 +370,22 @@ def test_formats_and_selections_are_checked(study):
     assert "{'strain_above': 0.9}" in empty[0]
 
 
+@pytest.mark.parametrize("part", ["group", "specimen", "mode", "sample"])
+def test_parts_that_cannot_be_left_out_are_doubted(study, part):
+    add_stated(study, "D1", *ROUND)
+    (study / "study.yaml").write_text(f"leave_out: {part}\n")
+    said = [doubt for doubt in check_study(study).doubts if "leave_out" in doubt]
+    where = "the study" if part == "group" else "each group"
+    assert len(said) == 1
+    assert f"leave_out: {part} leaves nothing out, as {where} has one {part} only" in said[0]
+    group = "D2" if part == "group" else "D1"
+    table = study / "samples.tsv"
+    row = next(line for line in table.read_text().splitlines() if line.startswith("D1\t"))
+    second = row.replace("D1\tD1\tcompression", f"D2\t{group}\ttension", 1)
+    table.write_text(f"{table.read_text()}{second}\n")
+    assert "leaves nothing out" not in "\n".join(check_study(study).doubts)
+
+
 @pytest.mark.parametrize("column", ["bond_mask", "labels"])
 def test_marks_that_are_no_whole_numbers_are_refused_before_the_run(study, column):
     add(study)
@@ -438,3 +454,22 @@ def test_after_a_run_with_failures_the_finished_groups_are_reported(own, tmp_pat
     settings = second[second.index("--config") + 1 :]
     given = [f"samples={tmp_path}/samples.tsv", f"results={tmp_path}/results"] if own else []
     assert settings == [*given, "report={groups: finished}"]
+
+
+@pytest.mark.parametrize(
+    ("targets", "told"),
+    [
+        ([], "Report: lab/results/report.html"),
+        (["reported"], "Report: lab/results/report.html"),
+        (["verdicts"], "Results: lab/results"),
+    ],
+)
+def test_a_report_is_announced_only_by_runs_that_make_it(
+    targets, told, tmp_path, monkeypatch, capsys
+):
+    monkeypatch.chdir(tmp_path)
+    (tmp_path / "lab").mkdir()
+    (tmp_path / "lab/samples.tsv").touch()
+    monkeypatch.setattr(run, "_call", lambda words: 0)
+    assert run.run_study("lab", targets=targets) == 0
+    assert capsys.readouterr().out == f"{told}\n"

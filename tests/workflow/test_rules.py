@@ -261,6 +261,18 @@ def test_a_bad_sample_stops_itself_alone(project):
 
 
 @pytest.mark.study
+@pytest.mark.parametrize(("file", "column"), [("A.csv", "record"), ("A.nii.gz", "image")])
+def test_a_missing_file_stops_its_sample_alone(project, file, column):
+    (project.study / file).unlink()
+    measured = [project.results / f"cuboid/{sample}.json" for sample in "AB"]
+    status, text = project.run(*map(str, measured))
+    assert status != 0
+    assert [name.exists() for name in measured] == [False, True]
+    message = f"{file}: no such {column}; correct its path in the table"
+    assert re.search(rf"check_inputs/A: .*{message}", text.split("Some jobs failed")[1])
+
+
+@pytest.mark.study
 def test_a_sample_without_platen_stops_itself_alone(project):
     """A floats: its underside is the mirror image of its top."""
     data, affine = toy.image(0)

@@ -7,7 +7,7 @@ rule segment:
     input:
         image=of(image_files, "image"),
         segmentation=of(image_files, "segmentation"),
-        surface=of(FILES.given, "surface"),
+        surface=of(FILES.there, "surface"),
         checked="<results>/inputs/{sample}.json",
         code=library("workflow/scripts/segment.py"),
     output:

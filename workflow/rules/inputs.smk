@@ -7,7 +7,7 @@ rule check_inputs:
     input:
         image=of(image_files, "image"),
         surface=of(image_files, "surface"),
-        record=of(FILES.given, "record"),
+        record=of(FILES.there, "record"),
         # ancient: another file in the manifest does not concern a sample
         manifest=ancient(str(ROOT / "resources/MANIFEST.tsv")) if SHIPPED else [],
         table=str(TABLE) if SHIPPED else [],
@@ -19,6 +19,7 @@ rule check_inputs:
     log:
         "<logs>/check_inputs/{sample}.log",
     params:
+        missing=of(FILES.missing),
         mode=row_value("mode"),
         records=of_row(lambda row: record_settings(config, row)),
         cycle=of_row(lambda row: resolved(row)["cycle"]),

@@ -10,17 +10,26 @@ may stand for force and displacement.
 import csv
 import re
 from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import Any, NoReturn, Self
 
 import numpy as np
 import pandas as pd
 
+from softsample.arrays import Array
 from softsample.errors import InputError, records_setting
 from softsample.files import PathLike
 from softsample.formats.text import read_lines
-from softsample.formats.titles import BESIDE, COLUMNS, COMPRESSIVE, NAMES, UNITS
+from softsample.formats.titles import (
+    BESIDE,
+    COLUMNS,
+    COMPRESSIVE,
+    NAMES,
+    NUMBERED,
+    TRUE,
+    UNITS,
+)
 from softsample.formats.workbook import is_workbook, read_sheets
 
 Form = Mapping[str, Sequence[str]]
@@ -49,6 +58,16 @@ KINDS = (
 
 NUMBER = re.compile(r"[+-]?(\d+[.,]?\d*|[.,]\d+)([eE][+-]?\d+)?", re.ASCII)
 
+CLOCK = re.compile(
+    r"(?:\d{4}-\d\d-\d\d[ T]|\d\d?[./]\d\d?[./]\d{4} )?(\d+):(\d\d):(\d\d(?:[.,]\d*)?)", re.ASCII
+)
+"""A time of day, or one that elapsed; a date before it is of no use."""
+
+VALUE = re.compile(f"{NUMBER.pattern}|{CLOCK.pattern}", re.ASCII)
+
+DAY = 86400.0
+"""Seconds after which a clock begins anew."""
+
 WORDS = r"[^\s_.:]+"
 """Each word of a title."""
 
@@ -74,7 +93,8 @@ class Column:
     title, unit : str
         As written; the unit is empty if only the line below tells it.
     unit_from : str
-        What tells the unit: `title`, `below` (a line of units) or `settings`.
+        What tells the unit: `title`, `below` (a line of units), `settings`, or the `cells` of a
+        clock.
     """
 
     quantity: str
@@ -116,8 +136,8 @@ class MachineRecord:
     reading : dict
         What was understood: `kind`, `columns` (title, unit and factor of each), `decimal_comma`,
         `compressive` (quantities whose titles count compression as positive), `ignored`
-        (titles), `ascending` (those of them whose numbers rise as time does), `notes`; of a
-        workbook `sheet`.
+        (titles), `ascending` (those of them whose numbers rise as time does), `notes`, `doubts`;
+        of a workbook `sheet`.
     """
 
     table: pd.DataFrame
@@ -132,6 +152,7 @@ class _Text:
     lines: list[str]
     notes: list[str] = field(default_factory=list)
     sheet: str = ""
+    doubts: list[str] = field(default_factory=list)
 
     @classmethod
     def of_file(cls, path: PathLike) -> Self:
@@ -195,13 +216,25 @@ def read(
     text, heading = _text_with_titles(path, columns or {}, sheet, block, form)
     found = heading.columns
     rows, kept, names = _rows(text, heading)
-    found = [_with_unit(column, names, units or {}, text, block) for column in found]
+    if cut := _cut_off(text, heading, rows, kept):
+        text.doubts.append(cut)
+        rows, kept = rows[:-1], kept[:-1]
+    clock = _clock(rows, found)
+    found = [
+        replace(column, unit="s", unit_from="cells")
+        if column.quantity == "time" and clock is not None
+        else _with_unit(column, names, units or {}, text, block)
+        for column in found
+    ]
     comma = _decimal_comma(rows, found, text.path)
     titles = heading.titles
     own = {COLUMNS["displacement"], COLUMNS["force"]} <= set(titles)
     cells = {
         COLUMNS[column.quantity]: _numbers(rows, column.place, column.factor) for column in found
     }
+    if clock is not None:
+        cells[COLUMNS["time"]] = clock
+        text.notes.append("times of a clock are read as seconds, and go on after midnight")
     ignored = [title for title in titles if title not in {column.title for column in found}]
     if own:  # the schema of records knows what else such a table may hold
         more = [title for title in ignored if title not in {*cells, *DERIVED}]
@@ -220,6 +253,7 @@ def read(
         "ignored": ignored,
         "ascending": _ascending(rows, titles, ignored),
         "notes": text.notes,
+        "doubts": text.doubts,
     }
     return MachineRecord(table[~repeated], reading)
 
@@ -342,6 +376,13 @@ def _no_titles(
             f"{' and its unit' if silent else ''} in the settings of the study: "
             f"{records_setting(keys, block)}"
         )
+    elif form is NEEDED and (true := [title for title in below if _is_true(title)]):
+        cure = (
+            f"nominal stress and strain are needed, and {' and '.join(map(repr, true))} "
+            f"{'are' if len(true) > 1 else 'is'} of the deformed sample; export force and "
+            "displacement, or convert: stretch = exp(true strain), nominal stress = true stress / "
+            "stretch (of an incompressible sample)"
+        )
     raise InputError(
         f"{text.path}, line {number + 1}: no column is known to hold {' and '.join(ways)} "
         f"(there are {', '.join(map(repr, titles))}); {cure}"
@@ -370,7 +411,9 @@ def _plausible(
     free = [
         title
         for title in titles
-        if title in below and not any(_candidates(name, [title], {}) for name in NAMES)
+        if title in below
+        and not _is_true(title)
+        and not any(_candidates(name, [title], {}) for name in NAMES)
     ]
     units = {unit for way in ways for unit in UNITS[way]}
     fitting = [title for title in free if any(_split(title, way)[1] in units for way in ways)]
@@ -378,7 +421,7 @@ def _plausible(
     title = next((found[0] for found in (fitting, silent) if len(found) == 1), None)
     if title is None:
         return None
-    words = set(re.findall(WORDS, title.lower()))
+    words = _words(title)
 
     def fits(way: str) -> tuple[bool, bool]:
         return _split(title, way)[1] in UNITS[way], bool(words & NAMES.get(way, set()))
@@ -412,12 +455,26 @@ def _candidates(quantity: str, titles: Sequence[str], wanted: Mapping[str, str])
     found = []
     for place, title in enumerate(titles):
         name, unit = _split(title, quantity)
-        words = set(re.findall(WORDS, name.lower()))
+        words = _unnumbered(name)
         if words and (words - BESIDE or words) <= NAMES[quantity]:
             found.append(Column(quantity, place, title, unit))
     fitting = [column for column in found if column.unit in UNITS[quantity]]
     silent = [column for column in found if not column.unit]
     return fitting or silent or found
+
+
+def _words(title: str) -> set[str]:
+    return set(re.findall(WORDS, title.lower()))
+
+
+def _is_true(title: str) -> bool:
+    """Whether a title says that it is of the deformed sample, while nominal ones are needed."""
+    return not TRUE.isdisjoint(re.findall(r"[^\W_]+", title.lower()))
+
+
+def _unnumbered(title: str) -> set[str]:
+    """Words of a title without numbers of specimens or channels."""
+    return {word for word in _words(title) if not NUMBERED.fullmatch(word)}
 
 
 def _split(title: str, quantity: str) -> tuple[str, str]:
@@ -437,10 +494,12 @@ def _only(columns: Sequence[Column], where: str, block: str) -> Column:
         quantity = columns[0].quantity
         titles = [column.title for column in columns]
         name = records_setting({"columns": {quantity: titles[0]}}, block)
+        alike = len({frozenset(_unnumbered(title)) for title in titles}) < len(titles)
         cure = (
             "delete the columns of other tests, or give each its own title"
             if titles.count(titles[0]) > 1
             else f"name the right one in the settings of the study, such as {name}"
+            + alike * ", or in a block of `formats` for each row if they are of several specimens"
         )
         raise InputError(
             f"{where}: {len(columns)} columns may hold {quantity} "
@@ -459,17 +518,17 @@ def _rows(text: _Text, heading: _Heading) -> tuple[list[list[str]], list[int], l
     rows: list[list[str]] = []
     kept: list[int] = []
     metadata: list[int] = []
-    repeats = 0
+    blocks: list[int] = []
     titles, found = heading.titles, heading.columns
     for number, line in enumerate(text.lines[heading.line + 1 :], start=heading.line + 2):
         cells = text.cells(line, heading.delimiter)
         if not any(cells) or line.lstrip().startswith("#"):
             continue
-        numbers = [bool(NUMBER.fullmatch(_cell(cells, column.place))) for column in found]
+        numbers = [bool(VALUE.fullmatch(_cell(cells, column.place))) for column in found]
         if not rows and not units and not any(numbers) and {*map(str.lower, cells)} != {"nan"}:
             units = cells
         elif cells in (titles, units):
-            repeats += cells == titles
+            blocks += [*metadata, number][: cells == titles]
             metadata = []
         elif not numbers[0]:
             metadata.append(number)
@@ -480,18 +539,54 @@ def _rows(text: _Text, heading: _Heading) -> tuple[list[list[str]], list[int], l
     _check_line(text, metadata, 0, [], titles)
     if not rows:
         raise InputError(f"{text.path}: no numbers below the titles; export the whole test")
-    if repeats:
-        text.notes.append(f"repetitions of the titles: {repeats}; all blocks are read")
+    if blocks:
+        text.notes.append(f"repetitions of the titles: {len(blocks)}; all blocks are read")
+    if blocks and not heading.timed:
+        text.doubts.append(
+            f"line {blocks[0]}: {text.lines[blocks[0] - 1].strip()!r} begins another block, which "
+            "is read as a part of the same test; if of another specimen, give each its own file"
+        )
     return rows, kept, units
+
+
+def _cut_off(
+    text: _Text, heading: _Heading, rows: Sequence[Sequence[str]], kept: Sequence[int]
+) -> str:
+    """What says that a file ends within its last number; empty if its last line is whole.
+
+    A cut line has no end, and its last cell fewer decimals than all others of the column, which
+    have one number of them.
+    """
+    place = max(column.place for column in heading.columns)
+    *before, last = (_cell(row, place) for row in rows)
+    decimals = {_decimals(cell) for cell in before}
+    of_last_line = kept[-1] == len(text.lines) and text.lines[-1].endswith(last)
+    if text.sheet or not of_last_line or len(rows[-1]) != place + 1 or len(before) < LOOKED_AT:
+        return ""
+    if len(decimals) > 1 or _decimals(last) >= max(decimals) or not NUMBER.fullmatch(last):
+        return ""
+    return (
+        f"line {kept[-1]}: the file ends within its last number, {last}, so that the line is left "
+        "out; if the test went on, export it again"
+    )
+
+
+def _decimals(cell: str) -> int:
+    return len(cell.replace(",", ".").partition(".")[2])
 
 
 def _check_line(
     text: _Text, metadata: Sequence[int], number: int, cells: Sequence[str], titles: Sequence[str]
 ) -> None:
     if metadata:
+        line = text.lines[metadata[0] - 1].strip()
+        cure = (
+            "write times in seconds, or as hh:mm:ss"
+            if re.match(r"[\d\s./-]*\d:\d", line)
+            else "delete the line, or export the test again"
+        )
         raise InputError(
-            f"{text.path}, line {metadata[0]}: {text.lines[metadata[0] - 1].strip()!r} stands "
-            "among the numbers; delete the line, or export the test again"
+            f"{text.path}, line {metadata[0]}: {line!r} stands among the numbers; {cure}"
         )
     if len(cells) > len(titles):
         raise InputError(
@@ -580,6 +675,18 @@ def _numbers(rows: Sequence[Sequence[str]], place: int, factor: float) -> Any:
     if any(isinstance(value, str) for value in values):
         return pd.array([None if value == "" else value for value in values], dtype=object)
     return np.array(values, dtype=np.float64)
+
+
+def _clock(rows: Sequence[Sequence[str]], found: Sequence[Column]) -> Array | None:
+    """Seconds (n,) of a column of times of a clock, which go on after midnight; None of others."""
+    places = [column.place for column in found if column.quantity == "time"]
+    times = [CLOCK.fullmatch(_cell(row, place)) for place in places for row in rows]
+    seconds = [
+        3600.0 * int(time[1]) + 60.0 * int(time[2]) + float(time[3].replace(",", "."))
+        for time in times
+        if time
+    ]
+    return np.unwrap(seconds, period=DAY) if len(seconds) == len(rows) else None
 
 
 def _ascending(

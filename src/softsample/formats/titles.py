@@ -4,6 +4,7 @@ Synonyms of machines and languages go here, and `tests/unit/test_titles.py` read
 """
 
 import math
+import re
 from collections.abc import Iterable
 
 COLUMNS = {
@@ -22,7 +23,7 @@ COLUMNS = {
 NAMES = {
     "time": {
         *("time", "zeit", "prüfzeit", "testzeit", "versuchszeit", "laufzeit", "temps", "tiempo"),
-        *("tempo", "elapsed", "runtime", "timestamp"),
+        *("tempo", "elapsed", "runtime", "timestamp", "uhrzeit"),
     },
     "displacement": {
         *("displacement", "disp", "displ", "extension", "compression", "travel", "stroke"),
@@ -50,7 +51,7 @@ NAMES = {
 
 BESIDE = {
     *("axial", "tensile", "compressive", "crosshead", "elapsed", "total", "test", "corrected"),
-    *("1", "cell", "channel", "engineering", "nominal", "shear", "grip", "actuator", "machine"),
+    *("cell", "channel", "engineering", "nominal", "shear", "grip", "actuator", "machine"),
     *(
         "platen",
         "plate",
@@ -60,11 +61,19 @@ BESIDE = {
         "actual",
         "digital",
         "primary",
-        "ch1",
         "ch",
     ),
 }
 """Words of a title that do not change what it names."""
+
+TRUE = {
+    *("true", "cauchy", "log", "ln", "logarithmic", "hencky", "natural"),
+    *("wahre", "wahrer", "logarithmische", "umformgrad", "vraie", "verdadera"),
+}
+"""Words of a title that say that stress or strain is that of the deformed sample."""
+
+NUMBERED = re.compile(r"(ch)?\d+", re.ASCII)
+"""Words that tell specimens or channels apart, and do not change what a title names either."""
 
 COMPRESSIVE = (
     *("compress", "druckkraft", "druckspannung", "stauchung"),

@@ -14,7 +14,7 @@ from softsample.arrays import Mask
 from softsample.errors import InputError, SoftsampleError
 from softsample.formats import Volume
 from softsample.formats.machine import described, read
-from softsample.holdout import check_hold_out, held_out, selecting
+from softsample.holdout import check_hold_out, folds, held_out, selecting
 from softsample.images import check_image, on_grid_of, one_label, world_axis
 from softsample.imaging.measure import MeasurementSettings
 from softsample.imaging.propose import Glance, coarsened, glance
@@ -141,7 +141,8 @@ def _check_hold_out(
     seen: Sequence[Seen],
     result: Inspection,
 ) -> None:
-    """Refuse selections that fit no row, and doubt those that fit rows but nothing of a record."""
+    """Refuse selections that fit no row, and doubt what holds nothing out."""
+    result.doubts += _nothing_left_out(home, rows, settings["leave_out"])
     try:
         check_hold_out(rows, settings["hold_out"])
     except InputError as error:
@@ -156,6 +157,21 @@ def _check_hold_out(
         for number, selection in enumerate(settings["hold_out"])
         if number not in used
     ]
+
+
+def _nothing_left_out(
+    home: Path, rows: Sequence[Mapping[str, str]], part: str | None
+) -> Iterator[str]:
+    """What to say of parts that are to be left out in turn, if there is but one of them."""
+    of_group: dict[str, list[Mapping[str, str]]] = {}
+    for row in rows:
+        of_group.setdefault("" if part == "group" else row["group"], []).append(row)
+    if part and not any(folds(of_one, part) for of_one in of_group.values()):
+        where = "the study" if part == "group" else "each group"
+        yield (
+            f"{home / SETTINGS}: leave_out: {part} leaves nothing out, as {where} has one {part} "
+            f"only, and no other to predict it from; add one (column {part}), or delete the setting"
+        )
 
 
 def _settings(home: Path, result: Inspection) -> dict[str, Any]:

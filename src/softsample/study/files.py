@@ -9,7 +9,7 @@ from pathlib import Path
 from softsample.errors import InputError
 from softsample.formats import files_of
 from softsample.study.plan import GEOMETRIES, ONE_TERM, TWO_TERM, Plan
-from softsample.validation import has_open_ends
+from softsample.validation import FILE_COLUMNS, has_open_ends
 
 RESULTS = "<results>/"
 """What Snakemake puts the folder of results for."""
@@ -47,9 +47,22 @@ class Files:
         name = self.plan.row(sample).get(column, "")
         return os.path.normpath(os.path.join(self.folder, name)) if name else []
 
+    def there(self, column: str, sample: str) -> str | list[str]:
+        """The same if it is there, as an input: Snakemake stops all samples if one is missing.
+
+        The rule `check_inputs` refuses what is `missing`, and all jobs of the sample wait for it.
+        """
+        path = self.given(column, sample)
+        return path if isinstance(path, str) and os.path.exists(path) else []
+
+    def missing(self, sample: str) -> dict[str, str]:
+        """Files that the sample's row names and that are not there, by column."""
+        named = {name: str(path) for name in FILE_COLUMNS if (path := self.given(name, sample))}
+        return {name: path for name, path in named.items() if not self.there(name, sample)}
+
     def image(self, column: str, sample: str, geometry: str = "real") -> list[str]:
         """The image that a column names, first, and the files it consists of; none for `ideal`."""
-        path = self.given(column, sample)
+        path = self.there(column, sample)
         return files_of(path) if isinstance(path, str) and geometry != "ideal" else []
 
     def segmentation(self, ending: str, sample: str) -> str | list[str]:

@@ -19,6 +19,9 @@ STATE = Path(".snakemake")
 
 STOPPED = "The run was stopped; what is finished is kept, the same command goes on from there."
 
+REPORTING = {"all", "reported"}
+"""Targets that end with the report."""
+
 BUSY = "Another run is working in this folder; wait for it, or stop it."
 
 
@@ -83,7 +86,9 @@ def run_study(
             reported = _call([*snakemake, "reported", *finished])
             if reported:
                 return reported
-    print(f"Report: {_results(files, entries)}/report.html")
+    of_all = status or not targets or REPORTING.intersection(targets)
+    place = _results(files, entries)
+    print(f"Report: {place}/report.html" if of_all else f"Results: {place}")
     return status
 
 

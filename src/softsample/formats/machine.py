@@ -499,8 +499,9 @@ def _only(columns: Sequence[Column], where: str, block: str) -> Column:
             "delete the columns of other tests, or give each its own title"
             if titles.count(titles[0]) > 1
             else f"name the right one in the settings of the study, such as {name}"
-            + alike * ", or in a block of `formats` for each row if they are of several specimens"
         )
+        if alike:
+            cure += ", or in a block of `formats` for each row if they are of several specimens"
         raise InputError(
             f"{where}: {len(columns)} columns may hold {quantity} "
             f"({', '.join(map(repr, titles))}); {cure}"
@@ -528,7 +529,8 @@ def _rows(text: _Text, heading: _Heading) -> tuple[list[list[str]], list[int], l
         if not rows and not units and not any(numbers) and {*map(str.lower, cells)} != {"nan"}:
             units = cells
         elif cells in (titles, units):
-            blocks += [*metadata, number][: cells == titles]
+            if cells == titles:
+                blocks.append((metadata or [number])[0])
             metadata = []
         elif not numbers[0]:
             metadata.append(number)

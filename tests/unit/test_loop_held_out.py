@@ -238,22 +238,30 @@ def test_specimens_that_the_platen_meets_at_one_height_share_their_contact_point
     assert diagnose(tests, SETTINGS, [library()["force_offset"]]).posed.contact == {}
 
 
-@pytest.mark.parametrize("gap", [0.5, 1.2])
-def test_free_travel_before_contact_is_found_in_compression_alone(gap):
+TOES = [("compression", "late_contact", 0.5), ("compression", "late_contact", 1.2),
+        ("tension", "slack", 0.7)]  # fmt: skip
+
+
+@pytest.mark.parametrize(("mode", "name", "free"), TOES)
+def test_free_travel_is_found_in_a_loading_alone(mode, name, free):
     """The plain model has bent its law to the toe, beside which no small gap is any better."""
-    model, rng = laboratory.exact("compression"), np.random.default_rng(1)
-    time, travel = laboratory.clock("compression")
-    loading = time < laboratory.REST + laboratory.STROKE["compression"] / laboratory.SPEED
+    model, rng = laboratory.exact(mode), np.random.default_rng(1)
+    time, travel = laboratory.clock(mode)
+    loading = time < laboratory.REST + laboratory.STROKE[mode] / laboratory.SPEED
     time, travel = time[loading], travel[loading]
-    reached = 1e-3 * np.maximum(travel - gap, 0.0)
+    reached = 1e-3 * np.maximum(travel - free, 0.0)
     force = laboratory.MU * model.force_per_mu(laboratory.FRACTION, reached)
     force += rng.normal(0.0, 2e-4, len(force))
-    table = pd.DataFrame({"time_s": time, "displacement_mm": -travel, "force_N": -force})
-    record = laboratory.record_of(table, "compression")
-    found = diagnose([Specimen.of_record("C", "compression", record, model)], SETTINGS)
+    sign = laboratory.SIGN[mode]
+    table = pd.DataFrame(
+        {"time_s": time, "displacement_mm": sign * travel, "force_N": sign * force}
+    )
+    record = laboratory.record_of(table, mode)
+    found = diagnose([Specimen.of_record("A", mode, record, model)], SETTINGS)
     (named,) = judgement(found, SETTINGS)["effects"]
-    assert named["name"] == "late_contact"
-    assert named["parameters"]["gap_mm"]["value"] == pytest.approx(gap, abs=0.02)
+    assert named["name"] == name
+    (size,) = named["parameters"].values()
+    assert size["value"] == pytest.approx(free, abs=0.02)
     mu = recommended(found)["mu"]
     assert mu["low"] < laboratory.MU < mu["high"] < 1.3 * mu["low"]
 

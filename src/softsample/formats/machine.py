@@ -500,7 +500,7 @@ def _only(columns: Sequence[Column], where: str, block: str) -> Column:
             if titles.count(titles[0]) > 1
             else f"name the right one in the settings of the study, such as {name}"
         )
-        if alike:
+        if alike and titles.count(titles[0]) == 1:
             cure += ", or in a block of `formats` for each row if they are of several specimens"
         raise InputError(
             f"{where}: {len(columns)} columns may hold {quantity} "

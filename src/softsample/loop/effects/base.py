@@ -95,7 +95,7 @@ class Effect:
         them, if they are parts of one. Proportional to the sizes.
     starts : tuple of dict
         Values of sizes from which a fit sets out too, where it has more than one minimum. Such an
-        effect is fitted whatever its linear estimate promises, one with a kink in every round.
+        effect is fitted whatever its linear estimate promises (a law: if the residual is smooth).
     idealised : bool
         Whether the model is known to leave it out: it comes before physics if records ask for it.
     is_law : bool

@@ -127,8 +127,8 @@ def refuse_missing(files: Mapping[str, PathLike]) -> None:
 
     Parameters
     ----------
-    files
-        Paths by column.
+    files : mapping
+        Their paths by column.
     """
     if files:
         raise InputError(

@@ -94,8 +94,8 @@ class Effect:
         What the sizes take together of one whole in the course of a record: in the range of one of
         them, if they are parts of one. Proportional to the sizes.
     starts : tuple of dict
-        Values of sizes from which a fit sets out too, where it has more than one minimum. Such an
-        effect is fitted whatever its linear estimate promises (a law: if the residual is smooth).
+        Values of sizes from which a fit that has several minima sets out too. It is made whatever
+        the linear estimate promises, of laws and relaxation where a smooth residual is left.
     idealised : bool
         Whether the model is known to leave it out: it comes before physics if records ask for it.
     is_law : bool

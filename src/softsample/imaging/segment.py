@@ -13,7 +13,7 @@ from scipy import ndimage
 from softsample.arrays import Array, Mask
 from softsample.errors import InputError, SegmentationError
 from softsample.imaging import distance as sdf
-from softsample.imaging import film, frame, intensity
+from softsample.imaging import film, frame, intensity, relief
 from softsample.units import MM
 
 HALF = 0.5
@@ -579,7 +579,10 @@ def _boundary(
     found = _fitted(rough, seen, origin, share, to_sample, settings)
     top = int(np.argwhere(found.distance < 0.0)[:, 2].max())
     layers = max(1, min(round(CONTINUATION_MM * MM / spacing), (top - first) // 2))
-    whole = sdf.continue_below(found.distance, first, layers, blur=2.0)
+    whole = found.distance
+    if share.power is not None:  # else nothing is known of the surface's error
+        whole = relief.without_error(whole, found.sigma, origin, spacing)
+    whole = sdf.continue_below(whole, first, layers, blur=2.0)
     boundary = frame.iso_surface(-whole, 0.0, grid)
     distance = sdf.signed_distance(whole < 0.0, boundary, origin, spacing)
     return replace(found, distance=distance)

@@ -525,16 +525,29 @@ def test_no_form_is_doubted_that_the_records_show_to_be_right(found):
     assert FORM not in found.selection.final.problem.variances
 
 
-@pytest.mark.parametrize(("evidence", "given"), [(16.0, "late_contact"), (8.0, None)])
-def test_a_candidate_that_errors_may_imitate_gives_way_to_the_next(monkeypatch, evidence, given):
+@pytest.mark.parametrize(
+    ("evidence", "beyond_floor", "given"),
+    [(16.0, True, "late_contact"), (8.0, True, None), (16.0, False, None)],
+)
+def test_a_candidate_that_errors_may_imitate_gives_way_to_the_next_beyond_them(
+    monkeypatch, evidence, beyond_floor, given
+):
+    """What was likelier as an error of geometry leaves nothing to one that is none."""
     best, other = (
-        SimpleNamespace(name=name, evidence=gain, settled=name)
+        SimpleNamespace(
+            name=name,
+            evidence=gain,
+            settled=name,
+            fit=SimpleNamespace(model=SimpleNamespace(effects=[library()[name]])),
+        )
         for name, gain in (("uneven_contact", 17.0), ("late_contact", evidence))
     )
     monkeypatch.setattr("softsample.loop.select._without", lambda here, candidate: None)
     monkeypatch.setattr(
         "softsample.loop.select._beyond_doubt",
-        lambda here, candidate, alone, threshold: candidate is other,
+        lambda here, candidate, alone, threshold, floor: (
+            candidate is other and (beyond_floor or not floor)
+        ),
     )
     held = _held(None, best, [best, other], ("uneven_contact", None), 4.0)
     assert getattr(held, "name", None) == given
@@ -889,7 +902,7 @@ def test_errors_of_form_that_are_doubted_are_those_of_effects_chosen_before(
     posed = SimpleNamespace(settings=SETTINGS, variances={"smooth": 1.0, FORM: 1.0})
     fit = SimpleNamespace(model=Model((library()["force_offset"],)), problem=posed)
     candidate = Candidate("force_offset", fit, fit, 1.0, 1.0, True)
-    _beyond_doubt(here, candidate, None, 12.0)
+    _beyond_doubt(here, candidate, None, 12.0, floor=False)
     assert asked == [doubted_before] * 3
 
 

@@ -738,26 +738,30 @@ def _held(
     known: tuple[Fit, Fit],
     threshold: float,
 ) -> Candidate | None:
-    """The best candidate or, if errors may be as large as it, the next beyond them.
+    """The best candidate or, if errors may be as large as it, the next beyond the same errors.
 
     None if that has far less evidence. `known` is a candidate's fit and the fit without it.
     """
     others = [c for c in inside if c.name != best.name and c.evidence >= RIVAL * best.evidence]
+    floor = False
     for candidate in [best, *others]:
+        floor = floor or candidate.fit.model.effects[-1].like_floor
         alone = known[1] if candidate.settled is known[0] else _without(here, candidate)
-        if _beyond_doubt(here, candidate, alone, threshold):
+        if _beyond_doubt(here, candidate, alone, threshold, floor):
             return candidate
     return None
 
 
-def _beyond_doubt(here: _Round, candidate: Candidate, alone: Fit, threshold: float) -> bool:
+def _beyond_doubt(
+    here: _Round, candidate: Candidate, alone: Fit, threshold: float, floor: bool
+) -> bool:
     """Whether a candidate is more than errors along it may be that no record shows.
 
-    Those of geometry, mesh and element type for some, those in the form of effects that were
-    chosen before for all.
+    With `floor` those of geometry, mesh and element type, in any case those in the form of effects
+    that were chosen before.
     """
     effect, posed = candidate.fit.model.effects[-1], candidate.settled.problem
-    doubt = posed.settings.doubt(posed.variances, effect.like_floor)
+    doubt = posed.settings.doubt(posed.variances, floor)
     doubt = {name: least for name, least in doubt.items() if name in here.base.problem.variances}
     before = min(doubted(fit, doubt).misfit for fit in (here.base, alone))
     after = doubted(candidate.settled, doubt).misfit

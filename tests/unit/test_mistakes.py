@@ -222,7 +222,7 @@ MISTAKES = {
     ),
     "no platen": (
         on_its_side,
-        r"row 2 \(A\).*A.nii.gz: no platen found.*: 1\d % .*the other end is not flat either",
+        r"row 2 \(A\).*A.nii.gz: no platen found.*: 1\d % .*bonded to its platen, and a loading_axis that points from there",
         False,
     ),
     "at the border": (

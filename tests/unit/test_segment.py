@@ -384,6 +384,24 @@ def test_an_image_that_is_upside_down_says_which_axis_is_right():
         segment(image, affine @ np.diag([1.0, -1.0, -1.0, 1.0]))
 
 
+def boxes(*brightness_and_box, shape=(34, 31, 24)):
+    """Image in voxels of 0.5 mm: boxes (low, high) of a brightness, later ones over earlier."""
+    image = np.zeros(shape)
+    for bright, low, high in brightness_and_box:
+        image[tuple(slice(*edges) for edges in zip(low, high, strict=True))] = bright
+    noise = np.random.default_rng(3).normal(0.0, 8.0, (2, *shape))
+    return np.hypot(image + noise[0], noise[1]), np.diag([0.5, 0.5, 0.5, 1.0])
+
+
+BLOCK = (400.0, (6, 6, 6), (28, 25, 18))
+
+
+def test_a_holder_below_a_sample_is_no_image_upside_down():
+    image, affine = boxes((300.0, (9, 8, 2), (25, 23, 6)), BLOCK)
+    with pytest.raises(SegmentationError, match="if the image is upside down, .* such as a holder"):
+        segment(image, affine, find_film=False)
+
+
 def bad_images():
     image, affine = SCANS["shear"].image(SHAPE)
     image = image.astype(np.float64)
@@ -425,7 +443,7 @@ def test_a_bad_image_is_refused_with_the_cure(name):
 
 def test_too_much_tilt_and_senseless_axes_are_refused():
     image, affine = replace(SCANS["shear"], rotation=turned(0.0, 14.0, 0.0)).image(SHAPE)
-    with pytest.raises(SegmentationError, match=r"tilted by 1[34]\.\d degrees"):
+    with pytest.raises(SegmentationError, match=r"tilted by 1[34]\.\d .*; raise .*max_tilt_deg"):
         segment(image, affine)
     with pytest.raises(InputError, match="parallel"):
         segment(image, affine, loading_axis=(0.0, 0.0, 1.0), shear_axis=(0.0, 0.0, 2.0))

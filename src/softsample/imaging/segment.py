@@ -465,11 +465,10 @@ def _from_share(
     try:
         point, normal, spread = _base(surface, up, voxel_size(to_world), settings, on_platen)
     except SegmentationError as error:
-        if not on_platen:
+        other = _other_end(surface, up, voxel_size(to_world), settings) if on_platen else None
+        if other is None:
             raise
-        raise SegmentationError(
-            f"{error}{_other_end(surface, up, voxel_size(to_world), settings)}"
-        ) from error
+        raise SegmentationError(f"{str(error).partition('; ')[0]}; {other}") from error
     x = frame.wall_direction(surface, normal, shear)
     sample_to_world = frame.rigid(x, normal, point)
     found = _boundary(kept, share, surface, to_world, sample_to_world, settings)
@@ -514,28 +513,26 @@ def _base(
         raise SegmentationError(
             f"no platen found below the sample: {100.0 * flat:.0f} % of its underside lie within"
             f" {reach / MM:.2g} mm of one plane, at least {100.0 * settings.min_base_share:.0f} %"
-            " are expected"
+            " are expected; give an image of the sample bonded to its platen, and a loading_axis"
+            " that points from there upward, or lower segmentation.min_base_share"
         )
     return point, normal, spread
 
 
 def _other_end(
     surface: frame.Surface, up: Array, spacing: Array, settings: SegmentationSettings
-) -> str:
-    """What to do about a sample without a base: its platen may be at the other end."""
+) -> str | None:
+    """What to do about a sample without a base whose other end could be one, or None."""
     try:
         _base(surface, -up, spacing, settings, on_platen=True)
     except SegmentationError:
-        return (
-            "; give an image of the sample bonded to its platen, and a loading_axis that points "
-            "from there upward (the other end is not flat either), or lower"
-            " segmentation.min_base_share"
-        )
+        return None
     axis = int(np.abs(up).argmax())
     opposite = f"{'-' if up[axis] > 0.0 else '+'}{'xyz'[axis]}"
     return (
-        "; its other end is flat, so the image is upside down: write"
-        f" {opposite} into column loading_axis"
+        f"its other end is flat: if the image is upside down, write {opposite} into column"
+        " loading_axis; if something below the sample is as bright, such as a holder, give a mask"
+        " without it in column segmentation"
     )
 
 

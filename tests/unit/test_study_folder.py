@@ -456,6 +456,26 @@ def test_after_a_run_with_failures_the_finished_groups_are_reported(own, tmp_pat
     assert settings == [*given, "report={groups: finished}"]
 
 
+@pytest.mark.parametrize("of_others", [True, False])
+def test_a_target_is_made_of_the_groups_that_came_through_if_they_have_it(
+    of_others, tmp_path, monkeypatch, capsys
+):
+    monkeypatch.chdir(tmp_path)
+    (tmp_path / "samples.tsv").touch()
+    called, looked = [], []
+    statuses = iter([1, 0])
+    monkeypatch.setattr(run, "_call", lambda words: called.append(words) or next(statuses))
+    monkeypatch.setattr(
+        run.subprocess, "call", lambda words, **_: looked.append(words) or int(not of_others)
+    )
+    assert run.run_study(tmp_path, targets=["tables/table1.csv"]) == 1
+    assert [words[-2:] for words in looked] == [["--quiet", "all"]]
+    of_the_others = [words for words in called[1:] if "report={groups: not_failed}" in words]
+    assert len(of_the_others) == len(called) - 1 == int(of_others)
+    assert all("tables/table1.csv" in words for words in called)
+    assert ("Results: " in capsys.readouterr().out) == of_others
+
+
 @pytest.mark.parametrize(
     ("targets", "told"),
     [

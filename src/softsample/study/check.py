@@ -44,6 +44,9 @@ from softsample.validation import (
 SLIDING_MODES = ("tension", "compression", "shear", "pure_shear")
 """Modes of a stated shape whose ends may slide."""
 
+ROW = re.compile(r"row \d+ \([^)]*\)")
+"""Where a fault or a doubt is in the table."""
+
 
 @dataclass
 class Inspection:
@@ -70,14 +73,17 @@ class Inspection:
 
 
 def each_cure_once(lines: Iterable[str]) -> list[str]:
-    """Faults or doubts; a cure (what follows the semicolon) is said the first time only."""
-    said: set[str] = set()
-    short = []
+    """Faults or doubts; a cure (what follows the semicolon) that many rows need is said once."""
+    said: dict[str, str] = {}
+    short, before = [], ""
     for line in lines:
         what, _, cure = line.partition("; ")
-        short.append(f"{what}; as above" if cure in said else line)
+        first = ROW.search(said.get(cure, ""))
+        same = "as above" if cure == before else f"as for {first[0]}" if first else cure
+        short.append(f"{what}; {same}" if cure in said else line)
+        before = cure
         if cure:
-            said.add(cure)
+            said.setdefault(cure, what)
     return short
 
 

@@ -433,6 +433,12 @@ def test_a_cure_that_many_rows_need_is_said_once():
     assert each_cure_once(lines) == [lines[0], "row 3: no; as above", *lines[2:]]
 
 
+def test_a_cure_that_was_said_further_up_is_said_of_which_row():
+    lines = ["t, row 2 (A): no; cut it", "t, row 3 (B): no; add it", "t, row 4 (C): no; cut it"]
+    assert each_cure_once(lines)[2] == "t, row 4 (C): no; as for row 2 (A)"
+    assert each_cure_once([line.replace("row", "line") for line in lines])[2].endswith("; cut it")
+
+
 def test_a_reader_that_has_seen_enough_is_no_error(study):
     add(study)
     command = f"{sys.executable} -m softsample check '{study}' | true; echo ${{PIPESTATUS[0]}}"

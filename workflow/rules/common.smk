@@ -66,9 +66,10 @@ if is_led(config["results"]) or not workflow.is_main_process:
     show_presence(config["results"])
 # After a run in which samples failed, tables and figures of the others can still be had.
 LEFT_OUT, FAILURES = [], []
-if config["report"]["groups"] == "finished":
+if config["report"]["groups"] != "all":
     FAILURES = failed_jobs(f"{config['results']}/logs")
-    finished = Files(PLAN).finished(config["results"], FAILURES)
+    reported = config["report"]["groups"] == "finished"
+    finished = Files(PLAN).finished(config["results"], FAILURES, reported)
     LEFT_OUT = [name for name in PLAN.rows if name not in finished]
     if not finished:
         raise WorkflowError("no group of samples came through; there is nothing to report")

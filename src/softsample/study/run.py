@@ -69,19 +69,37 @@ def run_study(
         *("--cores", str(cores), "--nolock"),  # which holds the working folder, not the results
     ]
     place = _results(files, entries)
+    of_all = not targets or bool(REPORTING.intersection(targets))
     with leading_run(place):
         status = _call([*snakemake, *targets, *options])
         if status < 0 or status >= 128:
             print(STOPPED, file=sys.stderr)
             return status if status > 0 else 128 - status
         if status:
-            finished = [*options, *([] if entries else ["--config"]), "report={groups: finished}"]
-            reported = _call([*snakemake, "reported", *finished])
-            if reported:
-                return reported
-    of_all = status or not targets or REPORTING.intersection(targets)
+            settled = _for_the_others(snakemake, targets, options)
+            if settled:
+                return settled if of_all else status
     print(f"Report: {place}/report.html" if of_all else f"Results: {place}")
     return status
+
+
+def _for_the_others(snakemake: Sequence[str], targets: Sequence[str], options: list[str]) -> int:
+    """After a run in which samples failed, make the report, or other targets, of the others.
+
+    Returns the status; other targets are left if the groups without the failed ones have no such.
+    """
+    of_all = not targets or bool(REPORTING.intersection(targets))
+    groups = "finished" if of_all else "not_failed"
+    own = [*options, *([] if "--config" in options else ["--config"])]
+    asked = ["reported"] if of_all else targets
+    command = [*snakemake, *asked, *own, f"report={{groups: {groups}}}"]
+    if not of_all:
+        looking = [*command, "--dry-run", "--quiet", "all"]
+        silent = subprocess.DEVNULL
+        status = subprocess.call(looking, stdout=silent, stderr=silent)
+        if status:
+            return status
+    return _call(command)
 
 
 def _results(files: Sequence[str], entries: dict[str, PathLike]) -> PathLike:

@@ -67,8 +67,8 @@ def test_two_studies_run_side_by_side_in_one_folder(at_work, tmp_path, monkeypat
     (tmp_path / "two/samples.tsv").touch()
     monkeypatch.setattr(run, "_call", lambda words: 0 if is_led("two/results") else 1)
     assert run.run_study("two") == 0
+    (tmp_path / "one/samples.tsv").touch()
     with pytest.raises(SoftsampleError, match="Another run is working on one/results"):
-        (tmp_path / "one/samples.tsv").touch()
         run.run_study("one")
 
 

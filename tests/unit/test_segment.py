@@ -402,6 +402,32 @@ def test_a_holder_below_a_sample_is_no_image_upside_down():
         segment(image, affine, find_film=False)
 
 
+@pytest.mark.parametrize("find", [segment, glance])
+@pytest.mark.parametrize(
+    ("other", "doubts"),
+    [
+        ((0.0, (2, 2, 2), (32, 29, 6)), []),
+        ((180.0, (2, 2, 2), (32, 29, 6)), ["below the sample is"]),
+        ((350.0, (2, 2, 2), (32, 29, 6)), ["section shrinks by"]),
+        ((350.0, (2, 2, 18), (32, 29, 22)), ["section grows by"]),
+        ((100.0, (2, 2, 6), (32, 29, 22)), ["beside the sample is", "above the sample is"]),
+        ((400.0, (28, 10, 6), (46, 21, 18)), ["section has a notch of"]),
+    ],
+    ids=["alone", "grey platen", "bright platen", "bright upper platen", "fluid", "touching piece"],
+)
+def test_what_is_taken_for_tissue_beside_the_sample_is_doubted(find, other, doubts):
+    image, affine = boxes(other, BLOCK, shape=(50, 31, 24))
+    found = segment(image, affine, find_film=False) if find is segment else glance(image, affine)
+    told = getattr(found, "found", found).doubts
+    assert len(told) == len(doubts)
+    assert all(what in line for what, line in zip(doubts, told, strict=True))
+    assert all(line.endswith("a mask of it in column segmentation") for line in told)
+
+
+def test_samples_that_stand_alone_are_not_doubted():
+    assert not [doubt for name in SCANS for doubt in found(name).doubts]
+
+
 def bad_images():
     image, affine = SCANS["shear"].image(SHAPE)
     image = image.astype(np.float64)

@@ -13,7 +13,7 @@ from scipy import ndimage
 from softsample.arrays import Array, Mask
 from softsample.errors import InputError, SegmentationError
 from softsample.imaging import distance as sdf
-from softsample.imaging import film, frame, intensity
+from softsample.imaging import doubts, film, frame, intensity
 from softsample.units import MM
 
 HALF = 0.5
@@ -133,6 +133,8 @@ class Segmentation:
         median threshold at the boundary, intensities as in the image. NaN for a given mask.
     flags : tuple of str
         Peculiarities a person should look at.
+    doubts : tuple of str
+        Why this may be something else than the sample, with cures.
     """
 
     mask: Mask
@@ -149,6 +151,7 @@ class Segmentation:
     tissue_level: float
     threshold: float
     flags: tuple[str, ...]
+    doubts: tuple[str, ...]
 
     @property
     def grids_mm(self) -> dict[str, NDArray[np.float32]]:
@@ -200,7 +203,7 @@ class Segmentation:
             "tilt_deg": float(np.degrees(self.tilt)),
             "base_flatness_mm": self.base_spread / MM,
             **known,
-            "flags": list(self.flags),
+            "flags": [*self.flags, *(doubt.partition("; ")[0] for doubt in self.doubts)],
         }
 
 
@@ -334,7 +337,7 @@ def tissue_share(image: Array, spacing: Array, settings: SegmentationSettings) -
     left_out = _left_out(bright, spacing)
     rough = intensity.largest_component(bright)
     bright |= rough
-    margin = max(LEVEL_MARGIN_MM * MM, float(np.max(spacing))) + 0.25 * MM
+    margin = _margin(spacing)
     interior = _interior(image, rough, spacing, margin, settings)
     around = intensity.surroundings(image, bright, spacing, 2.0 * margin)
     level = float(np.median(image[interior]))
@@ -378,6 +381,11 @@ def tissue_share(image: Array, spacing: Array, settings: SegmentationSettings) -
         threshold=floor + HALF * (level - floor),
         left_out=left_out,
     )
+
+
+def _margin(spacing: Array) -> float:
+    """Distance from the boundary within which voxels may be partly tissue [m]."""
+    return max(LEVEL_MARGIN_MM * MM, float(np.max(spacing))) + 0.25 * MM
 
 
 def _interior(
@@ -478,6 +486,9 @@ def _from_share(
     sample_to_world = frame.rigid(x, normal, point + sample_to_world[:3, :3] @ shift)
     origin = origin - shift
     tilt = float(np.arccos(np.clip(normal @ up, -1.0, 1.0)))
+    voxel = voxel_size(to_world)
+    to_sample = np.linalg.inv(sample_to_world) @ to_world
+    beside = doubts.bright_beside(share.share, share.mask, voxel, 1.5 * _margin(voxel), to_sample)
     return Segmentation(
         mask=_on_image(distance, origin, spacing, sample_to_world, to_world, share.mask.shape),
         distance=distance,
@@ -492,7 +503,8 @@ def _from_share(
         noise=share.noise,
         tissue_level=share.level,
         threshold=share.threshold,
-        flags=(*_flags(share, spread, voxel_size(to_world)), *frame.told_turn(x, shear)),
+        flags=(*_flags(share, spread, voxel), *frame.told_turn(x, shear)),
+        doubts=(*beside, *doubts.odd_sections(distance, origin, spacing)),
     )
 
 

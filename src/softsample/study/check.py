@@ -222,6 +222,8 @@ def _check_row(
     if image and ("segmentation" not in row or mask is not None):
         piece = attempt("image", lambda path: _glance(path, image, mask, row, settings))
         told += _told(piece, row) if piece else ()
+        doubted = piece.found.doubts if piece else ()
+        result.doubts += [f"{where}: {home / row['image']}: {doubt}" for doubt in doubted]
     surface = attempt("surface", lambda path: _surface(path, told))
     size = _size(row, told)
     around = _around(surface) if surface else None

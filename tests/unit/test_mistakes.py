@@ -233,7 +233,7 @@ MISTAKES = {
     ),
     "no platen": (
         on_its_side,
-        r"row 2 \(A\).*A.nii.gz: no platen found.*: 1\d % .*bonded to its platen, and a loading_axis",
+        r"row 2 \(A\).*A.nii.gz: no platen found.*: 1\d % .*bonded to its platen, and",
         False,
     ),
     "at the border": (

@@ -402,6 +402,26 @@ def test_a_holder_below_a_sample_is_no_image_upside_down():
         segment(image, affine, find_film=False)
 
 
+@pytest.mark.parametrize("turned_over", [False, True])
+def test_a_bubble_at_the_base_is_filled_and_a_dimple_in_the_top_is_not(turned_over):
+    def seen(*low_and_high):
+        image, affine = boxes(BLOCK, (0.0, *low_and_high))
+        half_a_turn = np.diag([-1.0, 1.0, -1.0, 1.0])
+        up = (0.0, 0.0, -1.0 if turned_over else 1.0)
+        affine = half_a_turn @ affine if turned_over else affine
+        return segment(image, affine, find_film=False, loading_axis=up)
+
+    whole = 0.125 * 22 * 19 * 12
+    bubble = seen((14, 12, 6), (20, 18, 10))
+    assert bubble.flags[0] == "a hole in the sample was filled"
+    assert 1e9 * bubble.volume == pytest.approx(whole, rel=0.01)
+    size = measure(bubble.distance, bubble.origin, bubble.spacing)
+    assert size["length_mm"] == pytest.approx(11.0, abs=0.05)
+    dimple = seen((14, 12, 16), (20, 18, 18))
+    assert "a hole in the sample was filled" not in dimple.flags
+    assert 1e9 * dimple.volume < whole - 5.0
+
+
 @pytest.mark.parametrize("find", [segment, glance])
 @pytest.mark.parametrize(
     ("other", "doubts"),

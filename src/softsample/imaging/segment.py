@@ -248,6 +248,8 @@ def segment(
     share = tissue_share(image, spacing, settings)
     check_component(share.mask, spacing, settings)
     _refuse_surrounded(share.mask & ~share.hole, to_world, up)
+    cavity = _cavities(share.mask, to_world, up)
+    share = replace(share, mask=share.mask | cavity, hole=share.hole | cavity)
     if not find_film:
         share = replace(share, power=None, relative_noise=None)
     return _from_share(share, to_world, settings, up, shear, on_platen=True)
@@ -425,8 +427,7 @@ def _left_out(regions: Mask, spacing: Array) -> float:
 
 def _refuse_surrounded(solid: Mask, to_world: Array, up: Array) -> None:
     """Refuse a sample whose sections are rings: a container, or a bath about the sample."""
-    axis = int(np.abs(up @ (to_world[:3, :3] / voxel_size(to_world))).argmax())
-    sections = np.moveaxis(solid, axis, 0)
+    sections = _from_above(solid, to_world, up)
     filled = sum(np.count_nonzero(ndimage.binary_fill_holes(section)) for section in sections)
     enclosed = 1.0 - np.count_nonzero(solid) / filled
     if enclosed > MOST_ENCLOSED:
@@ -435,6 +436,26 @@ def _refuse_surrounded(solid: Mask, to_world: Array, up: Array) -> None:
             "like a container, or fluid about a sample; give an image of the sample in air, or "
             "a mask in column segmentation"
         )
+
+
+def _cavities(solid: Mask, to_world: Array, up: Array) -> Mask:
+    """What a sample encloses in its sections and covers: bubbles that are open to the platen."""
+    cavity = np.zeros_like(solid)
+    sections = _from_above(solid, to_world, up)
+    covered = np.logical_or.accumulate(sections, axis=0) & ~sections
+    for hole, section, below in zip(
+        _from_above(cavity, to_world, up), sections, covered, strict=True
+    ):
+        hole |= ndimage.binary_fill_holes(section) & below
+    return cavity
+
+
+def _from_above(mask: Mask, to_world: Array, up: Array) -> Mask:
+    """Sections across the image's axis that is nearest to the loading axis, the highest first."""
+    along = up @ (to_world[:3, :3] / voxel_size(to_world))
+    axis = int(np.abs(along).argmax())
+    sections = np.moveaxis(mask, axis, 0)
+    return sections[::-1] if along[axis] > 0.0 else sections
 
 
 def _free_fluid(raw: Array, spacing: Array) -> Mask:

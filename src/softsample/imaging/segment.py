@@ -248,7 +248,7 @@ def segment(
     share = tissue_share(image, spacing, settings)
     check_component(share.mask, spacing, settings)
     _refuse_surrounded(share.mask & ~share.hole, to_world, up)
-    cavity = _cavities(share.mask, to_world, up)
+    cavity = _cavities(share, to_world, up)
     share = replace(share, mask=share.mask | cavity, hole=share.hole | cavity)
     if not find_film:
         share = replace(share, power=None, relative_noise=None)
@@ -438,16 +438,20 @@ def _refuse_surrounded(solid: Mask, to_world: Array, up: Array) -> None:
         )
 
 
-def _cavities(solid: Mask, to_world: Array, up: Array) -> Mask:
-    """What a sample encloses in its sections and covers: bubbles that are open to the platen."""
-    cavity = np.zeros_like(solid)
-    sections = _from_above(solid, to_world, up)
-    covered = np.logical_or.accumulate(sections, axis=0) & ~sections
-    for hole, section, below in zip(
-        _from_above(cavity, to_world, up), sections, covered, strict=True
-    ):
-        hole |= ndimage.binary_fill_holes(section) & below
-    return cavity
+def _cavities(share: TissueShare, to_world: Array, up: Array) -> Mask:
+    """What a sample encloses in its sections and covers: bubbles that are open to the platen.
+
+    They are dark somewhere; where a slice lies half in the base, noise makes holes that are not.
+    """
+    cavity = np.zeros_like(share.mask)
+    holes = _from_above(cavity, to_world, up)
+    above = np.zeros_like(holes[0])
+    for hole, section in zip(holes, _from_above(share.mask, to_world, up), strict=True):
+        above |= section
+        hole[:] = ndimage.binary_fill_holes(section) & above & ~section
+    labels, _ = ndimage.label(cavity)
+    dark = np.unique(labels[cavity & (share.share < 0.5 * HALF)])
+    return np.isin(labels, dark) & cavity
 
 
 def _from_above(mask: Mask, to_world: Array, up: Array) -> Mask:

@@ -13,11 +13,14 @@ import pytest
 
 import machines
 from softsample.__main__ import main
+from softsample.errors import InputError
 from softsample.io import read_samples, write_surface
 from softsample.meshing.cuboid import mesh_cuboid
+from softsample.meshing.cylinder import mesh_cylinder
 from softsample.meshing.surface import TriangleSurface
 from softsample.study import run
 from softsample.study.check import check_study, each_cure_once
+from softsample.study.folder import add_sample
 
 ROOT = Path(__file__).resolve().parents[2]
 AFFINE = np.diag([0.4, 0.4, 0.4, 1.0])
@@ -320,6 +323,34 @@ def test_a_surface_is_added_and_checked(study, capsys):
     assert "its lowest face is not flat" in "\n".join(check_study(study).faults)
     machines.write(study / "D3.stl", "solid nothing\nendsolid\n")
     assert "not a readable STL file" in "\n".join(check_study(study).faults)
+
+
+@pytest.mark.parametrize("height", [0.5e-3, 10e-3, 60e-3])
+def test_a_round_surface_is_proposed_as_a_cylinder_and_a_square_one_is_not(height, study, capsys):
+    for name, mesh in (
+        ("round", mesh_cylinder(20e-3, 10e-3, 1e-3)), ("square", mesh_cuboid(0.02, 0.02, 0.01, 5e-3)),
+    ):  # fmt: skip
+        quads = mesh.boundary_quads
+        triangles = np.concatenate([quads[:, [0, 1, 2]], quads[:, [0, 2, 3]]])
+        points = mesh.points * [1.0, 1.0, height / 10e-3]
+        write_surface(study.parent / f"{name}.stl", TriangleSurface(points, triangles))
+        assert add_stated(study, name, "--surface", str(study.parent / f"{name}.stl")) == 0
+    found = {one.row["sample"]: "\n".join(one.found) for one in check_study(study).seen}
+    assert "write cylinder into column shape" in found["round"]
+    assert "write cylinder into column shape" not in found["square"]
+
+
+def test_a_file_whose_name_is_no_id_needs_one(study, capsys):
+    with pytest.raises(InputError, match=r"cannot be a sample's id.*--sample"):
+        add_sample(study, {"record": "größe 1.csv", "mode": "compression"})
+
+
+def test_paths_of_options_are_those_from_where_one_is(capsys):
+    with pytest.raises(SystemExit):
+        main(["add", "--help"])
+    assert "relative to the table" not in " ".join(capsys.readouterr().out.split())
+    assert main(["show", "missing.json"]) == 1
+    assert capsys.readouterr().err == "missing.json: no such file; correct its path\n"
 
 
 def picture(study, name, inside):

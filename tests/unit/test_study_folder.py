@@ -328,8 +328,9 @@ def test_a_surface_is_added_and_checked(study, capsys):
 @pytest.mark.parametrize("height", [0.5e-3, 10e-3, 60e-3])
 def test_a_round_surface_is_proposed_as_a_cylinder_and_a_square_one_is_not(height, study, capsys):
     for name, mesh in (
-        ("round", mesh_cylinder(20e-3, 10e-3, 1e-3)), ("square", mesh_cuboid(0.02, 0.02, 0.01, 5e-3)),
-    ):  # fmt: skip
+        ("round", mesh_cylinder(20e-3, 10e-3, 1e-3)),
+        ("square", mesh_cuboid(20e-3, 20e-3, 10e-3, 5e-3)),
+    ):
         quads = mesh.boundary_quads
         triangles = np.concatenate([quads[:, [0, 1, 2]], quads[:, [0, 2, 3]]])
         points = mesh.points * [1.0, 1.0, height / 10e-3]

@@ -85,7 +85,7 @@ def _add_study_commands(commands: Any) -> None:
     for column, meaning in columns().items():
         option = column.removesuffix("_mm").replace("_", "-")
         needed = column in ("mode", "record")
-        add.add_argument(f"--{option}", dest=column, required=needed, help=meaning)
+        add.add_argument(f"--{option}", dest=column, required=needed, help=_of_command(meaning))
     check = commands.add_parser("check", help="tell everything that is wrong with a study")
     check.set_defaults(run=lambda g: _check(g.folder))
     for command in (new, add, check):
@@ -98,6 +98,11 @@ def _add_study_commands(commands: Any) -> None:
     run.add_argument("--results", help="folder of the results (default: results in the study)")
     run.add_argument("--cores", type=int, default=2, help="jobs side by side (default: 2)")
     run.add_argument("--target", action="append", default=[], help="rule or file (default: all)")
+
+
+def _of_command(meaning: str) -> str:
+    """What a column means where it is an option: its path is one from where you are."""
+    return meaning.replace(", relative to the table", "")
 
 
 def _spoken(make: str, command: str) -> str:
@@ -175,6 +180,8 @@ def _tell(result: "Inspection", folder: str) -> int:
 
 
 def _show(file: str, output: str | None, everything: bool, segment: str | None) -> None:
+    if not Path(file).exists():
+        raise InputError(f"{file}: no such file; correct its path")
     name = Path(file).name
     stem = name if Path(file).is_dir() else name.removesuffix(".gz").rsplit(".", 1)[0]
     picture = output or f"{Path(file).parent.name}_{stem}.png"

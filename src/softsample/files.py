@@ -1,13 +1,12 @@
 """Files that are whole: written aside and renamed, checked against their checksum when read."""
 
 import errno
-import fcntl
 import glob
 import hashlib
 import os
 import shutil
 from collections.abc import Iterable, Iterator, Mapping
-from contextlib import contextmanager, suppress
+from contextlib import contextmanager
 from pathlib import Path
 
 from softsample.errors import InputError
@@ -142,19 +141,3 @@ def refuse_missing(files: Mapping[str, PathLike]) -> None:
 def disk_is_full(error: BaseException) -> bool:
     """Whether an error is that of a full disk, or of a quota that is used up."""
     return isinstance(error, OSError) and error.errno in (errno.ENOSPC, errno.EDQUOT)
-
-
-def show_presence(path: PathLike) -> None:
-    """Hold a shared lock on a file until this process ends.
-
-    Whoever gets the file's exclusive lock (`flock -n FILE`) knows that no such process is left,
-    however it ended. On a file system without locks nothing is held.
-    """
-    with suppress(OSError):
-        Path(path).parent.mkdir(parents=True, exist_ok=True)
-        _HELD.append(os.open(path, os.O_RDWR | os.O_CREAT | os.O_CLOEXEC, 0o666))
-        fcntl.flock(_HELD[-1], fcntl.LOCK_SH | fcntl.LOCK_NB)
-
-
-_HELD: list[int] = []
-"""Descriptors that stay open as long as the process lives."""

@@ -1,5 +1,6 @@
 """Fitness of an image for segmentation: units, size, contrast."""
 
+from collections.abc import Iterator
 from typing import Any
 
 import numpy as np
@@ -14,6 +15,13 @@ EXTENT_MM = (3.0, 500.0)
 FEWEST_VOXELS = 12
 OFFSET = 0.1
 """A magnitude image lies below zero by less than this part of its range."""
+
+COARSE_MM = 0.75
+"""Longer voxels hide where in them the base and the top end: by up to 0.06 of their edge, which the
+standard deviation that a segmentation states does not hold."""
+
+CLIPPED = 0.1
+"""Of the voxels that are brighter than half the brightest one, fewer than this are as bright."""
 
 
 def world_axis(name: str) -> Array:
@@ -139,6 +147,23 @@ def on_grid_of(
             "both with their geometry"
         )
     return np.asarray(found, dtype=np.float32)
+
+
+def image_doubts(data: NDArray[np.float32], affine: Array, source: str) -> Iterator[str]:
+    """What a volume, which `check_image` accepts, is less fit for, with the cure."""
+    longest = float(np.linalg.norm(affine[:3, :3], axis=0).max())
+    if longest > COARSE_MM:
+        yield (
+            f"{source}: voxels of up to {longest:.3g} mm: height and relief may be wrong by more "
+            f"than is stated; give slices of {COARSE_MM:g} mm at most"
+        )
+    highest = float(data.max())
+    clipped = float(np.mean(data[data > 0.5 * highest] == highest))
+    if clipped > CLIPPED:
+        yield (
+            f"{source}: {100.0 * clipped:.0f} % of the bright voxels have the highest value, "
+            f"{highest:.4g}, as if cut off there; export the image with all its values"
+        )
 
 
 def _sizes(values: NDArray[Any]) -> str:

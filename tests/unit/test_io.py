@@ -11,6 +11,8 @@ import pandas as pd
 import pytest
 
 from softsample.errors import InputError
+from softsample.formats import header_doubts
+from softsample.images import image_doubts
 from softsample.io import (
     read_distance,
     read_image,
@@ -160,6 +162,27 @@ def test_an_image_of_two_dimensions_is_refused(tmp_path):
     write_image(tmp_path / "a.nii.gz", np.zeros((4, 5)), np.eye(4))
     with pytest.raises(InputError, match=r"shape \(4, 5\); give one three-dimensional volume"):
         read_image(tmp_path / "a.nii.gz")
+
+
+def test_two_affines_that_differ_are_doubted(tmp_path):
+    image = nibabel.Nifti1Image(np.zeros((9, 9, 9), np.int16), np.eye(4))
+    for shift, doubted in ((0.0, False), (0.3, False), (5.0, True)):
+        image.set_sform(np.eye(4), 1)
+        moved = np.eye(4)
+        moved[0, 3] = shift
+        image.set_qform(moved, 1)
+        nibabel.save(image, tmp_path / "a.nii.gz")
+        told = header_doubts(tmp_path / "a.nii.gz")
+        assert ("differ by up to 5 mm" in "".join(told)) is doubted is bool(told)
+
+
+def test_coarse_voxels_and_cut_off_values_are_doubted():
+    values = np.random.default_rng(0).uniform(0.0, 1000.0, (20, 20, 20)).astype(np.float32)
+    fine, thick = np.diag([0.5, 0.5, 0.75, 1.0]), np.diag([0.3, 0.3, 1.0, 1.0])
+    assert not list(image_doubts(values, fine, "a"))
+    assert "a: voxels of up to 1 mm" in "".join(image_doubts(values, thick, "a"))
+    cut = "".join(image_doubts(np.minimum(values, 800.0), fine, "a"))
+    assert "have the highest value, 800, as if cut off there; export" in cut
 
 
 def test_an_image_without_affine_is_refused(tmp_path):

@@ -33,6 +33,7 @@ ALLOWED = {
     "plausibility": {"errors", "formats", "protocol", "records"},
     "holdout": {"errors", "records", "validation"},
     "files": {"errors"},
+    "presence": {"errors"},
     "workflow": {"errors", "files", "progress"},
     "manifest": {"errors", "files"},
     "costs": {"errors", "workflow"},
@@ -60,7 +61,7 @@ ALLOWED = {
     "figures": {"files", "loop", "meshing", "protocol", "report", "shapes", "wording"},
     "study": {
         "errors", "formats", "holdout", "images", "imaging", "io", "meshing", "plausibility",
-        "protocol", "records", "response", "shapes", "validation",
+        "presence", "protocol", "records", "response", "shapes", "validation",
     },
     "measured": {"errors", "figures", "files", "io", "report", "study"},
     "from_files": {

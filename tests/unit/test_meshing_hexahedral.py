@@ -207,7 +207,11 @@ def test_element_size_too_coarse_for_the_sample_is_refused():
 
 def test_element_worse_than_allowed_is_refused_with_its_place(monkeypatch):
     monkeypatch.setattr(hexahedral, "LEAST_JACOBIAN", 0.95)
-    with pytest.raises(MeshError, match=r"scaled Jacobian below 0.95, the worst 0\.\d+ at \("):
+    message = (
+        r"elements of 0.8 mm have a scaled Jacobian below 0.95, the worst 0\.\d+ at \(.*: choose "
+        "another mesh: element_size_mm"
+    )
+    with pytest.raises(MeshError, match=message):
         mesh_solid(*grid("dome"), 0.8 * MM)
 
 

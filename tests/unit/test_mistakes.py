@@ -38,6 +38,12 @@ def tissue(up=1, seed=0, shape=(11.0, 9.0, 7.0)):
     return np.clip(0.5 - outside / 0.5, 0.0, 1.0)
 
 
+def on_a_platen(share):
+    """With 40 % of the brightness of tissue in the slices below the base."""
+    share[3:-3, 3:-3, 2:8] = np.maximum(share[3:-3, 3:-3, 2:8], 0.4)
+    return share
+
+
 def scanned(share, seed=0):
     noise = np.random.default_rng(seed).normal(0.0, 8.0, (2, *share.shape))
     return np.hypot(300.0 * share + noise[0], noise[1]).astype(np.int16)
@@ -215,6 +221,11 @@ MISTAKES = {
         r"row 2 \(A\).*A.nii.gz: no platen found.*: 1\d % .*write -z into column loading_axis",
         True,
     ),
+    "visible platen": (
+        lambda s: s.image("A.nii.gz", scanned(on_a_platen(tissue()))),
+        r"row 2 \(A\).*A.nii.gz: what lies below the sample is \d\d % as bright",
+        False,
+    ),
     "two samples": (
         lambda s: s.image("A.nii.gz", np.concatenate([scanned(tissue())] * 2)),
         r"row 2 \(A\).*A.nii.gz: two samples found, of \d+ and \d+ mm3; crop",
@@ -222,7 +233,7 @@ MISTAKES = {
     ),
     "no platen": (
         on_its_side,
-        r"row 2 \(A\).*A.nii.gz: no platen found.*: 1\d % .*the other end is not flat either",
+        r"row 2 \(A\).*A.nii.gz: no platen found.*: 1\d % .*bonded to its platen, and",
         False,
     ),
     "at the border": (

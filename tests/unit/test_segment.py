@@ -384,6 +384,70 @@ def test_an_image_that_is_upside_down_says_which_axis_is_right():
         segment(image, affine @ np.diag([1.0, -1.0, -1.0, 1.0]))
 
 
+def boxes(*brightness_and_box, shape=(34, 31, 24)):
+    """Image in voxels of 0.5 mm: boxes (low, high) of a brightness, later ones over earlier."""
+    image = np.zeros(shape)
+    for bright, low, high in brightness_and_box:
+        image[tuple(slice(*edges) for edges in zip(low, high, strict=True))] = bright
+    noise = np.random.default_rng(3).normal(0.0, 8.0, (2, *shape))
+    return np.hypot(image + noise[0], noise[1]), np.diag([0.5, 0.5, 0.5, 1.0])
+
+
+BLOCK = (400.0, (6, 6, 6), (28, 25, 18))
+
+
+def test_a_holder_below_a_sample_is_no_image_upside_down():
+    image, affine = boxes((300.0, (9, 8, 2), (25, 23, 6)), BLOCK)
+    with pytest.raises(SegmentationError, match="if the image is upside down, .* such as a holder"):
+        segment(image, affine, find_film=False)
+
+
+@pytest.mark.parametrize("turned_over", [False, True])
+def test_a_bubble_at_the_base_is_filled_and_a_dimple_in_the_top_is_not(turned_over):
+    def seen(*low_and_high):
+        image, affine = boxes(BLOCK, (0.0, *low_and_high))
+        half_a_turn = np.diag([-1.0, 1.0, -1.0, 1.0])
+        up = (0.0, 0.0, -1.0 if turned_over else 1.0)
+        affine = half_a_turn @ affine if turned_over else affine
+        return segment(image, affine, find_film=False, loading_axis=up)
+
+    whole = 0.125 * 22 * 19 * 12
+    bubble = seen((14, 12, 6), (20, 18, 10))
+    assert bubble.flags[0] == "a hole in the sample was filled"
+    assert 1e9 * bubble.volume == pytest.approx(whole, rel=0.01)
+    size = measure(bubble.distance, bubble.origin, bubble.spacing)
+    assert size["length_mm"] == pytest.approx(11.0, abs=0.05)
+    dimple = seen((14, 12, 16), (20, 18, 18))
+    assert "a hole in the sample was filled" not in dimple.flags
+    assert 1e9 * dimple.volume < whole - 5.0
+
+
+@pytest.mark.parametrize("find", [segment, glance])
+@pytest.mark.parametrize(
+    ("other", "doubts"),
+    [
+        ((0.0, (2, 2, 2), (32, 29, 6)), []),
+        ((180.0, (2, 2, 2), (32, 29, 6)), ["below the sample is"]),
+        ((350.0, (2, 2, 2), (32, 29, 6)), ["section shrinks by"]),
+        ((350.0, (2, 2, 18), (32, 29, 22)), ["section grows by"]),
+        ((100.0, (2, 2, 6), (32, 29, 22)), ["beside the sample is", "above the sample is"]),
+        ((400.0, (28, 10, 6), (46, 21, 18)), ["section has a notch of"]),
+    ],
+    ids=["alone", "grey platen", "bright platen", "bright upper platen", "fluid", "touching piece"],
+)
+def test_what_is_taken_for_tissue_beside_the_sample_is_doubted(find, other, doubts):
+    image, affine = boxes(other, BLOCK, shape=(50, 31, 24))
+    found = segment(image, affine, find_film=False) if find is segment else glance(image, affine)
+    told = getattr(found, "found", found).doubts
+    assert len(told) == len(doubts)
+    assert all(what in line for what, line in zip(doubts, told, strict=True))
+    assert all(line.endswith("a mask of it in column segmentation") for line in told)
+
+
+def test_samples_that_stand_alone_are_not_doubted():
+    assert not [doubt for name in SCANS for doubt in found(name).doubts]
+
+
 def bad_images():
     image, affine = SCANS["shear"].image(SHAPE)
     image = image.astype(np.float64)
@@ -425,7 +489,7 @@ def test_a_bad_image_is_refused_with_the_cure(name):
 
 def test_too_much_tilt_and_senseless_axes_are_refused():
     image, affine = replace(SCANS["shear"], rotation=turned(0.0, 14.0, 0.0)).image(SHAPE)
-    with pytest.raises(SegmentationError, match=r"tilted by 1[34]\.\d degrees"):
+    with pytest.raises(SegmentationError, match=r"tilted by 1[34]\.\d .*; raise .*max_tilt_deg"):
         segment(image, affine)
     with pytest.raises(InputError, match="parallel"):
         segment(image, affine, loading_axis=(0.0, 0.0, 1.0), shear_axis=(0.0, 0.0, 2.0))

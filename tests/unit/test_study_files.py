@@ -140,3 +140,5 @@ def test_a_group_is_finished_when_all_is_there_and_no_job_of_it_failed_since(tmp
         assert len(files.finished(tmp_path, [(job, "why")])) == left, job
     (tmp_path / "bond/moduli/TC1.json").unlink()
     assert list(files.finished(tmp_path, [])) == ["A1", "A2"]
+    failed = [("mesh/A1_real", "why")]
+    assert {*files.plan.rows} - {*files.finished(tmp_path, failed, False)} == {"A1", "A2"}

@@ -13,11 +13,14 @@ import pytest
 
 import machines
 from softsample.__main__ import main
+from softsample.errors import InputError
 from softsample.io import read_samples, write_surface
 from softsample.meshing.cuboid import mesh_cuboid
+from softsample.meshing.cylinder import mesh_cylinder
 from softsample.meshing.surface import TriangleSurface
 from softsample.study import run
 from softsample.study.check import check_study, each_cure_once
+from softsample.study.folder import add_sample
 
 ROOT = Path(__file__).resolve().parents[2]
 AFFINE = np.diag([0.4, 0.4, 0.4, 1.0])
@@ -322,6 +325,35 @@ def test_a_surface_is_added_and_checked(study, capsys):
     assert "not a readable STL file" in "\n".join(check_study(study).faults)
 
 
+@pytest.mark.parametrize("height", [0.5e-3, 10e-3, 60e-3])
+def test_a_round_surface_is_proposed_as_a_cylinder_and_a_square_one_is_not(height, study, capsys):
+    for name, mesh in (
+        ("round", mesh_cylinder(20e-3, 10e-3, 1e-3)),
+        ("square", mesh_cuboid(20e-3, 20e-3, 10e-3, 5e-3)),
+    ):
+        quads = mesh.boundary_quads
+        triangles = np.concatenate([quads[:, [0, 1, 2]], quads[:, [0, 2, 3]]])
+        points = mesh.points * [1.0, 1.0, height / 10e-3]
+        write_surface(study.parent / f"{name}.stl", TriangleSurface(points, triangles))
+        assert add_stated(study, name, "--surface", str(study.parent / f"{name}.stl")) == 0
+    found = {one.row["sample"]: "\n".join(one.found) for one in check_study(study).seen}
+    assert "write cylinder into column shape" in found["round"]
+    assert "write cylinder into column shape" not in found["square"]
+
+
+def test_a_file_whose_name_is_no_id_needs_one(study, capsys):
+    with pytest.raises(InputError, match=r"cannot be a sample's id.*--sample"):
+        add_sample(study, {"record": "größe 1.csv", "mode": "compression"})
+
+
+def test_paths_of_options_are_those_from_where_one_is(capsys):
+    with pytest.raises(SystemExit):
+        main(["add", "--help"])
+    assert "relative to the table" not in " ".join(capsys.readouterr().out.split())
+    assert main(["show", "missing.json"]) == 1
+    assert capsys.readouterr().err == "missing.json: no such file; correct its path\n"
+
+
 def picture(study, name, inside):
     """An image of a bright body of 10 mm height on a dark platen."""
     x, y, z = (0.4 * np.arange(n) - middle for n, middle in ((70, 14), (70, 14), (40, 2)))
@@ -433,6 +465,12 @@ def test_a_cure_that_many_rows_need_is_said_once():
     assert each_cure_once(lines) == [lines[0], "row 3: no; as above", *lines[2:]]
 
 
+def test_a_cure_that_was_said_further_up_is_said_of_which_row():
+    lines = ["t, row 2 (A): no; cut it", "t, row 3 (B): no; add it", "t, row 4 (C): no; cut it"]
+    assert each_cure_once(lines)[2] == "t, row 4 (C): no; as for row 2 (A)"
+    assert each_cure_once([line.replace("row", "line") for line in lines])[2].endswith("; cut it")
+
+
 def test_a_reader_that_has_seen_enough_is_no_error(study):
     add(study)
     command = f"{sys.executable} -m softsample check '{study}' | true; echo ${{PIPESTATUS[0]}}"
@@ -454,6 +492,26 @@ def test_after_a_run_with_failures_the_finished_groups_are_reported(own, tmp_pat
     settings = second[second.index("--config") + 1 :]
     given = [f"samples={tmp_path}/samples.tsv", f"results={tmp_path}/results"] if own else []
     assert settings == [*given, "report={groups: finished}"]
+
+
+@pytest.mark.parametrize("of_others", [True, False])
+def test_a_target_is_made_of_the_groups_that_came_through_if_they_have_it(
+    of_others, tmp_path, monkeypatch, capsys
+):
+    monkeypatch.chdir(tmp_path)
+    (tmp_path / "samples.tsv").touch()
+    called, looked = [], []
+    statuses = iter([1, 0])
+    monkeypatch.setattr(run, "_call", lambda words: called.append(words) or next(statuses))
+    monkeypatch.setattr(
+        run.subprocess, "call", lambda words, **_: looked.append(words) or int(not of_others)
+    )
+    assert run.run_study(tmp_path, targets=["tables/table1.csv"]) == 1
+    assert [words[-2:] for words in looked] == [["--quiet", "all"]]
+    of_the_others = [words for words in called[1:] if "report={groups: not_failed}" in words]
+    assert len(of_the_others) == len(called) - 1 == int(of_others)
+    assert all("tables/table1.csv" in words for words in called)
+    assert ("Results: " in capsys.readouterr().out) == of_others
 
 
 @pytest.mark.parametrize(

@@ -88,7 +88,10 @@ def test_two_runs_in_one_folder_do_not_meet(project):
     assert "Directory cannot be locked" in text
     status, text = project.run_study(target)
     assert status != 0
-    assert "Another run is working in this folder; wait for it, or stop it." in text
+    assert f"Another run is working on {project.results}; wait for it, or stop it" in text
+    status, text = project.run("--nolock", target)  # as from another folder
+    assert status != 0
+    assert f"Another run is working on {project.results}; wait for it, or stop it" in text
     held.release()
     assert run.wait() == 0, project.printed.read_text()
     assert NOTHING in project.run("-n", target)[1]

@@ -28,9 +28,9 @@ os.environ.update(PYTHONPATH=os.pathsep.join(dict.fromkeys(search_path)))
 from softsample.costs import mesh_memory_mb, mesh_runtime_min
 from softsample.dependencies import dependencies, state_of_kernels
 from softsample.errors import SoftsampleError
-from softsample.files import show_presence
 from softsample.holdout import check_hold_out
 from softsample.io import read_json, read_samples
+from softsample.presence import is_led, lead_run, show_presence
 from softsample.progress import show_jobs_in_lines
 from softsample.report.results import words_of_failure, words_of_success
 from softsample.study import schema
@@ -41,9 +41,6 @@ from softsample.workflow import failed_jobs
 
 if workflow.is_main_process:
     show_jobs_in_lines(dry=lambda: workflow.dryrun)
-
-# `make` removes the lock of a killed run only if no run and no job of one is alive.
-show_presence(".snakemake/alive.lock")
 
 
 def checked_study():
@@ -64,11 +61,15 @@ def checked_study():
 
 STARTED = time.time()
 TABLE, PLAN = checked_study()
+# A run begins only where no process of another one is alive.
+if is_led(config["results"]) or not workflow.is_main_process:
+    show_presence(config["results"])
 # After a run in which samples failed, tables and figures of the others can still be had.
 LEFT_OUT, FAILURES = [], []
-if config["report"]["groups"] == "finished":
+if config["report"]["groups"] != "all":
     FAILURES = failed_jobs(f"{config['results']}/logs")
-    finished = Files(PLAN).finished(config["results"], FAILURES)
+    reported = config["report"]["groups"] == "finished"
+    finished = Files(PLAN).finished(config["results"], FAILURES, reported)
     LEFT_OUT = [name for name in PLAN.rows if name not in finished]
     if not finished:
         raise WorkflowError("no group of samples came through; there is nothing to report")
@@ -220,6 +221,10 @@ def numbers_of_this_run():
 
 
 onstart:
+    try:
+        lead_run(config["results"])
+    except SoftsampleError as error:
+        raise WorkflowError(str(error)) from None
     # By default Snakemake looks at all jobs again a second after each look. Each job that ends adds
     # such a series: after the 25,000 jobs of 1,000 samples they would take several cores.
     if workflow.local_exec:

@@ -26,6 +26,13 @@ IMAGE_ENDINGS = (".nii", ".nii.gz", ".nrrd", ".nhdr")
 """How a file with an image ends; a folder is taken for a DICOM series."""
 
 
+def header_doubts(path: PathLike) -> list[str]:
+    """What to say of the header of a volume that `read_image` reads."""
+    from softsample.formats import nifti
+
+    return list(nifti.doubts(path)) if os.fspath(path).lower().endswith((".nii", ".nii.gz")) else []
+
+
 def read_image(path: PathLike, segments: Sequence[str] = ()) -> Volume:
     """Read a volume of any supported format; the world comes back as RAS+ in mm.
 

@@ -1,5 +1,6 @@
 """NIfTI volumes (`.nii`, `.nii.gz`), whose world is RAS+ already."""
 
+from collections.abc import Iterator
 from typing import Any
 
 import nibabel
@@ -9,6 +10,9 @@ from nibabel.filebasedimages import ImageFileError
 from softsample.errors import InputError
 from softsample.files import PathLike
 from softsample.formats import Volume, check_size
+
+AGREE = 0.5
+"""Distance, in voxel edges, by which the places of a voxel by sform and qform may differ."""
 
 
 def read(path: PathLike) -> Volume:
@@ -29,6 +33,22 @@ def read(path: PathLike) -> Volume:
     if data.ndim != 3:
         raise InputError(f"{path}: image has shape {data.shape}; give one three-dimensional volume")
     return data, np.asarray(image.affine, dtype=np.float64)
+
+
+def doubts(path: PathLike) -> Iterator[str]:
+    """What to say of a readable volume whose two affines, sform and qform, tell other places."""
+    header = nibabel.load(path).header
+    if header["sform_code"] == 0 or header["qform_code"] == 0:
+        return
+    sform, qform = header.get_sform(), header.get_qform()
+    corners = np.indices((2, 2, 2)).reshape(3, -1) * np.array(header.get_data_shape()[:3])[:, None]
+    apart = (sform - qform) @ np.vstack([corners, np.ones(8)])
+    furthest = float(np.linalg.norm(apart[:3], axis=0).max())
+    if furthest > AGREE * float(np.linalg.norm(sform[:3, :3], axis=0).min()):
+        yield (
+            f"{path}: its sform and its qform differ by up to {furthest:.3g} mm; the sform is "
+            "used: export the image again, or set both to the one that is right"
+        )
 
 
 def _check_header(header: Any, path: PathLike) -> None:

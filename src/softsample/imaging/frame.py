@@ -97,7 +97,10 @@ def fit_base(surface: Surface, up: Array, max_tilt: float) -> tuple[Array, Array
     down = -vectors @ up > np.cos(np.radians(BASE_CONE_DEG)) * area
     down &= area > 0.0
     if np.count_nonzero(down) < 50:
-        raise SegmentationError("no flat base was found at the lower end of the loading axis")
+        raise SegmentationError(
+            "no flat base was found at the lower end of the loading axis; give an image of the"
+            " sample bonded to its platen, and a loading_axis that points from there upward"
+        )
     points, weight = centres[down], area[down]
     # Overhangs of the walls also look down: start from the widest level, the base.
     height = points @ up
@@ -109,7 +112,8 @@ def fit_base(surface: Surface, up: Array, max_tilt: float) -> tuple[Array, Array
     if tilt > max_tilt:
         raise SegmentationError(
             f"base is tilted by {np.degrees(tilt):.1f} degrees from the loading axis, at most"
-            f" {np.degrees(max_tilt):.0f} are taken out"
+            f" {np.degrees(max_tilt):.0f} are taken out; raise segmentation.max_tilt_deg, or turn"
+            " the image"
         )
     return point, normal, spread
 

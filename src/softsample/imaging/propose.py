@@ -15,10 +15,16 @@ from softsample.imaging.segment import (
     segmentation_from_mask,
     voxel_size,
 )
+from softsample.imaging.surface import segmentation_from_surface
+from softsample.meshing.surface import TriangleSurface
 from softsample.shapes import IdealShape
+from softsample.units import MM
 
 SPACING_MM = 0.5
 """Edge of the voxels, and grid of the signed distance, that are enough to see the shape [mm]."""
+
+CELLS_WIDE = 40.0
+"""Cells of the grid across a surface that are enough to see its shape."""
 
 
 @dataclass(frozen=True)
@@ -109,3 +115,25 @@ def coarsened(data: Array, affine: Array) -> tuple[Array, Array]:
     to_first = np.diag([*map(float, steps), 1.0])
     to_first[:3, 3] = 0.5 * (np.array(steps) - 1.0)
     return cut.reshape(blocks).mean(axis=(1, 3, 5)), affine @ to_first
+
+
+def circularity_of_surface(
+    surface: TriangleSurface, loading_axis: ArrayLike = (0.0, 0.0, 1.0)
+) -> float:
+    """`circularity` of the sections of a surface across the loading axis, at low resolution.
+
+    The surface is stretched along that axis until it is as high as wide, which changes no section,
+    so that thin discs need no fine grid.
+    """
+    up = np.asarray(loading_axis, dtype=np.float64)
+    extent = np.ptp(surface.points, axis=0)
+    width = float(np.max(extent * (1.0 - np.abs(up))))
+    stretch = np.eye(4)
+    stretch[:3, :3] += (width / float(extent @ np.abs(up)) - 1.0) * np.outer(up, up)
+    found = segmentation_from_surface(
+        surface.moved(stretch),
+        SegmentationSettings(grid_spacing_mm=width / CELLS_WIDE / MM),
+        loading_axis=up,
+        shear_axis=np.eye(3)[int(np.argmin(np.abs(up)))],
+    )
+    return circularity(found.distance, found.origin, found.spacing)

@@ -13,7 +13,7 @@ from scipy import ndimage
 from softsample.arrays import Array, Mask
 from softsample.errors import InputError, SegmentationError
 from softsample.imaging import distance as sdf
-from softsample.imaging import film, frame, intensity, relief
+from softsample.imaging import doubts, film, frame, intensity, relief
 from softsample.units import MM
 
 HALF = 0.5
@@ -133,6 +133,8 @@ class Segmentation:
         median threshold at the boundary, intensities as in the image. NaN for a given mask.
     flags : tuple of str
         Peculiarities a person should look at.
+    doubts : tuple of str
+        Why this may be something else than the sample, with cures.
     """
 
     mask: Mask
@@ -149,6 +151,7 @@ class Segmentation:
     tissue_level: float
     threshold: float
     flags: tuple[str, ...]
+    doubts: tuple[str, ...]
 
     @property
     def grids_mm(self) -> dict[str, NDArray[np.float32]]:
@@ -200,7 +203,7 @@ class Segmentation:
             "tilt_deg": float(np.degrees(self.tilt)),
             "base_flatness_mm": self.base_spread / MM,
             **known,
-            "flags": list(self.flags),
+            "flags": [*self.flags, *(doubt.partition("; ")[0] for doubt in self.doubts)],
         }
 
 
@@ -245,6 +248,8 @@ def segment(
     share = tissue_share(image, spacing, settings)
     check_component(share.mask, spacing, settings)
     _refuse_surrounded(share.mask & ~share.hole, to_world, up)
+    cavity = _cavities(share, to_world, up)
+    share = replace(share, mask=share.mask | cavity, hole=share.hole | cavity)
     if not find_film:
         share = replace(share, power=None, relative_noise=None)
     return _from_share(share, to_world, settings, up, shear, on_platen=True)
@@ -334,7 +339,7 @@ def tissue_share(image: Array, spacing: Array, settings: SegmentationSettings) -
     left_out = _left_out(bright, spacing)
     rough = intensity.largest_component(bright)
     bright |= rough
-    margin = max(LEVEL_MARGIN_MM * MM, float(np.max(spacing))) + 0.25 * MM
+    margin = _margin(spacing)
     interior = _interior(image, rough, spacing, margin, settings)
     around = intensity.surroundings(image, bright, spacing, 2.0 * margin)
     level = float(np.median(image[interior]))
@@ -380,6 +385,11 @@ def tissue_share(image: Array, spacing: Array, settings: SegmentationSettings) -
     )
 
 
+def _margin(spacing: Array) -> float:
+    """Distance from the boundary within which voxels may be partly tissue [m]."""
+    return max(LEVEL_MARGIN_MM * MM, float(np.max(spacing))) + 0.25 * MM
+
+
 def _interior(
     image: Array, rough: Mask, spacing: Array, margin: float, settings: SegmentationSettings
 ) -> Mask:
@@ -417,8 +427,7 @@ def _left_out(regions: Mask, spacing: Array) -> float:
 
 def _refuse_surrounded(solid: Mask, to_world: Array, up: Array) -> None:
     """Refuse a sample whose sections are rings: a container, or a bath about the sample."""
-    axis = int(np.abs(up @ (to_world[:3, :3] / voxel_size(to_world))).argmax())
-    sections = np.moveaxis(solid, axis, 0)
+    sections = _from_above(solid, to_world, up)
     filled = sum(np.count_nonzero(ndimage.binary_fill_holes(section)) for section in sections)
     enclosed = 1.0 - np.count_nonzero(solid) / filled
     if enclosed > MOST_ENCLOSED:
@@ -427,6 +436,30 @@ def _refuse_surrounded(solid: Mask, to_world: Array, up: Array) -> None:
             "like a container, or fluid about a sample; give an image of the sample in air, or "
             "a mask in column segmentation"
         )
+
+
+def _cavities(share: TissueShare, to_world: Array, up: Array) -> Mask:
+    """What a sample encloses in its sections and covers: bubbles that are open to the platen.
+
+    They are dark somewhere; where a slice lies half in the base, noise makes holes that are not.
+    """
+    cavity = np.zeros_like(share.mask)
+    holes = _from_above(cavity, to_world, up)
+    above = np.zeros_like(holes[0])
+    for hole, section in zip(holes, _from_above(share.mask, to_world, up), strict=True):
+        above |= section
+        hole[:] = ndimage.binary_fill_holes(section) & above & ~section
+    labels, _ = ndimage.label(cavity)
+    dark = np.unique(labels[cavity & (share.share < 0.5 * HALF)])
+    return np.isin(labels, dark) & cavity
+
+
+def _from_above(mask: Mask, to_world: Array, up: Array) -> Mask:
+    """Sections across the image's axis that is nearest to the loading axis, the highest first."""
+    along = up @ (to_world[:3, :3] / voxel_size(to_world))
+    axis = int(np.abs(along).argmax())
+    sections = np.moveaxis(mask, axis, 0)
+    return sections[::-1] if along[axis] > 0.0 else sections
 
 
 def _free_fluid(raw: Array, spacing: Array) -> Mask:
@@ -465,11 +498,10 @@ def _from_share(
     try:
         point, normal, spread = _base(surface, up, voxel_size(to_world), settings, on_platen)
     except SegmentationError as error:
-        if not on_platen:
+        other = _other_end(surface, up, voxel_size(to_world), settings) if on_platen else None
+        if other is None:
             raise
-        raise SegmentationError(
-            f"{error}{_other_end(surface, up, voxel_size(to_world), settings)}"
-        ) from error
+        raise SegmentationError(f"{str(error).partition('; ')[0]}; {other}") from error
     x = frame.wall_direction(surface, normal, shear)
     sample_to_world = frame.rigid(x, normal, point)
     found = _boundary(kept, share, surface, to_world, sample_to_world, settings)
@@ -479,6 +511,9 @@ def _from_share(
     sample_to_world = frame.rigid(x, normal, point + sample_to_world[:3, :3] @ shift)
     origin = origin - shift
     tilt = float(np.arccos(np.clip(normal @ up, -1.0, 1.0)))
+    voxel = voxel_size(to_world)
+    to_sample = np.linalg.inv(sample_to_world) @ to_world
+    beside = doubts.bright_beside(share.share, share.mask, voxel, 1.5 * _margin(voxel), to_sample)
     return Segmentation(
         mask=_on_image(distance, origin, spacing, sample_to_world, to_world, share.mask.shape),
         distance=distance,
@@ -493,7 +528,8 @@ def _from_share(
         noise=share.noise,
         tissue_level=share.level,
         threshold=share.threshold,
-        flags=(*_flags(share, spread, voxel_size(to_world)), *frame.told_turn(x, shear)),
+        flags=(*_flags(share, spread, voxel), *frame.told_turn(x, shear)),
+        doubts=(*beside, *doubts.odd_sections(distance, origin, spacing)),
     )
 
 
@@ -514,28 +550,26 @@ def _base(
         raise SegmentationError(
             f"no platen found below the sample: {100.0 * flat:.0f} % of its underside lie within"
             f" {reach / MM:.2g} mm of one plane, at least {100.0 * settings.min_base_share:.0f} %"
-            " are expected"
+            " are expected; give an image of the sample bonded to its platen, and a loading_axis"
+            " that points from there upward, or lower segmentation.min_base_share"
         )
     return point, normal, spread
 
 
 def _other_end(
     surface: frame.Surface, up: Array, spacing: Array, settings: SegmentationSettings
-) -> str:
-    """What to do about a sample without a base: its platen may be at the other end."""
+) -> str | None:
+    """What to do about a sample without a base whose other end could be one, or None."""
     try:
         _base(surface, -up, spacing, settings, on_platen=True)
     except SegmentationError:
-        return (
-            "; give an image of the sample bonded to its platen, and a loading_axis that points "
-            "from there upward (the other end is not flat either), or lower"
-            " segmentation.min_base_share"
-        )
+        return None
     axis = int(np.abs(up).argmax())
     opposite = f"{'-' if up[axis] > 0.0 else '+'}{'xyz'[axis]}"
     return (
-        "; its other end is flat, so the image is upside down: write"
-        f" {opposite} into column loading_axis"
+        f"its other end is flat: if the image is upside down, write {opposite} into column"
+        " loading_axis; if something below the sample is as bright, such as a holder, give a mask"
+        " without it in column segmentation"
     )
 
 

@@ -71,6 +71,7 @@ def segmentation_from_surface(
         tissue_level=np.nan,
         threshold=np.nan,
         flags=frame.told_turn(x, shear),
+        doubts=(),
     )
 
 

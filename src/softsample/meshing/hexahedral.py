@@ -181,8 +181,8 @@ def _refuse_bad(mesh: HexMesh, size: float) -> None:
     if jacobian[worst] < LEAST_JACOBIAN:
         place = 1e3 * mesh.points[mesh.hexes[worst]].mean(axis=0)
         raise MeshError(
-            f"{int(np.sum(jacobian < LEAST_JACOBIAN))} elements have a scaled "
-            f"Jacobian below {LEAST_JACOBIAN:g}, the worst {jacobian[worst]:.3f} at "
-            f"({place[0]:.1f}, {place[1]:.1f}, {place[2]:.1f}) mm: choose an element size other "
-            f"than {1e3 * size:.3g} mm, or smooth the segmentation there"
+            f"{int(np.sum(jacobian < LEAST_JACOBIAN))} elements of {1e3 * size:.3g} mm have a "
+            f"scaled Jacobian below {LEAST_JACOBIAN:g}, the worst {jacobian[worst]:.3f} at "
+            f"({place[0]:.1f}, {place[1]:.1f}, {place[2]:.1f}) mm: choose another mesh: "
+            "element_size_mm, or smooth the segmentation there"
         )

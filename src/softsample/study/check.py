@@ -12,12 +12,12 @@ from numpy.typing import NDArray
 
 from softsample.arrays import Mask
 from softsample.errors import InputError, SoftsampleError
-from softsample.formats import Volume
+from softsample.formats import Volume, header_doubts
 from softsample.formats.machine import described, read
 from softsample.holdout import check_hold_out, folds, held_out, selecting
-from softsample.images import check_image, on_grid_of, one_label, world_axis
-from softsample.imaging.measure import MeasurementSettings
-from softsample.imaging.propose import Glance, coarsened, glance
+from softsample.images import check_image, image_doubts, on_grid_of, one_label, world_axis
+from softsample.imaging.measure import MeasurementSettings, proposed_shape
+from softsample.imaging.propose import Glance, circularity_of_surface, coarsened, glance
 from softsample.imaging.segment import SegmentationSettings
 from softsample.io import PathLike, read_image, read_samples, read_surface, read_yaml
 from softsample.meshing.marks import MarkedImage
@@ -43,6 +43,9 @@ from softsample.validation import (
 
 SLIDING_MODES = ("tension", "compression", "shear", "pure_shear")
 """Modes of a stated shape whose ends may slide."""
+
+ROW = re.compile(r"row \d+ \([^)]*\)")
+"""Where a fault or a doubt is in the table."""
 
 
 @dataclass
@@ -70,14 +73,17 @@ class Inspection:
 
 
 def each_cure_once(lines: Iterable[str]) -> list[str]:
-    """Faults or doubts; a cure (what follows the semicolon) is said the first time only."""
-    said: set[str] = set()
-    short = []
+    """Faults or doubts; a cure (what follows the semicolon) that many rows need is said once."""
+    said: dict[str, str] = {}
+    short, before = [], ""
     for line in lines:
         what, _, cure = line.partition("; ")
-        short.append(f"{what}; as above" if cure in said else line)
+        first = ROW.search(said.get(cure, ""))
+        same = "as above" if cure == before else f"as for {first[0]}" if first else cure
+        short.append(f"{what}; {same}" if cure in said else line)
+        before = cure
         if cure:
-            said.add(cure)
+            said.setdefault(cure, what)
     return short
 
 
@@ -209,14 +215,18 @@ def _check_row(
             result.faults += [f"{where}: {line}" for line in str(error).split("\n")]
             return None
 
-    image = attempt("image", lambda path: _image(path, told))
+    doubted: list[str] = []
+    image = attempt("image", lambda path: _image(path, told, doubted))
     names = (row.get("sample", ""), "sample")
     mask = attempt("segmentation", lambda path: _mask(path, names, image)) if image else None
     piece = None
     if image and ("segmentation" not in row or mask is not None):
         piece = attempt("image", lambda path: _glance(path, image, mask, row, settings))
         told += _told(piece, row) if piece else ()
-    surface = attempt("surface", lambda path: _surface(path, told))
+        seen = piece.found.doubts if piece else ()
+        doubted += [f"{home / row['image']}: {doubt}" for doubt in seen]
+    result.doubts += [f"{where}: {doubt}" for doubt in doubted]
+    surface = attempt("surface", lambda path: _surface(path, row, told))
     size = _size(row, told)
     around = _around(surface) if surface else None
     known = size or (piece.shape if piece else None) or around
@@ -245,9 +255,10 @@ def _check_there(home: Path, name: str, column: str) -> None:
     raise InputError(f"{path}: no such {column}; {cure}")
 
 
-def _image(path: str, told: list[str]) -> Volume:
+def _image(path: str, told: list[str], doubted: list[str]) -> Volume:
     volume = read_image(path)
     facts = check_image(*volume, path)
+    doubted += [*header_doubts(path), *image_doubts(*volume, path)]
     size, voxel, extent = (
         " x ".join(f"{value:.4g}" for value in facts[name])
         for name in ("shape", "voxel_mm", "extent_mm")
@@ -286,14 +297,19 @@ def _told(seen: Glance, row: Mapping[str, str]) -> Iterator[str]:
         f"    sample of about {size} mm, {found.volume / MM**3:.4g} mm3, base tilted by "
         f"{np.degrees(found.tilt):.1f} degrees{''.join(f'; {flag}' for flag in found.flags)}"
     )
-    if shape.kind == "cylinder" and "shape" not in row:
+    yield from _told_round(seen.circularity, row)
+
+
+def _told_round(circularity: float, row: Mapping[str, str]) -> Iterator[str]:
+    """What to say of a sample that looks like a cylinder."""
+    if proposed_shape(circularity) == "cylinder" and "shape" not in row:
         yield (
-            f"    its section looks round (circularity {seen.circularity:.2f}): if it is, write "
+            f"    its section looks round (circularity {circularity:.2f}): if it is, write "
             "cylinder into column shape, so that it is idealised as one"
         )
 
 
-def _surface(path: str, told: list[str]) -> TriangleSurface:
+def _surface(path: str, row: Mapping[str, str], told: list[str]) -> TriangleSurface:
     surface = read_surface(path)
     base_centre(surface)
     extent = " x ".join(f"{size / MM:.4g}" for size in np.ptp(surface.points, axis=0))
@@ -301,6 +317,8 @@ def _surface(path: str, told: list[str]) -> TriangleSurface:
         f"  surface {path}: {len(surface.triangles)} triangles, {extent} mm, "
         f"{surface.volume / MM**3:.4g} mm3"
     )
+    loading_axis = world_axis(axes_of(row)["loading_axis"])
+    told += _told_round(circularity_of_surface(surface, loading_axis), row)
     return surface
 
 

@@ -275,11 +275,15 @@ class Files:
         ]
 
     def finished(
-        self, results: str | os.PathLike[str], failures: Iterable[tuple[str, str]]
+        self,
+        results: str | os.PathLike[str],
+        failures: Iterable[tuple[str, str]],
+        reported: bool = True,
     ) -> Mapping[str, Mapping[str, str]]:
         """Rows of groups that have, below `results`, what the report needs, and no job that failed.
 
-        `failures` are names and reasons of jobs (`softsample.workflow.failed_jobs`).
+        `failures` are names and reasons of jobs (`softsample.workflow.failed_jobs`). Unless the
+        groups are to be `reported`, it is enough that no job failed.
         """
         plan = self.plan
         names = sorted({*plan.rows, *plan.groups}, key=len, reverse=True)
@@ -289,12 +293,15 @@ class Files:
             own = (name for name in names if rest == name or rest.startswith(f"{name}_"))
             return next(own, None) if stage in REPORTED else None
 
+        def there(path: str) -> bool:
+            return Path(results, path.removeprefix(RESULTS)).is_file()
+
         failed = {owner(job) for job, _ in failures}
         through = [
             group
             for group, samples in plan.groups.items()
             if not {group, *samples} & failed
-            and all(Path(results, p.removeprefix(RESULTS)).is_file() for p in self.reported(group))
+            and not (reported and any(not there(path) for path in self.reported(group)))
         ]
         return {name: row for name, row in plan.rows.items() if row["group"] in through}
 

@@ -1,5 +1,6 @@
 """A new study folder with a worked sample, and samples added to it."""
 
+import re
 import shutil
 from collections.abc import Mapping
 from pathlib import Path
@@ -68,7 +69,7 @@ def add_sample(folder: PathLike, cells: Mapping[str, str]) -> str:
     row = {name: cell for name, cell in cells.items() if cell}
     if "record" not in files:
         raise InputError(f"{table}: a sample needs a record; name its file")
-    row.setdefault("sample", next(files[c] for c in NAMING if c in files).name.split(".")[0])
+    row.setdefault("sample", _name_of(next(files[c] for c in NAMING if c in files)))
     row.setdefault("group", row["sample"])
     targets = {column: table.parent / source.name for column, source in files.items()}
     taken: dict[Path, str] = {}
@@ -89,6 +90,17 @@ def add_sample(folder: PathLike, cells: Mapping[str, str]) -> str:
             shutil.copyfile(source, targets[column])
     write_text(table, text)
     return row["sample"]
+
+
+def _name_of(source: Path) -> str:
+    """Id of a sample after one of its files."""
+    name = source.name.split(".")[0]
+    if not re.search(schema("samples")["properties"]["sample"]["pattern"], name):
+        raise InputError(
+            f"{source}: {name!r} cannot be a sample's id, which has letters a to z, digits, _ and "
+            "- only; give another one (--sample)"
+        )
+    return name
 
 
 def _with_row(table: Path, row: Mapping[str, str]) -> str:

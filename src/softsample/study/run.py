@@ -1,28 +1,20 @@
-"""A study from its table to its report, by Snakemake: one run at a time in a folder."""
+"""A study from its table to its report, by Snakemake: one run at a time in its results."""
 
-import fcntl
 import signal
 import subprocess
 import sys
-from collections.abc import Iterator, Sequence
-from contextlib import contextmanager
+from collections.abc import Sequence
 from pathlib import Path
 from types import FrameType
-from typing import TextIO
 
-from softsample.errors import SoftsampleError
 from softsample.io import PathLike, read_yaml
+from softsample.presence import leading_run
 from softsample.study import ROOT, SETTINGS, table_of
-
-STATE = Path(".snakemake")
-"""What Snakemake notes of the runs of a folder, below the working folder."""
 
 STOPPED = "The run was stopped; what is finished is kept, the same command goes on from there."
 
 REPORTING = {"all", "reported"}
 """Targets that end with the report."""
-
-BUSY = "Another run is working in this folder; wait for it, or stop it."
 
 
 def run_study(
@@ -58,7 +50,7 @@ def run_study(
     InputError
         If the folder has no table.
     SoftsampleError
-        If another run works in the present folder.
+        If another run works on these results.
     """
     files = [str(path) for path in settings]
     entries: dict[str, PathLike] = {}
@@ -74,22 +66,40 @@ def run_study(
     ]
     snakemake = [
         *(sys.executable, "-m", "snakemake", "--snakefile", str(ROOT / "Snakefile")),
-        *("--cores", str(cores)),
+        *("--cores", str(cores), "--nolock"),  # which holds the working folder, not the results
     ]
-    with _alone([*snakemake, *options]):
+    place = _results(files, entries)
+    of_all = not targets or bool(REPORTING.intersection(targets))
+    with leading_run(place):
         status = _call([*snakemake, *targets, *options])
         if status < 0 or status >= 128:
             print(STOPPED, file=sys.stderr)
             return status if status > 0 else 128 - status
         if status:
-            finished = [*options, *([] if entries else ["--config"]), "report={groups: finished}"]
-            reported = _call([*snakemake, "reported", *finished])
-            if reported:
-                return reported
-    of_all = status or not targets or REPORTING.intersection(targets)
-    place = _results(files, entries)
+            settled = _for_the_others(snakemake, targets, options)
+            if settled:
+                return settled if of_all else status
     print(f"Report: {place}/report.html" if of_all else f"Results: {place}")
     return status
+
+
+def _for_the_others(snakemake: Sequence[str], targets: Sequence[str], options: list[str]) -> int:
+    """After a run in which samples failed, make the report, or other targets, of the others.
+
+    Returns the status; other targets are left if the groups without the failed ones have no such.
+    """
+    of_all = not targets or bool(REPORTING.intersection(targets))
+    groups = "finished" if of_all else "not_failed"
+    own = [*options, *([] if "--config" in options else ["--config"])]
+    asked = ["reported"] if of_all else targets
+    command = [*snakemake, *asked, *own, f"report={{groups: {groups}}}"]
+    if not of_all:
+        looking = [*command, "--dry-run", "--quiet", "all"]
+        silent = subprocess.DEVNULL
+        status = subprocess.call(looking, stdout=silent, stderr=silent)
+        if status:
+            return status
+    return _call(command)
 
 
 def _results(files: Sequence[str], entries: dict[str, PathLike]) -> PathLike:
@@ -97,34 +107,8 @@ def _results(files: Sequence[str], entries: dict[str, PathLike]) -> PathLike:
     if "results" in entries:
         return entries["results"]
     paths: list[PathLike] = [ROOT / "config/config.yaml", *files]
-    settings = [read_yaml(path) for path in reversed(paths)]
+    settings = [own for path in reversed(paths) if isinstance(own := read_yaml(path), dict)]
     return next(str(own["results"]) for own in settings if own.get("results"))
-
-
-@contextmanager
-def _alone(snakemake: Sequence[str]) -> Iterator[None]:
-    """Hold the working folder for one run, and remove the lock of a killed one.
-
-    The operating system releases these locks with the processes that hold them; every Snakemake
-    process, and every job on a cluster, holds the second one.
-    """
-    STATE.mkdir(exist_ok=True)
-    with (STATE / "run.lock").open("w") as own:
-        _hold(own)
-        locks = STATE / "locks"
-        if locks.is_dir() and any(locks.iterdir()):
-            with (STATE / "alive.lock").open("w") as alive:
-                _hold(alive)
-            unlock = [*snakemake, "--unlock", "--quiet", "all"]
-            subprocess.call(unlock, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
-        yield
-
-
-def _hold(file: TextIO) -> None:
-    try:
-        fcntl.flock(file, fcntl.LOCK_EX | fcntl.LOCK_NB)
-    except BlockingIOError:
-        raise SoftsampleError(BUSY) from None
 
 
 def _call(command: Sequence[str]) -> int:

@@ -542,14 +542,13 @@ def test_a_candidate_that_errors_may_imitate_gives_way_to_the_next_beyond_them(
         )
         for name, gain in (("uneven_contact", 17.0), ("late_contact", evidence))
     )
-    monkeypatch.setattr("softsample.loop.select._without", lambda here, candidate: None)
     monkeypatch.setattr(
         "softsample.loop.select._beyond_doubt",
-        lambda here, candidate, alone, threshold, floor: (
+        lambda here, candidate, threshold, floor: (
             candidate is other and (beyond_floor or not floor)
         ),
     )
-    held = _held(None, best, [best, other], ("uneven_contact", None), 4.0)
+    held = _held(None, best, [best, other], 4.0)
     assert getattr(held, "name", None) == given
 
 
@@ -902,7 +901,8 @@ def test_errors_of_form_that_are_doubted_are_those_of_effects_chosen_before(
     posed = SimpleNamespace(settings=SETTINGS, variances={"smooth": 1.0, FORM: 1.0})
     fit = SimpleNamespace(model=Model((library()["force_offset"],)), problem=posed)
     candidate = Candidate("force_offset", fit, fit, 1.0, 1.0, True)
-    _beyond_doubt(here, candidate, None, 12.0, floor=False)
+    monkeypatch.setattr("softsample.loop.select._without", lambda here, candidate: None)
+    _beyond_doubt(here, candidate, 12.0, floor=False)
     assert asked == [doubted_before] * 3
 
 

@@ -564,19 +564,14 @@ def _round(
     if over > settings.least_gain and again:
         return _round(_Round.of(alone.problem, alone), effects, threshold, settings, again=False)
     candidates = [replace(c, evidence=c.evidence - max(over, 0.0)) for c in candidates]
-    step = _chosen(here, candidates, alone, threshold, settings)
+    step = _chosen(here, candidates, threshold, settings)
     return replace(step, current=here.current)
 
 
 def _chosen(
-    here: _Round,
-    candidates: Sequence[Candidate],
-    alone: Fit,
-    threshold: float,
-    settings: SelectionSettings,
+    here: _Round, candidates: Sequence[Candidate], threshold: float, settings: SelectionSettings
 ) -> Step:
-    """The choice among candidates, of which the first would leave `alone` without itself."""
-    first = candidates[0].settled
+    """The choice among candidates."""
     acceptable = [c for c in candidates if c.evidence >= threshold]
     nothing = Step(threshold, _one_of_each(candidates), None)
     if not acceptable:
@@ -591,7 +586,7 @@ def _chosen(
         return replace(nothing, refused=refused, why=why)
     if best.fit.model.effects[-1].is_law:
         best = _nearest_law(here, best, inside, settings)
-    held = _held(here, best, inside, (first, alone), threshold)
+    held = _held(here, best, inside, threshold)
     if held is None:
         return replace(nothing, refused=best, why=WITHIN_DOUBT)
     best = held
@@ -732,38 +727,30 @@ def _comes_later(candidate: Candidate) -> bool:
 
 
 def _held(
-    here: _Round,
-    best: Candidate,
-    inside: Sequence[Candidate],
-    known: tuple[Fit, Fit],
-    threshold: float,
+    here: _Round, best: Candidate, inside: Sequence[Candidate], threshold: float
 ) -> Candidate | None:
     """The best candidate or, if errors may be as large as it, the next beyond the same errors.
 
-    None if that has far less evidence. `known` is a candidate's fit and the fit without it.
+    None if that has far less evidence.
     """
     others = [c for c in inside if c.name != best.name and c.evidence >= RIVAL * best.evidence]
     floor = False
     for candidate in [best, *others]:
         floor = floor or candidate.fit.model.effects[-1].like_floor
-        alone = known[1] if candidate.settled is known[0] else _without(here, candidate)
-        if _beyond_doubt(here, candidate, alone, threshold, floor):
+        if _beyond_doubt(here, candidate, threshold, floor):
             return candidate
     return None
 
 
-def _beyond_doubt(
-    here: _Round, candidate: Candidate, alone: Fit, threshold: float, floor: bool
-) -> bool:
+def _beyond_doubt(here: _Round, candidate: Candidate, threshold: float, floor: bool) -> bool:
     """Whether a candidate is more than errors along it may be that no record shows.
 
-    With `floor` those of geometry, mesh and element type, in any case those in the form of effects
-    that were chosen before.
+    Those in the form of effects chosen before and, with `floor`, of geometry, mesh and elements.
     """
     effect, posed = candidate.fit.model.effects[-1], candidate.settled.problem
     doubt = posed.settings.doubt(posed.variances, floor)
     doubt = {name: least for name, least in doubt.items() if name in here.base.problem.variances}
-    before = min(doubted(fit, doubt).misfit for fit in (here.base, alone))
+    before = min(doubted(fit, doubt).misfit for fit in (here.base, _without(here, candidate)))
     after = doubted(candidate.settled, doubt).misfit
     return before - after - penalty(effect, len(here.base.white)) >= threshold
 

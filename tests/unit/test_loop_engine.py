@@ -526,21 +526,25 @@ def test_no_form_is_doubted_that_the_records_show_to_be_right(found):
 
 
 @pytest.mark.parametrize(
-    ("evidence", "beyond_floor", "given"),
-    [(16.0, True, "late_contact"), (8.0, True, None), (16.0, False, None)],
+    ("first", "evidence", "beyond_floor", "given"),
+    [
+        ("uneven_contact", 16.0, False, "late_contact"),
+        ("uneven_contact", 8.0, False, None),
+        ("ogden_exponents", 16.0, True, "late_contact"),
+        ("ogden_exponents", 16.0, False, None),
+    ],
 )
-def test_a_candidate_that_errors_may_imitate_gives_way_to_the_next_beyond_them(
-    monkeypatch, evidence, beyond_floor, given
+def test_a_candidate_that_errors_may_imitate_gives_way_to_the_next(
+    monkeypatch, first, evidence, beyond_floor, given
 ):
-    """What was likelier as an error of geometry leaves nothing to one that is none."""
+    """After a law to what is more than the same errors: an error of form is likest to a law."""
     best, other = (
         SimpleNamespace(
             name=name,
             evidence=gain,
-            settled=name,
             fit=SimpleNamespace(model=SimpleNamespace(effects=[library()[name]])),
         )
-        for name, gain in (("uneven_contact", 17.0), ("late_contact", evidence))
+        for name, gain in ((first, 17.0), ("late_contact", evidence))
     )
     monkeypatch.setattr(
         "softsample.loop.select._beyond_doubt",

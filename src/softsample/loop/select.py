@@ -729,15 +729,17 @@ def _comes_later(candidate: Candidate) -> bool:
 def _held(
     here: _Round, best: Candidate, inside: Sequence[Candidate], threshold: float
 ) -> Candidate | None:
-    """The best candidate or, if errors may be as large as it, the next beyond the same errors.
+    """The best candidate or, if errors may be as large as it, the next beyond them.
 
-    None if that has far less evidence.
+    None if that has far less evidence. After a law, that is the next beyond the same errors: what
+    is smooth looks like another law first.
     """
     others = [c for c in inside if c.name != best.name and c.evidence >= RIVAL * best.evidence]
-    floor = False
+    smooth = False
     for candidate in [best, *others]:
-        floor = floor or candidate.fit.model.effects[-1].like_floor
-        if _beyond_doubt(here, candidate, threshold, floor):
+        effect = candidate.fit.model.effects[-1]
+        smooth = smooth or effect.is_law
+        if _beyond_doubt(here, candidate, threshold, smooth or effect.like_floor):
             return candidate
     return None
 

@@ -10,6 +10,7 @@ from softsample.constitutive.ogden import unit_modulus
 from softsample.loop.candidates import candidates
 from softsample.loop.effects import library
 from softsample.loop.effects.base import SOLID
+from softsample.loop.screen import penalty
 from softsample.records import Record
 
 HEIGHT = 13e-3
@@ -44,6 +45,21 @@ def test_records_like_those_of_the_study_have_the_library_as_it_is(tests):
     assert set(found) == set(library()) - ALWAYS_ABSENT
     for name, effect in found.items():
         assert ranges(effect) == ranges(library(SOLID, tests)[name])
+
+
+def test_an_effect_has_no_size_for_kinds_of_tests_that_are_not_there(tests):
+    """Nothing would show it, and each costs evidence."""
+    pressed = named([test for test in tests if test.kind == "compression"])
+
+    def names(effect):
+        return [p.name for p in effect.parameters]
+
+    assert names(pressed["force_offset"]) == ["compression_mN"]
+    assert names(pressed["displacement_zero"]) == ["compression_mm"]
+    pickup = library(SOLID, [test for test in tests if test.kind == "shear"])["mains_pickup"]
+    assert names(pickup) == ["shear_sin_mN", "shear_cos_mN", "period_s"]
+    assert penalty(pressed["displacement_zero"], 100) == pytest.approx(np.log(100))
+    assert len(library()["displacement_zero"].parameters) == len(laboratory.MODES)
 
 
 def test_a_law_has_the_exponents_of_which_the_response_is_known(tests):

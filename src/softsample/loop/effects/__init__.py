@@ -6,7 +6,7 @@ from importlib import import_module
 from types import ModuleType
 
 from softsample.constitutive.material import Material
-from softsample.loop.effects.base import Effect, Specimen
+from softsample.loop.effects.base import MODES, Effect, Specimen
 
 
 def library(
@@ -27,8 +27,9 @@ def library(
     """
     names = sorted(module.name for module in pkgutil.iter_modules(__path__))
     modules = [import_module(f"{__name__}.{name}") for name in names if name != "base"]
-    effects = [_effect(module, solid, tests) for module in modules]
-    return {effect.name: effect for effect in effects if effect is not None}
+    effects = (_effect(module, solid, tests) for module in modules)
+    kinds = MODES if tests is None else {test.kind for test in tests}
+    return {effect.name: effect.of_kinds(kinds) for effect in effects if effect is not None}
 
 
 def _effect(

@@ -1,7 +1,7 @@
 """What an effect is: one small file that says what it does to a predicted record."""
 
-from collections.abc import Callable
-from dataclasses import dataclass
+from collections.abc import Callable, Collection
+from dataclasses import dataclass, replace
 from itertools import product
 
 from softsample.constitutive.ogden import unit_modulus
@@ -41,6 +41,8 @@ class Parameter:
     known : tuple of float
         Mean and standard deviation of a normal prior; none by default, so that all of the range is
         as likely.
+    kind : str
+        The kind of test that alone has it; by default all have.
     """
 
     name: str
@@ -53,6 +55,7 @@ class Parameter:
     limits: tuple[float, ...] = ()
     inside: bool = False
     known: tuple[float, float] | None = None
+    kind: str = ""
 
     @property
     def is_size(self) -> bool:
@@ -151,13 +154,16 @@ class Effect:
         two_laws = self.is_law and other.is_law
         return two_laws or other.name in (self.name, *self.has) or self.name in other.has
 
+    def of_kinds(self, kinds: Collection[str]) -> "Effect":
+        """The same without what only other kinds of tests have: nothing shows it."""
+        there = (p for p in self.parameters if p.kind in ("", *kinds))
+        return replace(self, parameters=tuple(there))
+
     @property
     def points(self) -> list[Values]:
         """Points of the grid of how it acts, without sizes."""
-        shapes = [p for p in self.parameters if not p.is_size]
-        names = [p.name for p in shapes]
-        every = product(*(p.grid for p in shapes))
-        return [dict(zip(names, point, strict=True)) for point in every]
+        shapes = {p.name: p.grid for p in self.parameters if not p.is_size}
+        return [dict(zip(shapes, point, strict=True)) for point in product(*shapes.values())]
 
     @property
     def shifts_travel(self) -> bool:

@@ -5,7 +5,7 @@ from softsample.loop.effects.base import MODES, Effect, Parameter
 EFFECT = Effect(
     name="displacement_zero",
     title="Wrong zero of displacement",
-    parameters=tuple(Parameter(f"{mode}_mm", "mm", -0.5, 0.5, 0.1) for mode in MODES),
+    parameters=tuple(Parameter(f"{mode}_mm", "mm", -0.5, 0.5, 0.1, kind=mode) for mode in MODES),
     source="estimate",
     signature="force off by stiffness times shift from the start of the ramp, kept in the hold",
     confused_with=("late_contact", "channel_lag", "residual_precompression"),

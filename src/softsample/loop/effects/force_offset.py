@@ -5,7 +5,7 @@ from softsample.loop.effects.base import MODES, Effect, Parameter
 EFFECT = Effect(
     name="force_offset",
     title="Offset of the force",
-    parameters=tuple(Parameter(f"{mode}_mN", "mN", -200.0, 200.0, 5.0) for mode in MODES),
+    parameters=tuple(Parameter(f"{m}_mN", "mN", -200.0, 200.0, 5.0, kind=m) for m in MODES),
     source="cells of 2.5 N: about 5 mN; one of 50 N at a fifth of a percent: 100 mN",
     signature="a constant, at rest as well",
     confused_with=("self_weight", "adhesion"),

@@ -21,7 +21,7 @@ EFFECT = Effect(
     title="Mains pickup",
     parameters=(
         *(
-            Parameter(f"{mode}_{part}_mN", "mN", -20.0, 20.0, 2.0)
+            Parameter(f"{mode}_{part}_mN", "mN", -20.0, 20.0, 2.0, kind=mode)
             for mode in MODES
             for part in ("sin", "cos")
         ),

@@ -8,10 +8,10 @@ from machine import best_cpu_seconds
 from softsample.constitutive.laws import LAWS
 from softsample.constitutive.material import Material, Term
 from softsample.constitutive.ogden import OgdenMaterial
-from softsample.fem import kernels
 from softsample.fem.boundary import Boundary, ContactSettings, glued_boundary, platen_boundary
 from softsample.fem.denormals import flushed_denormals
 from softsample.fem.explicit import JACOBI_SWEEPS, ExplicitModel, SolverSettings, _March
+from softsample.fem.forces import internal_force
 from softsample.fem.schedule import Schedule
 from softsample.meshing.cuboid import mesh_cuboid
 from softsample.meshing.mesh import HexMesh
@@ -94,7 +94,7 @@ def _forces(loading: _March, steps: int) -> Callable[[], None]:
 
     def work() -> None:
         for _ in range(steps):
-            kernels.internal_force(
+            internal_force(
                 motion.u, loading.elements, loading.solid, *none, motion.force, state, False, None
             )
 

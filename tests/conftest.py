@@ -1,7 +1,16 @@
 """Fixtures shared by all tests: small meshes and the material of the reference curves."""
 
+import os
+from pathlib import Path
+
 import numpy as np
 import pytest
+
+from softsample.dependencies import state_of_kernels
+
+ROOT = Path(__file__).resolve().parent.parent
+# an edit of one file of compiled code would not be seen in another: one cache for each state
+os.environ.setdefault("NUMBA_CACHE_DIR", str(ROOT / ".numba" / state_of_kernels(ROOT / "src")))
 
 from softsample.constitutive.ogden import OgdenMaterial
 from softsample.meshing.cuboid import mesh_cuboid

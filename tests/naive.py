@@ -1,6 +1,6 @@
 """Slow, plain twins of the solver's kernels: one element, one node, one step at a time.
 
-They follow the definitions in `docs/solver.md` and share no formula with `softsample.fem.kernels`:
+They follow the definitions in `docs/solver.md` and share no formula with those of `softsample.fem`:
 a full Gauss rule instead of closed forms, singular values of F instead of matrix products,
 hourglass shape vectors written out instead of fast sums. Everything is float64.
 """

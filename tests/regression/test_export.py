@@ -23,7 +23,7 @@ from softsample.fem.boundary import (
 )
 from softsample.fem.explicit import ExplicitModel, SolverSettings
 from softsample.fem.fields import Snapshot, contact_report, principal_hencky_strains
-from softsample.fem.kernels import FREE, PLATEN
+from softsample.fem.motion import FREE, PLATEN
 from softsample.meshing.cuboid import mesh_cuboid
 from softsample.meshing.graded import graded_hexes
 from softsample.meshing.mesh import HexMesh

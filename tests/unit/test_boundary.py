@@ -10,7 +10,7 @@ from softsample.fem.boundary import (
     mode_boundary,
     platen_boundary,
 )
-from softsample.fem.kernels import BASE, FREE, PLATEN
+from softsample.fem.motion import BASE, FREE, PLATEN
 from softsample.fem.setup import set_up
 from softsample.meshing.cuboid import mesh_cuboid
 from softsample.meshing.mesh import HexMesh

@@ -12,10 +12,16 @@ import pytest
 SCRIPTS = sorted((Path(__file__).resolve().parents[2] / "workflow/scripts").glob("*.py"))
 
 
+def value(package, name):
+    """What `from package import name` gives: something of it, or a module in it."""
+    found = importlib.import_module(package)
+    return getattr(found, name, None) or importlib.import_module(f"{package}.{name}")
+
+
 def imported(tree):
     """Names that a script imports from the library."""
     return {
-        alias.asname or alias.name: getattr(importlib.import_module(node.module), alias.name)
+        alias.asname or alias.name: value(node.module, alias.name)
         for node in ast.walk(tree)
         if isinstance(node, ast.ImportFrom) and node.module.startswith("softsample")
         for alias in node.names

@@ -14,7 +14,7 @@ from softsample.fem.boundary import (
     platen_boundary,
 )
 from softsample.fem.explicit import ExplicitModel, SolverSettings
-from softsample.fem.kernels import BASE, FREE, PLATEN
+from softsample.fem.motion import BASE, FREE, PLATEN
 from softsample.meshing.cuboid import mesh_cuboid
 from softsample.meshing.mesh import HexMesh
 

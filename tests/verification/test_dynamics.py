@@ -17,7 +17,7 @@ from softsample.fem import explicit
 from softsample.fem.boundary import ContactSettings, glued_boundary, platen_boundary
 from softsample.fem.denormals import flushed_denormals
 from softsample.fem.explicit import ExplicitModel, SolverSettings
-from softsample.fem.kernels import FREE
+from softsample.fem.motion import FREE
 from softsample.fem.schedule import Schedule
 from softsample.meshing.cuboid import mesh_cuboid
 from softsample.meshing.mesh import HexMesh

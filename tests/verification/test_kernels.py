@@ -9,9 +9,10 @@ import pytest
 import naive
 from elastic_laws import BySpectrum
 from softsample.constitutive.ogden import OgdenMaterial
-from softsample.fem import kernels
+from softsample.fem import tensors
 from softsample.fem.boundary import Boundary, ContactSettings, glued_boundary, platen_boundary
 from softsample.fem.explicit import BACKENDS, JACOBI_SWEEPS, ExplicitModel, SolverSettings
+from softsample.fem.motion import FREE, PLATEN, Motion, advance
 from softsample.meshing.cuboid import mesh_cuboid
 from softsample.meshing.mesh import HexMesh
 from softsample.protocol import smooth_step
@@ -136,7 +137,7 @@ def entries(C):
 @pytest.mark.parametrize("exponent", [1, 2, 3, 5, 8, 12])
 def test_whole_power_is_the_matrix_power(exponent):
     for C in unimodular():
-        power = kernels._whole_power(entries(C), exponent)
+        power = tensors.whole_power(entries(C), exponent)
         wanted = np.linalg.matrix_power(C, exponent)
         np.testing.assert_allclose(power, entries(wanted), atol=1e-11 * np.abs(wanted).max())
 
@@ -145,7 +146,7 @@ def test_whole_power_is_the_matrix_power(exponent):
 def test_adjugate_is_the_inverse_at_determinant_one():
     for C in unimodular():
         np.testing.assert_allclose(
-            kernels._adjugate(entries(C)), entries(np.linalg.inv(C)), atol=1e-12
+            tensors.adjugate(entries(C)), entries(np.linalg.inv(C)), atol=1e-12
         )
 
 
@@ -153,7 +154,7 @@ def test_adjugate_is_the_inverse_at_determinant_one():
 @pytest.mark.parametrize(("J", "tolerance"), [(0.1, 1e-7), (0.3, 1e-14), (3.0, 1e-14), (6.0, 1e-9)])
 def test_cube_root_is_exact_for_foams_too(J, tolerance):
     """A foam without lateral contraction loses and gains volume as it is pressed and pulled."""
-    found = kernels._inverse_square_cube_root(J - 1.0)
+    found = tensors.inverse_square_cube_root(J - 1.0)
     assert found == pytest.approx(J ** (-2.0 / 3.0), rel=tolerance)
 
 
@@ -173,7 +174,7 @@ def test_jacobi_rotations_find_eigenvalues_and_vectors():
     matrices = unimodular()
     matrices[:3] = np.eye(3), np.diag([4.0, 4.0, 0.0625]), [[1, 0.5, 0], [0.5, 1, 0], [0, 0, 1]]
     for C in matrices:
-        squared, vectors = kernels._eigen(entries(C), JACOBI_SWEEPS["float64"])
+        squared, vectors = tensors.eigen(entries(C), JACOBI_SWEEPS["float64"])
         np.testing.assert_allclose(np.sort(squared), np.linalg.eigvalsh(C), rtol=1e-13, atol=1e-13)
         basis = np.array(vectors).T
         np.testing.assert_allclose((basis * squared) @ basis.T, C, atol=1e-13)
@@ -185,13 +186,13 @@ def marched(mesh, material, boundary, path, dt):
     steps, held, state = len(path) - 1, boundary.held.copy(), model.blank_state()
     count = state.shape[-1]
     registers = tuple(np.zeros((-(-4 * len(held) // count), count)) for _ in range(4))
-    motion = kernels.Motion(
+    motion = Motion(
         *(part.reshape(-1, 4)[: len(held)] for part in registers), held, model.mass, mesh.points,
         state, np.empty((0, 1, 6, count)), registers,
     )  # fmt: skip
-    motion.mobility[:, :3] = np.where(held == kernels.FREE, 1.0 / model.mass, 0.0)[:, None]
+    motion.mobility[:, :3] = np.where(held == FREE, 1.0 / model.mass, 0.0)[:, None]
     history = np.empty((steps, 7))
-    kernels.advance(
+    advance(
         path, np.zeros((steps, 3)), np.empty((steps, 2, 0)), dt, dt, motion,
         model.elements(material.shear_modulus), model.solid(material), boundary.platens(), history,
         BACKENDS[DOUBLE.backend],
@@ -232,6 +233,6 @@ def test_a_few_glued_steps_are_those_of_the_twin(tissue):
 def test_march_with_contact_is_that_of_the_twin(crooked, tissue, release):
     boundary = tilted_boundary(crooked, release)
     held, history = compare_march(crooked, tissue, boundary, 8e-4, 120, 3e-5)
-    touched = np.sum(held[boundary.candidates] == kernels.PLATEN)
+    touched = np.sum(held[boundary.candidates] == PLATEN)
     assert touched < 20 if release else touched == 20  # the whole top, some of which lets go
     assert np.abs(history[:, :3]).max() > 0.0

@@ -13,7 +13,7 @@ from softsample.errors import InputError, SimulationError
 from softsample.fem import explicit
 from softsample.fem.boundary import ContactSettings, glued_boundary, platen_boundary
 from softsample.fem.explicit import ExplicitModel, Gravity, SolverSettings
-from softsample.fem.kernels import BASE, FREE, PLATEN
+from softsample.fem.motion import BASE, FREE, PLATEN
 from softsample.meshing.cuboid import mesh_cuboid
 from softsample.meshing.cylinder import mesh_cylinder
 from softsample.meshing.mesh import HexMesh

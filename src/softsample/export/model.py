@@ -11,7 +11,7 @@ from softsample.arrays import Array, Ids
 from softsample.constitutive.material import Material
 from softsample.errors import InputError
 from softsample.fem.boundary import Boundary
-from softsample.fem.kernels import BASE, PLATEN
+from softsample.fem.motion import BASE, PLATEN
 from softsample.meshing.cylinder import disc_of, extruded
 from softsample.meshing.mesh import HexMesh
 from softsample.units import MM

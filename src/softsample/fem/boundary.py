@@ -7,7 +7,7 @@ from numpy.typing import NDArray
 
 from softsample.arrays import Array, Ids
 from softsample.errors import InputError
-from softsample.fem.kernels import BASE, FREE, PLATEN, Platens
+from softsample.fem.motion import BASE, FREE, PLATEN, Platens
 from softsample.meshing.bond import bonded_area
 from softsample.meshing.mesh import HexMesh, face_vectors
 from softsample.protocol import DIRECTIONS

@@ -12,15 +12,17 @@ from softsample.constitutive.law import FibreLaw, InvariantLaw, SpectralLaw
 from softsample.constitutive.laws import LAWS
 from softsample.constitutive.material import Material, Term
 from softsample.errors import CrushedError, InputError, SimulationError
-from softsample.fem import kernels
 from softsample.fem.blocks import aligned, groups_first, is_grouped, pack
 from softsample.fem.boundary import Boundary
 from softsample.fem.denormals import flushed_denormals
 from softsample.fem.element import hex_geometry, lumped_mass
 from softsample.fem.fields import Snapshot
+from softsample.fem.forces import Elements, internal_force
 from softsample.fem.lanes import LANES
+from softsample.fem.motion import FREE, PLATEN, Motion, advance
 from softsample.fem.schedule import Schedule
 from softsample.fem.stability import largest_eigenvalue
+from softsample.fem.stress import NUMBERS, Solid
 from softsample.meshing.mesh import HexMesh
 from softsample.protocol import History
 
@@ -199,7 +201,7 @@ class ExplicitModel:
         regular, rest = (groups_first(part, mesh.hexes, dtype) for part in (regular, rest))
         self._order = np.concatenate([regular, rest])
         nodes = pack(mesh.hexes[self._order], dtype)
-        self._unit_elements = kernels.Elements(
+        self._unit_elements = Elements(
             nodes,
             is_grouped(nodes),
             pack(geometry.slopes[regular], dtype),
@@ -209,7 +211,7 @@ class ExplicitModel:
             pack((weight * squared / 64.0)[self._order], dtype, padding=0.0),
         )
 
-    def elements(self, shear_modulus: float) -> kernels.Elements:
+    def elements(self, shear_modulus: float) -> Elements:
         """Kernel argument `elements` for a material of `shear_modulus` [Pa]."""
         scale = self.settings.dtype.type(self.settings.hourglass_coefficient * shear_modulus)
         stiffness = aligned(self._unit_elements.stiffness.shape, self.settings.dtype)
@@ -238,15 +240,15 @@ class ExplicitModel:
     def add_up(
         self,
         u: NDArray,
-        elements: kernels.Elements,
-        solid: kernels.Solid,
+        elements: Elements,
+        solid: Solid,
         force: NDArray,
         state: NDArray,
     ) -> None:
         """Internal force of a solid without relaxation."""
         none = np.empty((2, 0)), np.empty((0, 1, 6, state.shape[-1]), u.dtype)
         lane = BACKENDS[self.settings.backend]
-        kernels.internal_force(u, elements, solid, *none, force, state, True, lane)
+        internal_force(u, elements, solid, *none, force, state, True, lane)
 
     def nodal(self, values: Array | None = None) -> NDArray:
         """Rows of four for the kernels, zero or filled with values (n_nodes, 3)."""
@@ -259,7 +261,7 @@ class ExplicitModel:
         """Zeros for the state of the elements."""
         return aligned((3, *self._unit_elements.volume.shape), self.settings.dtype)
 
-    def solid(self, material: Material) -> kernels.Solid:
+    def solid(self, material: Material) -> Solid:
         """Kernel argument `solid`."""
         by_shape = sorted(material.terms, key=lambda term: [abs(x) for x in term.shape])
         kinds = SpectralLaw, InvariantLaw, FibreLaw
@@ -269,9 +271,9 @@ class ExplicitModel:
         for row, term in zip(shape, terms, strict=True):
             row[: len(term.shape)] = term.shape
         relaxation = material.relaxation
-        return kernels.Solid(
+        return Solid(
             np.array([term.modulus for term in terms]),
-            np.array([kernels.NUMBERS[term.law] for term in terms]),
+            np.array([NUMBERS[term.law] for term in terms]),
             shape,
             np.array([term.direction for term in terms], float),
             len(groups[0]),
@@ -345,7 +347,7 @@ class ExplicitModel:
         return march.result()
 
 
-def _instantaneous(solid: kernels.Solid) -> kernels.Solid:
+def _instantaneous(solid: Solid) -> Solid:
     return solid._replace(prony=np.empty(0))
 
 
@@ -389,7 +391,7 @@ class _March:
         rows = -(-4 * len(model.mass) // count)
         u, v, force, mobility = (aligned((rows, count), model.settings.dtype) for _ in range(4))
         nodes = slice(len(model.mass))
-        self.motion = kernels.Motion(
+        self.motion = Motion(
             u.reshape(-1, 4)[nodes], v.reshape(-1, 4)[nodes], force.reshape(-1, 4)[nodes],
             mobility.reshape(-1, 4)[nodes], boundary.held.copy(), model.mass,
             model.mesh.points, state, aligned((blocks, terms + 1, 6, count), model.settings.dtype),
@@ -406,7 +408,7 @@ class _March:
 
     def _lift_platen(self) -> None:
         """Take the moving platen off while the sample settles."""
-        self.motion.held[self.motion.held == kernels.PLATEN] = kernels.FREE
+        self.motion.held[self.motion.held == PLATEN] = FREE
         planes = self.platens.planes.copy()
         planes[1, 3] = np.inf
         base = self.platens.glued[0]
@@ -415,8 +417,8 @@ class _March:
     def _lower_platen(self) -> None:
         """Glue the platen to the settled sample, or bring it down with the highest point."""
         self.platens = self.boundary.platens()
-        glued = self.boundary.held == kernels.PLATEN
-        self.motion.held[glued] = kernels.PLATEN
+        glued = self.boundary.held == PLATEN
+        self.motion.held[glued] = PLATEN
         if np.isfinite(self.platens.planes[1, 3]):
             ids = self.platens.candidates
             planes = self.platens.planes.copy()
@@ -430,7 +432,7 @@ class _March:
 
     def _free(self) -> None:
         """Inverse masses of the nodes that nothing holds, along the axes that no wall blocks."""
-        free = self.motion.held == kernels.FREE
+        free = self.motion.held == FREE
         mobility = np.where(free, 1.0 / self.model.mass, 0.0)
         self.motion.mobility[:, :3] = mobility[:, None] * self.platens.mobile
 
@@ -460,7 +462,7 @@ class _March:
         share = self.schedule.gravity(times[:-1])[:, None] * self._body_acceleration()
         history = np.empty((len(times) - 1, 7))
         ticks = np.diff(clock[:-1], prepend=self.clock)
-        kernels.advance(
+        advance(
             self.schedule.travel(clock), share, self._relax(ticks), dt, self.dt or dt, self.motion,
             self.elements, self.solid, self.platens, history,
             BACKENDS[self.model.settings.backend],
@@ -503,7 +505,7 @@ class _March:
 
     def _take_snapshot(self, time: float) -> None:
         motion, clock = self.motion, self.schedule.clock(np.array(time))
-        touched = (motion.held == kernels.PLATEN)[:, None]
+        touched = (motion.held == PLATEN)[:, None]
         self.records.snapshots.append(
             Snapshot(
                 float(self.schedule.travel(clock)),
@@ -550,7 +552,7 @@ class _March:
         sliding = np.zeros(len(self.motion.held), bool)
         if np.isfinite(self.platens.friction).any():
             sliding[self.platens.candidates] = True
-        return sliding | (self.motion.held == kernels.FREE)
+        return sliding | (self.motion.held == FREE)
 
     def _check(self, fraction: float) -> None:
         """Refuse inverted elements and numbers that are not finite."""

@@ -7,7 +7,7 @@ from numpy.typing import NDArray
 
 from softsample.arrays import Array
 from softsample.fem.element import hex_geometry
-from softsample.fem.kernels import PLATEN
+from softsample.fem.motion import PLATEN
 from softsample.meshing.mesh import HexMesh, face_vectors
 
 FLAT = np.cos(np.radians(30.0))

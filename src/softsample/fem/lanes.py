@@ -8,8 +8,10 @@ text of a kernel is both the fast version and its scalar twin.
 
 import math
 import operator
+from functools import partial
 from typing import Any
 
+import numba
 import numpy as np
 from llvmlite import ir
 from numba import types
@@ -26,6 +28,14 @@ LANES = {np.dtype(np.float32): 16, np.dtype(np.float64): 8}
 
 FUSED = ("contract",)
 """Let the compiler fuse multiplication and addition, nothing else."""
+
+_loop = partial(numba.njit, error_model="numpy", _nrt=False)
+# Without reference counting of arrays (`_nrt`), which halves the speed of these loops.
+
+compiled, inline = _loop(cache=True), _loop(forceinline=True)
+"""Decorators of a kernel that Python calls and of its parts. A cached kernel does not notice an
+edit of a part in another file: tests, make and the workflow keep one cache for each state of the
+sources (`softsample.dependencies.state_of_kernels`)."""
 
 
 class Lanes(types.Type):

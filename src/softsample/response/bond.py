@@ -13,7 +13,7 @@ from softsample.constitutive.ogden import unit_modulus
 from softsample.errors import InputError, SoftsampleError
 from softsample.fem.boundary import ContactSettings, mode_boundary, platen_boundary
 from softsample.fem.explicit import ExplicitModel, Run, SolverSettings
-from softsample.fem.kernels import PLATEN
+from softsample.fem.motion import PLATEN
 from softsample.fem.setup import Sample, set_up
 from softsample.meshing.bond import bonded_area
 from softsample.meshing.regions import relative_stiffness

@@ -12,7 +12,7 @@ from softsample.errors import MeshError
 from softsample.fem.boundary import ContactSettings, platen_boundary
 from softsample.fem.explicit import ExplicitModel, SolverSettings
 from softsample.imaging.measure import measure
-from softsample.imaging.segment import SegmentationSettings
+from softsample.imaging.settings import SegmentationSettings
 from softsample.imaging.surface import segmentation_from_surface
 from softsample.io import read_surface, write_surface
 from softsample.meshing.cuboid import mesh_cuboid

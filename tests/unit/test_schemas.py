@@ -15,7 +15,7 @@ from softsample.fem.boundary import ContactSettings
 from softsample.fem.explicit import SolverSettings
 from softsample.geometry_effects.variants import EffectSettings
 from softsample.imaging.measure import MeasurementSettings
-from softsample.imaging.segment import SegmentationSettings
+from softsample.imaging.settings import SegmentationSettings
 from softsample.io import read_samples, read_yaml
 from softsample.laws.group import LawSettings
 from softsample.loop.effects import library

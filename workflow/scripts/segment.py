@@ -2,7 +2,8 @@
 
 from softsample import io
 from softsample.images import on_grid_of, one_label, world_axis
-from softsample.imaging.segment import SegmentationSettings, segment, segmentation_from_mask
+from softsample.imaging.segment import segment, segmentation_from_mask
+from softsample.imaging.settings import SegmentationSettings
 from softsample.imaging.surface import segmentation_from_surface
 from softsample.meshing.surface import level_surface
 from softsample.workflow import logged_to, provenance
@@ -16,8 +17,7 @@ with logged_to(snakemake):
         affine = found.distance_affine_mm
     else:
         data, affine = io.read_image(files.image[0])
-        elsewhere = next(iter(files.segmentation), None)
-        if elsewhere:
+        if elsewhere := next(iter(files.segmentation), None):
             mask, own = io.read_image(elsewhere, segments=(sample, "sample"))
             data = on_grid_of((data, affine), one_label(mask, elsewhere), own, elsewhere)
         found = (segmentation_from_mask if elsewhere else segment)(data, affine, settings, **axes)

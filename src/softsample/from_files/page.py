@@ -7,7 +7,7 @@ from typing import Any
 from softsample.calibration.slsqp import STARTS_PER_PARAMETER
 from softsample.figures.strain import moved_surface
 from softsample.figures.style import map_colours
-from softsample.imaging.segment import BIAS_ORDER, FLUID_RATIO, SMOOTHING_MM
+from softsample.imaging.tissue import BIAS_ORDER, FLUID_RATIO, SMOOTHING_MM
 from softsample.io import read_json, read_mesh_with_data, read_table, read_yaml
 from softsample.report.study import StudyReport, by_name
 

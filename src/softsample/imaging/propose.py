@@ -7,14 +7,10 @@ from numpy.typing import ArrayLike
 
 from softsample.arrays import Array
 from softsample.errors import SegmentationError
+from softsample.imaging.checked import voxel_size
 from softsample.imaging.measure import MeasurementSettings, circularity, measure, proposed_shape
-from softsample.imaging.segment import (
-    Segmentation,
-    SegmentationSettings,
-    segment,
-    segmentation_from_mask,
-    voxel_size,
-)
+from softsample.imaging.segment import Segmentation, segment, segmentation_from_mask
+from softsample.imaging.settings import SegmentationSettings
 from softsample.imaging.surface import segmentation_from_surface
 from softsample.meshing.surface import TriangleSurface
 from softsample.shapes import IdealShape

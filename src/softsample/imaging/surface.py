@@ -4,7 +4,10 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from softsample.imaging import frame
-from softsample.imaging.segment import PADDING_MM, Segmentation, SegmentationSettings, checked_axes
+from softsample.imaging.boundary import PADDING_MM
+from softsample.imaging.checked import checked_axes
+from softsample.imaging.segment import Segmentation
+from softsample.imaging.settings import SegmentationSettings
 from softsample.meshing.surface import TriangleSurface, base_centre, distance_grid
 from softsample.units import MM
 

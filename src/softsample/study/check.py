@@ -18,7 +18,7 @@ from softsample.holdout import check_hold_out, folds, held_out, selecting
 from softsample.images import check_image, image_doubts, on_grid_of, one_label, world_axis
 from softsample.imaging.measure import MeasurementSettings, proposed_shape
 from softsample.imaging.propose import Glance, circularity_of_surface, coarsened, glance
-from softsample.imaging.segment import SegmentationSettings
+from softsample.imaging.settings import SegmentationSettings
 from softsample.io import PathLike, read_image, read_samples, read_surface, read_yaml
 from softsample.meshing.marks import MarkedImage
 from softsample.meshing.regions import relative_stiffness

@@ -65,7 +65,7 @@ def weighed(selection: Selection, stiffness: Mapping[str, float]) -> list[Weighe
     likeliest: dict[frozenset[str], tuple[float, float, Fit]] = {}
     price = 2.0 * np.log(len(selection.library) or 1)
     tried = [(fit, fit) for fit in (selection.base, selection.final, *selection.visited)]
-    for step in selection.steps:
+    for step in (*selection.steps, *selection.beside):
         for c in step.candidates:
             best = step.chosen if step.chosen and c.name in step.members else c
             tried.append((c.settled, best.settled))

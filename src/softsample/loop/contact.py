@@ -1,7 +1,8 @@
 """Where compression begins in each of several specimens, which need not touch at one height."""
 
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, replace
+from typing import Self
 
 import numpy as np
 from scipy.optimize import minimize_scalar
@@ -33,7 +34,7 @@ def own_contact(first: Fit, usual: float, least_gain: float) -> dict[str, float]
     first : Fit
         Of a model in which all begin at one displacement.
     usual : float
-        Standard deviation of the logarithm of the stiffness of specimens, beforehand.
+        Standard deviation of the logarithm of the stiffness of specimens, at least.
     least_gain : float
         Fall of twice the negative log likelihood that counts.
     """
@@ -42,9 +43,9 @@ def own_contact(first: Fit, usual: float, least_gain: float) -> dict[str, float]
         return {}
     free = replace(first, problem=first.problem.with_open_contact())
     settings = first.problem.settings
-    prior = _Prior(usual, settings.spread * settings.contact_zero_mm)
-    alike = _settled(free, tests, replace(prior, offset=0.0))
-    own = _settled(free, tests, prior)
+    alike = _settled(free, tests, _Prior(usual, usual, 0.0))
+    wide = settings.spread * settings.contact_zero_mm
+    own = _settled(free, tests, replace(alike.prior, offset=wide))
     return own.offsets if alike.left - own.left > least_gain else {}
 
 
@@ -52,11 +53,18 @@ def own_contact(first: Fit, usual: float, least_gain: float) -> dict[str, float]
 class _Prior:
     """Standard deviations of what is a specimen's own: log of its stiffness, its offset [mm].
 
-    Offsets are known less well than where compression begins as a whole.
+    That of stiffness is what specimens show, `usual` at least. Offsets are known less well than
+    where compression begins as a whole.
     """
 
+    usual: float
     stiffness: float
     offset: float
+
+    def of(self, own: Iterable["_Own"]) -> Self:
+        """The same with what specimens show."""
+        shown = float(np.sqrt(np.mean([one.stiffness**2 for one in own])))
+        return replace(self, stiffness=max(self.usual, shown))
 
 
 @dataclass(frozen=True)
@@ -85,17 +93,16 @@ class _Settled:
     def left(self) -> float:
         """Twice the negative log likelihood over the priors, by Laplace's approximation.
 
-        One offset is that of the mean, which is free.
+        One stiffness and one offset are those of the mean, which is free.
         """
-        found = self.fit.misfit
-        found += sum((one.stiffness / self.prior.stiffness) ** 2 for one in self.own.values())
-        if wide := self.prior.offset:
-            prices = [
+        width, wide = self.prior.stiffness, self.prior.offset
+        prices = [(one.stiffness / width) ** 2 + 2.0 * np.log(width) for one in self.own.values()]
+        if wide:
+            prices += [
                 (one.offset / wide) ** 2 + np.log1p(one.known * wide**2)
                 for one in self.own.values()
             ]
-            found += float(np.sum(prices)) * (len(prices) - 1) / len(prices)
-        return found
+        return self.fit.misfit + float(np.sum(prices)) * (len(self.own) - 1) / len(self.own)
 
 
 def _comparable(specimens: Sequence[Specimen]) -> list[list[int]]:
@@ -111,7 +118,8 @@ def _settled(first: Fit, tests: Sequence[Sequence[int]], prior: _Prior) -> _Sett
     """Fit of the group, and what is each specimen's own, in turn."""
     found = _Settled(first, {}, prior)
     for _ in range(ROUNDS):
-        found = replace(found, own=_own(found.fit, tests, prior))
+        own = _own(found.fit, tests, found.prior)
+        found = replace(found, own=own, prior=found.prior.of(own.values()))
         stiffness = {piece: float(np.exp(one.stiffness)) for piece, one in found.own.items()}
         problem = found.fit.problem.of_stiffness(stiffness).of_contact(found.offsets)
         fit = settled(problem, problem.fit(found.fit.model, found.fit.state), 1)

@@ -168,6 +168,8 @@ class Selection:
     visited : list of Fit
         Every other model with effects that a search came to and that may explain something, the
         one of fewest effects first.
+    beside : list of Step
+        Rounds in which an effect was told from others beside those that came later.
     """
 
     library: list[Effect]
@@ -178,6 +180,7 @@ class Selection:
     weak: list[str]
     strongest: dict[str, Signature]
     visited: list[Fit] = field(default_factory=list)
+    beside: list[Step] = field(default_factory=list)
 
     @property
     def asked(self) -> set[str]:
@@ -220,7 +223,7 @@ def select(problem: Problem, effects: Sequence[Effect], settings: SelectionSetti
     search = fresh.completed()
     opening, plain = search.steps[0], search.visited[0]
     others = (
-        fresh.law_first(opening), fresh.left_out_first(opening), fresh.refused_first(opening)
+        fresh.law_first(opening), fresh.left_out_first(opening), fresh.another_first(opening)
     )  # fmt: skip
     rivals = [fresh.completed(step) for step in others if step is not None]
     asked = [one for one in rivals if one.likeliest.left < plain.left - threshold]
@@ -241,6 +244,7 @@ def select(problem: Problem, effects: Sequence[Effect], settings: SelectionSetti
         weak,
         strongest,
         _others(visited, best),
+        list(best.beside.values()),
     )
 
 
@@ -283,10 +287,14 @@ def _plain_round(problem: Problem) -> _Round:
 
 @dataclass(frozen=True)
 class _Visited:
-    """A model that a search came to: its fit with the most likely sizes, and classes."""
+    """A model that a search came to: its fit with the most likely sizes, and classes.
+
+    And rounds in which an effect was told from others beside those that came later.
+    """
 
     fit: Fit
     classes: dict[str, list[str]]
+    beside: dict[str, Step] = field(default_factory=dict)
 
     @cached_property
     def left(self) -> float:
@@ -402,17 +410,22 @@ class _Search:
         usable = [c for c in found if not unusable(c.settled)]
         return Step(self.threshold, usable, usable[0], [usable[0].name]) if usable else None
 
-    def refused_first(self, opening: Step) -> Step | None:
-        """A first step to what was refused by itself: its size may be that of two effects.
+    def another_first(self, opening: Step) -> Step | None:
+        """A first step to what was refused by itself or lowers the misfit most, if any was chosen.
 
-        Beside the other one it may lie within its range.
+        What was refused may have the size of two effects. Where several are missing, the likeliest
+        sizes of the discrepancy may be so large that they hide the one that explains most.
         """
-        refused = opening.refused
-        if refused is None or opening.chosen or not unusable(refused.settled):
+        refused = [c for c in (opening.refused,) if c and unusable(c.settled)]
+        usable = [c for c in opening.candidates if not unusable(c.settled)]
+        first = max(usable if opening.chosen else refused, key=lambda c: c.gain, default=None)
+        if first is None or first.name in opening.members:
             return None
-        candidates = _compared(self.opening.current, opening.candidates, refused)
-        members = _members(candidates, refused, self.threshold, self.settings)
-        return Step(self.threshold, candidates, refused, members)
+        near = first.evidence + self.settings.class_gain
+        candidates = [c for c in opening.candidates if c.evidence < near]
+        candidates = _compared(self.opening.current, candidates, first)
+        members = _members(candidates, first, self.threshold, self.settings)
+        return Step(self.threshold, candidates, first, members)
 
     def begin(self, step: Step) -> None:
         """Set out from a step."""
@@ -446,12 +459,23 @@ class _Search:
         for effect in self.current.model.effects[:-1]:
             problem, others = self._doubting_others(effect.name)
             step = self._round(problem, others)
-            if step.chosen is not None and step.chosen.name != effect.name:
+            if step.chosen is None:
+                continue
+            if step.chosen.name != effect.name:
                 self.steps.append(step)
                 del self.classes[effect.name]
                 self._take(problem, step.chosen, step.members)
                 return True
+            self._tell(effect.name, step)
         return False
+
+    def _tell(self, name: str, step: Step) -> None:
+        """Keep those of a class that a round beside what came later does not tell from it."""
+        here = frozenset(self.current.model.names)
+        for model in self.visited:
+            if frozenset(model.classes) == here:
+                model.classes[name] = [n for n in model.classes[name] if n in step.members]
+                model.beside[name] = step
 
     @property
     def likeliest(self) -> _Visited:

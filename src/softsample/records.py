@@ -44,7 +44,7 @@ FREE_PART, FREE_PARTS, FREE_FORCE, FREE_NOISE = 0.25, 20, 0.002, 3.0
 this part of the peak and so many standard errors."""
 LONE_PART, LONE_NOISE, LONE_STEPS = 0.05, 10.0, 3.0
 """A reading stands alone if it is off by this part of the peak, and by so many times what half of
-the readings are, and the steps beside it."""
+the readings that change are, and the steps beside it."""
 
 RELAXED = 0.9
 """A loading at whose end less than this part of its largest force is left is doubted."""
@@ -714,7 +714,9 @@ def _lone(lines: pd.Index, force: Array, peak: float) -> Iterator[str]:
     middle, step = force[2:-2], np.abs(np.diff(force))
     off = np.abs(middle - 0.5 * (force[1:-3] + force[3:-1]))
     beside = np.maximum(np.maximum(step[:-3], step[3:]), np.abs(force[3:-1] - force[1:-3]))
-    usual = max(LONE_PART * peak, LONE_NOISE * float(np.median(off)))
+    changing = (step[1:-2] > 0.0) | (step[2:-1] > 0.0)  # a cell at its limit is off by nothing
+    noise = float(np.median(off[changing])) if changing.any() else 0.0
+    usual = max(LONE_PART * peak, LONE_NOISE * noise)
     found = np.flatnonzero(off > np.maximum(usual, LONE_STEPS * beside))
     if len(found):
         more = f", and {len(found) - 1} more" if len(found) > 1 else ""

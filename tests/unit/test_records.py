@@ -173,6 +173,15 @@ def test_noise_does_not_stand_alone():
     assert not [w for w in check(noisy)["warnings"] if "far from" in w]
 
 
+def test_noise_beside_a_cell_at_its_limit_does_not_stand_alone():
+    clipped = record(noise=0.05)
+    clipped["force_N"] = clipped["force_N"].clip(lower=-0.15)  # most of the readings
+    (warning,) = check(clipped)["warnings"]
+    assert "overloaded" in warning
+    warnings = check(put("force_N", 300, 0.9)(clipped))["warnings"]
+    assert any(w.startswith("line 300: the force is 0.9 N, far from") for w in warnings)
+
+
 def test_the_corners_of_a_coarse_record_do_not_stand_alone():
     travel = np.concatenate([np.zeros(12), -np.arange(0.0, 3.6, 0.3), -np.arange(3.3, -0.1, -0.3)])
     table = pd.DataFrame({"displacement_mm": travel, "force_N": 0.1 * travel})

@@ -7,7 +7,14 @@ from typing import Any
 import numpy as np
 
 from softsample.loop.effects import ends, library
-from softsample.wording import NO_ERROR, fitted, significant, verdict_words
+from softsample.wording import (
+    NO_ERROR,
+    OVERLOADED,
+    fitted,
+    overload_told,
+    significant,
+    verdict_words,
+)
 
 Limits = list[tuple[str, Mapping[str, Any]]]
 
@@ -43,6 +50,8 @@ def page(group: str, verdict: Mapping[str, Any]) -> str:
         Report of a diagnosis, see `softsample.loop.verdict.report`.
     """
     parts = [f"# Verdict for {group}: {verdict_words(verdict['verdict'])}", ""]
+    if overloaded := verdict["overloaded_N"]:
+        parts += [f"**{OVERLOADED}:** {overload_told(overloaded)}", ""]
     parts += [_saying(verdict), ""]
     limits = _worst_first(verdict["detection_limits"])
     named = [effect["name"] for effect in verdict["effects"]]

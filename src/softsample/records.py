@@ -44,7 +44,11 @@ FREE_PART, FREE_PARTS, FREE_FORCE, FREE_NOISE = 0.25, 20, 0.002, 3.0
 this part of the peak and so many standard errors."""
 LONE_PART, LONE_NOISE, LONE_STEPS = 0.05, 10.0, 3.0
 """A reading stands alone if it is off by this part of the peak, and by so many times what half of
-the readings are, and the steps beside it."""
+the readings that change are, and the steps beside it."""
+
+CLIPPED, CLIPPED_COARSE = 10, 5.0
+"""A load cell is at its limit if its largest reading is repeated this often, and so many times as
+often as half of the others, which few digits repeat too."""
 
 RELAXED = 0.9
 """A loading at whose end less than this part of its largest force is left is doubted."""
@@ -644,7 +648,7 @@ def _facts(
     warnings += _lone(lines, record.force, abs(peak))
     for ramp in loading.ramps if record.timed else ():
         warnings += _gap(lines, record.clock, ramp)
-    if _is_clipped(force):
+    if is_clipped(force):
         warnings.append(f"the force stays at {peak:g} N: the load cell seems to be overloaded")
     if len(rows) < MANY_IN_RAMP:
         warnings.append(f"the loading has {len(rows)} samples only")
@@ -714,7 +718,9 @@ def _lone(lines: pd.Index, force: Array, peak: float) -> Iterator[str]:
     middle, step = force[2:-2], np.abs(np.diff(force))
     off = np.abs(middle - 0.5 * (force[1:-3] + force[3:-1]))
     beside = np.maximum(np.maximum(step[:-3], step[3:]), np.abs(force[3:-1] - force[1:-3]))
-    usual = max(LONE_PART * peak, LONE_NOISE * float(np.median(off)))
+    changing = (step[1:-2] > 0.0) | (step[2:-1] > 0.0)  # a cell at its limit is off by nothing
+    noise = float(np.median(off[changing])) if changing.any() else 0.0
+    usual = max(LONE_PART * peak, LONE_NOISE * noise)
     found = np.flatnonzero(off > np.maximum(usual, LONE_STEPS * beside))
     if len(found):
         more = f", and {len(found) - 1} more" if len(found) > 1 else ""
@@ -771,11 +777,12 @@ def _free(
         )
 
 
-def _is_clipped(force: Array) -> bool:
-    """Whether the largest force is repeated exactly by ten samples in a row."""
-    at_peak = np.abs(force) == np.abs(force).max()
-    length = longest = 0
-    for value in at_peak:
-        length = length + 1 if value else 0
-        longest = max(longest, length)
-    return longest >= 10
+def is_clipped(force: Array) -> bool:
+    """Whether the largest force is repeated exactly, many times as often as other readings are."""
+    ends = np.flatnonzero(np.diff(force)) + 1
+    often = np.diff([0, *ends, len(force)])
+    at_peak = np.abs(force[[0, *ends]]) == np.abs(force).max()
+    longest = int(np.where(at_peak, often, 0).argmax())
+    others = np.delete(often, longest)
+    usual = float(np.median(others)) if len(others) else 1.0
+    return bool(often[longest] >= max(CLIPPED, CLIPPED_COARSE * usual))

@@ -1,5 +1,7 @@
 """Numbers and names of loadings as people read them."""
 
+from collections.abc import Mapping
+
 DIGITS = 3
 """Significant digits of a result."""
 
@@ -33,6 +35,23 @@ def structured(percent: float, digits: int = DIGITS) -> str:
 def verdict_words(verdict: str) -> str:
     """A verdict, with its meaning where the word alone could be misunderstood."""
     return VERDICTS.get(verdict, verdict)
+
+
+OVERLOADED = "Load cell overloaded"
+"""What a record says that stays at its largest force."""
+
+
+def at_its_limit(forces: Mapping[str, float]) -> str:
+    """Samples with the force [N] at which the load cell stayed."""
+    return ", ".join(f"{name} stays at {significant(force)} N" for name, force in forces.items())
+
+
+def overload_told(forces: Mapping[str, float]) -> str:
+    """What to say of records that stay at their largest force, after `OVERLOADED`."""
+    return (
+        f"{at_its_limit(forces)}. What lies beyond was not measured: trust neither modulus nor "
+        "effects. Test within the range of the cell, or hold out what it cut off."
+    )
 
 
 def true_minus(text: str) -> str:

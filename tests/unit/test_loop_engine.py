@@ -1,6 +1,7 @@
 """Parts of the loop one by one: noise, whitening, folds, screening, page, report."""
 
 import re
+import tracemalloc
 from dataclasses import replace
 from itertools import product
 from types import SimpleNamespace
@@ -14,7 +15,7 @@ import laboratory
 from laboratory import elastic
 from softsample.loop.average import weighed
 from softsample.loop.diagnose import diagnose
-from softsample.loop.discrepancy import estimated, settled
+from softsample.loop.discrepancy import estimated, scaled, settled
 from softsample.loop.effects import library
 from softsample.loop.effects.base import Parameter
 from softsample.loop.effects.viscoelastic_relaxation import within
@@ -208,6 +209,35 @@ def test_a_whitener_of_some_blocks_is_that_of_their_covariance():
     assert more @ more == pytest.approx(
         values[keep] @ np.linalg.solve(part + np.eye(2), values[keep])
     )
+
+
+def test_of_many_models_the_latest_alone_keep_their_factors(monkeypatch):
+    monkeypatch.setattr("softsample.loop.noise.MOST_ENTRIES", 5 * 40**2, raising=False)
+    random = np.random.default_rng(6)
+    matrices = [np.cov(random.normal(size=(40, 90))) for _ in range(12)]
+    values = random.normal(size=40)
+    whiteners = [Whitener(matrix, 1, np.ones(40, bool)) for matrix in matrices]
+    first = [whitener(values) for whitener in whiteners]
+    assert ["_factor" in vars(whitener) for whitener in whiteners] == 7 * [False] + 5 * [True]
+    assert [w.log_determinant for w in whiteners] == [w.log_determinant for w in whiteners]
+    for before, whitener in zip(first, whiteners, strict=True):
+        np.testing.assert_array_equal(whitener(values), before)
+
+
+def test_models_that_are_kept_hold_no_covariances_of_their_own(problem):
+    offset = library()["force_offset"]
+    sizes = {p.name: p.nominal for p in offset.parameters}
+    state = State(Material(2000.0, 0.5), {offset.name: sizes})
+    fit = problem.at(Model((offset,)), state)
+    matrix = 8 * sum(w.known.size for w in problem.whiteners)
+    problem.doubting(fit)  # correlations, which all share
+    tracemalloc.start()
+    kept = [of(problem, fit) for of in (Problem.doubting, scaled) for _ in range(3)]
+    held, _ = tracemalloc.get_traced_memory()
+    tracemalloc.stop()
+    assert held < 0.5 * len(kept) * matrix
+    twice = kept[0].doubting(fit).whiteners[0]
+    np.testing.assert_array_equal(twice.part(FORM), 2.0 * kept[0].whiteners[0].part(FORM))
 
 
 def test_an_error_that_tests_share_is_whitened_as_their_joint_covariance(perfect):

@@ -33,7 +33,7 @@ def by_hand(problem, sizes):
     for w, own in zip(problem.whiteners, parts, strict=True):
         of = w.alone
         joint[np.ix_(own, own)] += of.known
-        joint[np.ix_(own, own)] += sum(v * of.discrepancy[name] for name, v in sizes.items())
+        joint[np.ix_(own, own)] += sum(v * of.part(name) for name, v in sizes.items())
     one, again, _ = (w.shared for w in problem.whiteners)
     cross = sum(sizes[name] * one[name] @ again[name].T for name in one)
     joint[np.ix_(parts[0], parts[1])] += cross
@@ -70,7 +70,7 @@ def test_residuals_are_whitened_and_judged_by_the_joint_covariance():
 def test_variates_at_knots_give_the_correlation_of_the_whole_travel(name):
     alone, shared = (pose(tests, SETTINGS)[0].whiteners[0].alone
                      for tests in (repeats()[:1], repeats()))  # fmt: skip
-    exact, found = (w.discrepancy[name] for w in (alone, shared))
+    exact, found = (w.part(name) for w in (alone, shared))
     assert np.abs(found - exact).max() < 0.02 * np.abs(exact).max()
 
 

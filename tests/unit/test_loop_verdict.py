@@ -16,9 +16,9 @@ from softsample.loop.model import Model
 from softsample.loop.noise import NoiseSettings
 from softsample.loop.posed import LoopSettings, pose
 from softsample.loop.select import driven_to_an_end
-from softsample.loop.verdict import error_report, judgement, report
+from softsample.loop.verdict import error_report, judgement, overloaded, report
 from softsample.report.loop import verdict_table
-from softsample.report.verdict import page
+from softsample.report.verdict import _path, page
 
 OFFSET = library()["force_offset"]
 
@@ -215,6 +215,36 @@ def test_the_choice_of_a_round_is_shown_with_its_own_evidence():
     assert "`other_4` 86 - `force_offset` chosen, evidence 1234\n" in page("A7", verdict)
     first |= {"refused": "other_0", "why": "so"}
     assert "- `other_0` refused: so; `force_offset` chosen, evidence 1234\n" in page("A7", verdict)
+
+
+def test_a_verdict_on_records_that_a_load_cell_cut_off_says_so_first():
+    found = judged(0.0)
+    assert report(found, LoopSettings())["overloaded_N"] == {}
+    cut = [replace(s, force=np.minimum(s.force, 0.5 * s.peak)) for s in found.posed.specimens]
+    forces = overloaded(cut)
+    assert forces == {s.name: s.axis_sign * s.peak for s in cut}
+    lines = page("A7", {**report(found, LoopSettings()), "overloaded_N": forces}).split("\n")
+    name, force = next(iter(forces.items()))
+    assert lines[2].startswith(f"**Load cell overloaded:** {name} stays at {force:.3g} N, ")
+    known = [replace(s, held_out=s.force == s.peak) for s in cut]
+    assert overloaded(known) == {}
+
+
+@pytest.mark.parametrize(
+    ("evidence", "threshold", "line"),
+    [
+        (11.62, 12.0, "1. threshold 12.0: `other` 11.6, `weak` 3 - no effect added"),
+        (13.96, 14.04, "1. threshold 14.04: `other` 13.96, `weak` 3 - no effect added"),
+        (11.99999, 12.0, "1. threshold 12: `other` just below 12, `weak` 3 - no effect added"),
+        (9.4, 12.0, "1. threshold 12: `other` 9, `weak` 3 - no effect added"),
+    ],
+)
+def test_evidence_near_its_threshold_shows_on_which_side_it_is(evidence, threshold, line):
+    others = [{"name": "other", "evidence": evidence}, {"name": "weak", "evidence": 3.1}]
+    step = {"threshold": threshold, "candidates": others} | dict.fromkeys(
+        ("chosen", "evidence", "refused", "why")
+    )
+    assert _path({"path": [step], "effects": []}) == [line]
 
 
 def test_none_says_what_is_left_beyond_the_discrepancy():

@@ -161,6 +161,14 @@ def test_what_is_doubtful_is_a_warning():
     assert "overloaded" in check(clipped)["warnings"][0]
 
 
+def test_few_digits_are_no_limit_of_a_cell():
+    coarse = record(noise=0.0)
+    coarse["force_N"] = (20.0 * coarse["force_N"]).round() / 20.0  # about 65 readings each
+    assert check(coarse)["warnings"] == []
+    coarse["force_N"] = coarse["force_N"].clip(lower=-0.5)
+    assert "the force stays at -0.5 N" in check(coarse)["warnings"][0]
+
+
 def test_a_reading_that_stands_alone_is_a_warning():
     (warning,) = check(put("force_N", 700, 0.3)(record()))["warnings"]
     assert re.match("line 700: the force is 0.3 N, far from", warning)
@@ -171,6 +179,15 @@ def test_a_reading_that_stands_alone_is_a_warning():
 def test_noise_does_not_stand_alone():
     noisy = record(noise=0.05)  # the peak is 1 N or so
     assert not [w for w in check(noisy)["warnings"] if "far from" in w]
+
+
+def test_noise_beside_a_cell_at_its_limit_does_not_stand_alone():
+    clipped = record(noise=0.05)
+    clipped["force_N"] = clipped["force_N"].clip(lower=-0.15)  # most of the readings
+    (warning,) = check(clipped)["warnings"]
+    assert "overloaded" in warning
+    warnings = check(put("force_N", 300, 0.9)(clipped))["warnings"]
+    assert any(w.startswith("line 300: the force is 0.9 N, far from") for w in warnings)
 
 
 def test_the_corners_of_a_coarse_record_do_not_stand_alone():

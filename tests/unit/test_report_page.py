@@ -193,7 +193,7 @@ def test_a_verdict_in_one_sentence():
     error = {"tension": {"all": {"rms_percent_structured": 2.0}},
              "compression": {"all": {"rms_percent_structured": 3.0}}}  # fmt: skip
     effects = [{"class": ["late_contact", "platen_tilt"]}]
-    verdict = {"effects": effects, "error_before": error, "error_after": error}
+    verdict = {"overloaded_N": {}, "effects": effects, "error_before": error, "error_after": error}
     assert verdict_sentence(verdict).startswith("Effects: late contact or platen tilt. Error")
     assert "3 % of peak before" in verdict_sentence(verdict)
     assert verdict_sentence({**verdict, "effects": []}).startswith("Error")
@@ -203,6 +203,9 @@ def test_a_verdict_in_one_sentence():
     )
     slides = verdict_sentence({**verdict, "effects": [{"class": ["ends"]}]})
     assert slides.startswith("Effects: sliding ends. Error")
+    cut = verdict_sentence({**verdict, "overloaded_N": {"C1": -2.5}})
+    assert cut.startswith("Load cell overloaded: C1 stays at -2.5 N. What lies beyond was not")
+    assert "hold out what it cut off. Effects: late contact" in cut
 
 
 RECORD = {
@@ -260,7 +263,8 @@ def test_numbers_of_a_study_without_a_true_shape_follow_the_schema():
             for name in ("mu", "mu1", "mu2")]  # fmt: skip
     intervals = pd.DataFrame(rows).assign(group="D", geometry="ideal", model="ogden2")
     verdict = {
-        "verdict": "none", "effects": [], "error_before": {}, "error_after": {},
+        "verdict": "none", "overloaded_N": {}, "effects": [],
+        "error_before": {}, "error_after": {},
         "recommended": {"mu": {"value": 902.0, "low": 810.0, "high": 1200.0, "unit": "Pa"}},
     }  # fmt: skip
     cylinder = {"shape": "cylinder", "diameter_mm": 20.0, "length_mm": 20.0, "width_mm": 20.0}
@@ -293,7 +297,7 @@ def test_the_end_of_a_run_has_a_line_for_each_group_and_each_finding():
             "calibration": {"real": fit(1128.2, 1098.0, 1157.4), "ideal": fit(1060.7, None, None)},
             "bias_percent": {"ogden2": -5.98},
             "verdict": {
-                "verdict": "none", "effects": [],
+                "verdict": "none", "overloaded_N": {"C1": -2.5, "C2": -2.5}, "effects": [],
                 "modulus_to_quote": {"value_pa": 1130.0, "low_pa": 1001.0, "high_pa": 1300.0},
             },
         },
@@ -301,7 +305,8 @@ def test_the_end_of_a_run_has_a_line_for_each_group_and_each_finding():
             "calibration": {"real": fit(900.0, None, None), "ideal": fit(450.0, None, None, "no")},
             "bias_percent": {"ogden2": -50.0},
             "verdict": {
-                "verdict": "explained", "effects": [{"class": ["gain", "backlash"]}],
+                "verdict": "explained", "overloaded_N": {},
+                "effects": [{"class": ["gain", "backlash"]}],
                 "modulus_to_quote": {"value_pa": 870.0, "low_pa": 860.0, "high_pa": 880.0},
             },
         },
@@ -311,6 +316,7 @@ def test_the_end_of_a_run_has_a_line_for_each_group_and_each_finding():
         "S1     1130 (1000 to 1300)    1130 (1100 to 1160)  1060              -6.0 %   none",
         "TC1    870 (860 to 880)       900                  450               -50.0 %  "
         "explained: gain|backlash",
+        "S1: load cell overloaded, C1 stays at -2.5 N, C2 stays at -2.5 N",
         "TC1, ideal geometry, ogden2: no",
     ]
 

@@ -345,7 +345,7 @@ class _Test:
         state = fit.state.with_values(NAME, {})
         x = w.blocks(specimen.travel) / specimen.reach
         to = averaging(specimen, w)
-        part = {name: v * w.kept(w.discrepancy[name]) for name, v in w.variances.items()}
+        part = {name: v * w.kept(w.part(name)) for name, v in w.variances.items()}
         apart = w.kept(w.known) + part["rough"] + part["history"]
         spread = np.sqrt(sum(np.diag(part[name]) for name in SIMILARITY))
         near = np.exp(-np.abs(np.subtract.outer(x, x)) / problem.settings.fine_length)

@@ -117,7 +117,7 @@ def _tests(problem: Problem, fit: Fit, names: Sequence[str]) -> list[_Test]:
         if not len(r):
             continue
         to = averaging(specimen, w)
-        parts = np.stack([to @ w.kept(w.discrepancy[name]) @ to.T for name in names])
+        parts = np.stack([to @ w.kept(w.part(name)) @ to.T for name in names])
         columns = np.column_stack([j, w.blocks(common), *(c[w.keep] for c in w.shared.values())])
         found.append(_Test(to @ r, to @ columns, to @ w.kept(w.known) @ to.T, parts))
     return found

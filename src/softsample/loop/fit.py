@@ -2,7 +2,7 @@
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
-from functools import cached_property, lru_cache
+from functools import cached_property, lru_cache, partial
 
 import numpy as np
 from scipy.optimize import OptimizeResult, least_squares
@@ -118,6 +118,12 @@ def _alike(specimen: Specimen, size: int) -> tuple[Array, Array]:
     both = np.hypot(apart, further)
     long = np.mean([alike(both, 1.0) for alike in SIMILARITY.values()], axis=0)
     return np.asarray(long), np.exp(-0.5 * (apart / BRIEF) ** 2)
+
+
+def _error_of_form(*parts: tuple[Array, Array]) -> Array:
+    """Sum of covariances (n, n) [N2] of errors of given sizes (n,) [N] and correlations (n, n)."""
+    first, *more = (np.outer(size, size) * alike for size, alike in parts)
+    return np.asarray(sum(more, start=first))
 
 
 def labels(specimens: Sequence[Specimen]) -> list[str]:
@@ -346,7 +352,7 @@ class Problem:
             long, brief = _alike(specimen, whitener.size)
             size = 0.01 * self.settings.form_percent * part
             rounded = brief @ part / brief.sum(axis=1) - part
-            form = np.outer(size, size) * long + np.outer(rounded, rounded) * brief
+            form = partial(_error_of_form, (size, long), (rounded, brief))
             whiteners.append(whitener.with_form(form))
         return replace(self, whiteners=whiteners)
 

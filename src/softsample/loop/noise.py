@@ -1,8 +1,10 @@
 """How far a force record can be trusted: noise of the cell, and what the model cannot resolve."""
 
+from collections import deque
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
-from functools import cached_property
+from functools import cached_property, partial
+from weakref import ref
 
 import numpy as np
 from scipy.linalg import cholesky, solve_triangular
@@ -30,6 +32,13 @@ def _matern(apart: Array, length: float) -> Array:
     steps = np.sqrt(3.0) * np.abs(apart) / length
     return np.asarray((1.0 + steps) * np.exp(-steps))
 
+
+Covariance = Array | Callable[[], Array]
+"""Covariance (n, n) [N2], or what makes it: of vectors that is as quick, and no fit keeps it."""
+
+MOST_ENTRIES = 2 * 10**7
+"""Of the factors of covariances that are kept, together: the latest ones. A fit asks for its own
+again and again; those of all models that a selection came to would fill the memory."""
 
 Similarity = Callable[[Array, float], Array]
 """Correlation over distances of given length."""
@@ -342,6 +351,10 @@ def covariances(
     }
 
 
+_FACTORED: "deque[tuple[ref[Whitener], int]]" = deque()
+"""Whiteners in the order in which they were factorised, and entries of each factor."""
+
+
 @dataclass(frozen=True, eq=False)
 class Whitener:
     """Turns residuals of one test into independent unit noise.
@@ -354,8 +367,8 @@ class Whitener:
         Samples in a block.
     keep : (n,) bool
         Blocks that count; the others are left out (folds).
-    discrepancy : mapping of (n, n) float64, optional
-        Covariances [N2] of what the model does not resolve, by part, that are the test's own.
+    discrepancy : mapping of Covariance, optional
+        Of what the model does not resolve, by part, that are the test's own.
     variances : mapping of float, optional
         Factors of these; 1 by default.
     shared : mapping of (n, k) float64, optional
@@ -368,7 +381,7 @@ class Whitener:
     known: Array
     size: int
     keep: Mask
-    discrepancy: Mapping[str, Array] = field(default_factory=dict)
+    discrepancy: Mapping[str, Covariance] = field(default_factory=dict)
     variances: Mapping[str, float] = field(default_factory=dict)
     shared: Mapping[str, Array] = field(default_factory=dict)
     slot: int | None = None
@@ -377,13 +390,19 @@ class Whitener:
         each = dict.fromkeys(self.discrepancy, 1.0) | dict(self.variances)
         object.__setattr__(self, "variances", each)
 
+    def part(self, name: str) -> Array:
+        """Covariance (n, n) [N2] of a part of the discrepancy that is the test's own."""
+        return _made(self.discrepancy[name])
+
     @cached_property
     def _factor(self) -> Array:
-        """Cholesky factor of the test's own covariance of the blocks that count."""
+        """Cholesky factor of the test's own covariance of the blocks that count; see `_drop`."""
         part = np.array(self.kept(self.known))
-        for name, matrix in self.discrepancy.items():
-            part += self.variances[name] * self.kept(matrix)
+        for name in self.discrepancy:
+            part += self.variances[name] * self.kept(self.part(name))
         part.flat[:: len(part) + 1] += 1e-12 * np.trace(part) / max(len(part), 1)
+        _FACTORED.append((ref(self), part.size))
+        _drop(MOST_ENTRIES)
         # symmetric: in the order of columns it is factorised in place
         return np.asarray(cholesky(part.T, lower=True, overwrite_a=True, check_finite=False))
 
@@ -395,13 +414,13 @@ class Whitener:
     def variance(self) -> Array:
         """Of the blocks that count (n_blocks,) [N2], with what other tests have a share in."""
         found = np.diag(self.known).copy()
-        for name, matrix in self.discrepancy.items():
-            found += self.variances[name] * np.diag(matrix)
+        for name in self.discrepancy:
+            found += self.variances[name] * np.diag(self.part(name))
         for name, columns in self.shared.items():
             found += self.variances[name] * np.sum(columns**2, axis=1)
         return np.asarray(found[self.keep])
 
-    @property
+    @cached_property
     def log_determinant(self) -> float:
         """Of the test's own covariance of the blocks that count."""
         return float(2.0 * np.log(np.diag(self._factor)).sum())
@@ -429,8 +448,8 @@ class Whitener:
         """The same if there were no other test."""
         if not self.shared:
             return self
-        whole = {n: m + (p @ p.T if (p := self.shared.get(n)) is not None else 0.0)
-                 for n, m in self.discrepancy.items()}  # fmt: skip
+        whole = {n: self.part(n) + (p @ p.T if (p := self.shared.get(n)) is not None else 0.0)
+                 for n in self.discrepancy}  # fmt: skip
         return replace(self, discrepancy=whole, shared={}, slot=None)
 
     @property
@@ -442,15 +461,16 @@ class Whitener:
         """Block means with this covariance from independent unit noise (n_blocks, ...) [N]."""
         return np.asarray(self._factor @ white)
 
-    def with_form(self, covariance: Array) -> "Whitener":
+    def with_form(self, covariance: Covariance) -> "Whitener":
         """The same with more error in the form of effects [N2], as part `FORM`."""
-        form = self.discrepancy.get(FORM, 0.0) + covariance
+        before = self.discrepancy.get(FORM)
+        form = covariance if before is None else partial(_sum, before, covariance)
         return replace(self, discrepancy={**self.discrepancy, FORM: form})
 
     def with_scale(self, error: Array) -> "Whitener":
         """The same with another error of scale, one standard deviation of it (n,) [N]."""
         if self.slot is None:
-            scale = np.outer(error, error)
+            scale = partial(np.outer, error, error)
             return replace(self, discrepancy={**self.discrepancy, "scale": scale})
         columns = np.zeros_like(self.shared["scale"])
         columns[:, self.slot] = error
@@ -459,3 +479,19 @@ class Whitener:
     def on(self, keep: Mask) -> "Whitener":
         """The same with other blocks."""
         return self if np.array_equal(keep, self.keep) else replace(self, keep=keep)
+
+
+def _made(covariance: Covariance) -> Array:
+    return covariance() if callable(covariance) else covariance
+
+
+def _sum(one: Covariance, other: Covariance) -> Array:
+    return _made(one) + _made(other)
+
+
+def _drop(most: int) -> None:
+    """Let the oldest factors go until so many entries are left; they are made anew if asked for."""
+    while sum(entries for _, entries in _FACTORED) > most and len(_FACTORED) > 1:
+        oldest, _ = _FACTORED.popleft()
+        if whitener := oldest():
+            whitener.__dict__.pop("_factor", None)

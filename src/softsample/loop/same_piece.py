@@ -83,7 +83,7 @@ def in_common(
             tests = [s for s, of in zip(specimens, slots, strict=True) if of == slot]
             for name, columns in smooth.items():
                 columns[:, slot] = _smooth(specimen, w.size, tests, settings, SIMILARITY[name])
-            scale[:, slot] = _column(own["scale"])
+            scale[:, slot] = _column(w.part("scale"))
             own |= {name: np.zeros(shape) for name in (*smooth, "scale")}
         shared = {name: columns.reshape(len(columns), -1) for name, columns in smooth.items()}
         shared["scale"] = scale

@@ -21,6 +21,8 @@ from softsample.loop.model import FIXED
 from softsample.loop.noise import FORM, NoiseSettings
 from softsample.loop.posed import LoopSettings
 from softsample.loop.select import Selection
+from softsample.loop.specimen import FORCE, Specimen
+from softsample.records import is_clipped
 
 HELD_OUT = "held_out"
 """Fold of what a study holds out."""
@@ -187,6 +189,7 @@ def judgement(diagnosis: Diagnosis, settings: LoopSettings) -> dict[str, Any]:
         "verdict": diagnosis.verdict,
         "objection": diagnosis.objection or None,
         "effects": effects,
+        "overloaded_N": overloaded(posed.specimens),
         "specimen_stiffness": dict(posed.stiffness),
         "specimen_contact_mm": dict(posed.contact),
         "theta_before": _theta(origin.posed.first, {}),
@@ -222,6 +225,18 @@ def judgement(diagnosis: Diagnosis, settings: LoopSettings) -> dict[str, Any]:
         "path": _path(selection),
         "not_identifiable": sorted(weak - {effect["name"] for effect in effects}),
     }
+
+
+def overloaded(specimens: Sequence[Specimen]) -> dict[str, float]:
+    """Largest forces [N] at which load cells stayed in what is fitted, by sample."""
+    found = {}
+    for specimen in specimens:
+        force = specimen.force[(specimen.phase == "ramp") & ~specimen.held_out]
+        if len(force) and is_clipped(force):
+            along = specimen.channel == FORCE
+            peak = float(force[np.abs(force).argmax()]) * (specimen.axis_sign if along else 1.0)
+            found[specimen.name if along else f"{specimen.name}, normal force"] = peak
+    return found
 
 
 def _path(selection: Selection) -> list[dict[str, Any]]:

@@ -5,7 +5,7 @@ from collections.abc import Mapping, Sequence
 from softsample.report.html import written
 from softsample.report.results import Report
 from softsample.report.tables import doubt_of
-from softsample.wording import NO_ERROR
+from softsample.wording import NO_ERROR, OVERLOADED, overload_told
 
 
 def sample_facts(
@@ -111,7 +111,10 @@ def spoken_effect(name: str) -> str:
 
 
 def verdict_sentence(verdict: Report) -> str:
-    """Which effects a verdict names, and the error before and after, largest of the tests."""
+    """Which effects a verdict names, and the error before and after, largest of the tests.
+
+    What a load cell cut off comes first.
+    """
     sets = ([spoken_effect(name) for name in effect["class"]] for effect in verdict["effects"])
     effects = "; ".join(map(" or ".join, sets))
     before, after = (
@@ -119,9 +122,11 @@ def verdict_sentence(verdict: Report) -> str:
         for when in ("before", "after")
     )
     named = f"Effects: {effects}. " if effects else ""
+    forces = verdict["overloaded_N"]
+    cut = f"{OVERLOADED}: {overload_told(forces)} " if forces else ""
     return (
-        f"{named}Error, noise taken out, of the test with the largest: {_of_peak(before)} before, "
-        f"{_of_peak(after)} after."
+        f"{cut}{named}Error, noise taken out, of the test with the largest: {_of_peak(before)} "
+        f"before, {_of_peak(after)} after."
     )
 
 

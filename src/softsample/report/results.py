@@ -6,7 +6,7 @@ from typing import Any
 import pandas as pd
 
 from softsample.report.page import with_interval
-from softsample.wording import significant
+from softsample.wording import OVERLOADED, at_its_limit, significant
 
 VERSION = 2
 """Of the form of the document; it grows when a reader of the last one could be misled."""
@@ -112,6 +112,7 @@ def _calibration(fit: Report, intervals: pd.DataFrame) -> dict[str, Any]:
 def _verdict(verdict: Report) -> dict[str, Any]:
     return {
         "verdict": verdict["verdict"],
+        "overloaded_N": verdict["overloaded_N"],
         "modulus_to_quote": {
             f"{key}_pa": verdict["recommended"]["mu"][key] for key in ("value", "low", "high")
         },
@@ -209,8 +210,13 @@ def _with_ends(modulus: Mapping[str, Any]) -> str:
 
 
 def _findings(groups: Mapping[str, Any]) -> list[str]:
-    """A line for each fit that has a finding."""
-    return [
+    """A line for each group whose load cell was overloaded, and each fit that has a finding."""
+    cut = [
+        f"{name}: {OVERLOADED.lower()}, {at_its_limit(forces)}"
+        for name, group in groups.items()
+        if (forces := group["verdict"]["overloaded_N"])
+    ]
+    return cut + [
         f"{name}, {geometry} geometry, {model}: {fit['finding']}"
         for name, group in groups.items()
         for geometry, models in group["calibration"].items()

@@ -7,7 +7,14 @@ from typing import Any
 import numpy as np
 
 from softsample.loop.effects import ends, library
-from softsample.wording import NO_ERROR, fitted, significant, verdict_words
+from softsample.wording import (
+    NO_ERROR,
+    OVERLOADED,
+    fitted,
+    overload_told,
+    significant,
+    verdict_words,
+)
 
 Limits = list[tuple[str, Mapping[str, Any]]]
 
@@ -43,6 +50,8 @@ def page(group: str, verdict: Mapping[str, Any]) -> str:
         Report of a diagnosis, see `softsample.loop.verdict.report`.
     """
     parts = [f"# Verdict for {group}: {verdict_words(verdict['verdict'])}", ""]
+    if overloaded := verdict["overloaded_N"]:
+        parts += [f"**{OVERLOADED}:** {overload_told(overloaded)}", ""]
     parts += [_saying(verdict), ""]
     limits = _worst_first(verdict["detection_limits"])
     named = [effect["name"] for effect in verdict["effects"]]
@@ -306,22 +315,40 @@ def _errors(verdict: Mapping[str, Any], key: str, *of: str) -> list[str]:
     return _table([*of, "RMS before [mN]", "after [mN]", "before [% of peak]", "after"], rows)
 
 
+MOST_DECIMALS = 4
+"""Of evidence beside a threshold, which are told apart."""
+
+
 def _path(verdict: Mapping[str, Any]) -> list[str]:
     """Every round of the selection: the largest evidence, the choice and what was refused."""
     lines, found = [], [effect["name"] for effect in verdict["effects"]]
     for number, step in enumerate(verdict["path"], start=1):
-        ranking = ", ".join(f"`{c['name']}` {c['evidence']:.0f}" for c in step["candidates"][:5])
+        best, threshold = step["candidates"][:5], step["threshold"]
+        told = [_apart(c["evidence"], threshold) for c in best]
+        ranking = ", ".join(f"`{c['name']}` {e}" for c, (e, _) in zip(best, told, strict=True))
         outcome = []
         if step["refused"]:
             outcome.append(f"`{step['refused']}` refused: {step['why']}")
         if step["chosen"]:
             kept = "" if step["chosen"] in found else ", not kept"
-            outcome.append(f"`{step['chosen']}` chosen, evidence {step['evidence']:.0f}{kept}")
+            told.append(_apart(step["evidence"], threshold))
+            outcome.append(f"`{step['chosen']}` chosen, evidence {told[-1][0]}{kept}")
+        shown = max((one for _, one in told), key=len, default=f"{threshold:.0f}")
         lines.append(
-            f"{number}. threshold {step['threshold']:.0f}: {ranking or 'no candidate'} - "
+            f"{number}. threshold {shown}: {ranking or 'no candidate'} - "
             f"{'; '.join(outcome) or 'no effect added'}"
         )
     return lines
+
+
+def _apart(evidence: float, threshold: float) -> tuple[str, str]:
+    """Evidence and threshold with the digits that tell on which side of the other each is."""
+    for digits in range(MOST_DECIMALS):
+        told, shown = (f"{number:.{digits}f}" for number in (evidence, threshold))
+        if told != shown:
+            return told, shown
+    whole = f"{threshold:.0f}"
+    return f"just below {whole}" if evidence < threshold else whole, whole
 
 
 def _limits(verdict: Mapping[str, Any], limits: Limits) -> list[str]:

@@ -182,7 +182,7 @@ def test_fibres_have_a_direction_of_the_material_if_all_tests_state_theirs():
     stated = [replace(one, material_z=1), replace(other, material_z=2)]
     names = [p.name for p in library(tests=stated)["anisotropy"].parameters]
     assert names == ["k1", "azimuth_deg", "elevation_deg"]
-    assert library(tests=[stated[0], other])["anisotropy"] is ANISOTROPY
+    assert library(tests=[stated[0], other])["anisotropy"] == ANISOTROPY
 
 
 @pytest.mark.parametrize(

@@ -79,7 +79,7 @@ def pulled(speed, scale, seed):
     return Record.of_table(pd.DataFrame(columns)).marked("tension")
 
 
-def tests_of(records, held_out):
+def strip_tests(records, held_out):
     """Tests of one strip beside the study's model, and the effects that they may show."""
     solid = unit_modulus(0.5, ALPHA, 0.49, 1.0)
     law = (modulus_fractions(ResponseSettings()), ALPHA, 0.49)
@@ -96,7 +96,7 @@ def tests_of(records, held_out):
 def strips():
     """Three tests of one strip; what follows the ramps is held out."""
     records = [pulled(*one) for one in zip(SPEEDS, SCALES, range(3), strict=True)]
-    return tests_of(records, [{"phase": ["hold", "unloading"]}])
+    return strip_tests(records, [{"phase": ["hold", "unloading"]}])
 
 
 def test_relaxation_is_found_from_three_speeds_and_predicts_the_holds(strips):
@@ -150,7 +150,7 @@ def test_what_explains_most_is_followed_where_a_second_effect_hides_it():
 
     The model's Poisson's ratio is not that of the strip, so that one effect is not enough.
     """
-    tests, effects = tests_of([faded(0.16, 0), faded(0.8, 1)], [])
+    tests, effects = strip_tests([faded(0.16, 0), faded(0.8, 1)], [])
     found = diagnose(tests, LoopSettings(), effects).selection
     assert found.classes["viscoelastic_relaxation"][0] == "viscoelastic_relaxation"
     others = {"bond_peel", "unloading_loss", "mullins_softening"}

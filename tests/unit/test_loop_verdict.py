@@ -15,7 +15,7 @@ from softsample.loop.effects import library
 from softsample.loop.model import Model
 from softsample.loop.noise import NoiseSettings
 from softsample.loop.posed import LoopSettings, pose
-from softsample.loop.select import driven_to_an_end
+from softsample.loop.usable import driven_to_an_end
 from softsample.loop.verdict import error_report, judgement, overloaded, report
 from softsample.report.loop import verdict_table
 from softsample.report.verdict import _path, page

@@ -23,7 +23,7 @@ from softsample.loop.noise import GEOMETRY, NoiseSettings
 from softsample.loop.pool import Pooled
 from softsample.loop.posed import LoopSettings, pose
 from softsample.loop.screen import signatures
-from softsample.loop.select import doubted, misfit_with_penalties
+from softsample.loop.usable import doubted, misfit_with_penalties
 from softsample.loop.verdict import document, judgement, report
 from softsample.meshing.sample import mesh_ideal
 from softsample.protocol import travel_sign

@@ -13,7 +13,7 @@ from softsample.loop.diagnose import diagnose
 from softsample.loop.errors import cross_validated, log_density
 from softsample.loop.noise import NoiseSettings
 from softsample.loop.posed import LoopSettings
-from softsample.loop.select import SelectionSettings
+from softsample.loop.rounds import SelectionSettings
 from softsample.loop.verdict import report
 
 SETTINGS = LoopSettings()

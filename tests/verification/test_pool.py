@@ -18,7 +18,7 @@ from softsample.loop.effects.base import SOLID
 from softsample.loop.errors import held_out_errors
 from softsample.loop.pool import Group, Others
 from softsample.loop.posed import LoopSettings, Posed
-from softsample.loop.select import SelectionSettings
+from softsample.loop.rounds import SelectionSettings
 from softsample.loop.verdict import judgement
 from softsample.shapes import IdealShape
 

@@ -5,9 +5,12 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from softsample.loop.choose import EARNED, WITHIN_DOUBT
 from softsample.loop.errors import Error, Errors, cross_validated, log_density
 from softsample.loop.noise import NoiseSettings
-from softsample.loop.select import EARNED, WITHIN_DOUBT, Selection, SelectionSettings, unusable
+from softsample.loop.rounds import SelectionSettings
+from softsample.loop.select import Selection
+from softsample.loop.usable import unusable
 
 
 @dataclass(frozen=True)

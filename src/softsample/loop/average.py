@@ -17,8 +17,9 @@ from scipy.stats import norm
 
 from softsample.loop.deviation import bond_deviation, log_modulus_deviation
 from softsample.loop.fit import Fit
-from softsample.loop.select import Selection, misfit_with_penalties, unusable
+from softsample.loop.select import Selection
 from softsample.loop.specimen import Array
+from softsample.loop.usable import misfit_with_penalties, unusable
 
 INTERVAL = (0.05, 0.95)
 """Quantiles at the ends of a 90 % interval."""

@@ -8,6 +8,7 @@ import numpy as np
 from scipy.special import expit
 
 from softsample.loop.accept import Judged, objection_to
+from softsample.loop.choose import Step
 from softsample.loop.correction import Confirmed, confirmed, learned
 from softsample.loop.effects import library, specimen_stiffness
 from softsample.loop.effects.base import Effect
@@ -25,16 +26,11 @@ from softsample.loop.fit import Fit
 from softsample.loop.pool import Group, Others, Pooled, pooled
 from softsample.loop.posed import LoopSettings, Posed
 from softsample.loop.resample import confidence
+from softsample.loop.rounds import Candidate
 from softsample.loop.scale import Scales, most_likely
-from softsample.loop.select import (
-    Candidate,
-    Selection,
-    Step,
-    doubted,
-    misfit_with_penalties,
-    select,
-)
+from softsample.loop.select import Selection, select
 from softsample.loop.specimen import Specimen
+from softsample.loop.usable import doubted, misfit_with_penalties
 
 STIFFNESS = specimen_stiffness.EFFECT.name
 """Effect that stands for what scattered specimens differ in."""

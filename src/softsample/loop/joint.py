@@ -2,12 +2,13 @@
 
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
+from functools import partial
 from itertools import product
 
 import numpy as np
 
 from softsample.loop.effects.base import Effect
-from softsample.loop.fit import Fit
+from softsample.loop.fit import Fit, Problem
 from softsample.loop.model import Model, State
 from softsample.loop.screen import Signature, nominal_step, orthonormal
 
@@ -18,6 +19,9 @@ LADDER, RUNGS = 1.25, (-6, 11)
 """Ratio of the sizes at which an effect of one parameter is looked at, and their powers over the
 nominal size."""
 
+TRIED = 3
+"""Initial guesses of a law, those of which least is left, from which it is fitted."""
+
 PARTS = (0.5, 1.0)
 """Of the nominal sizes of a law, from which it sets out."""
 
@@ -26,9 +30,10 @@ def joint_fit(current: Fit, signature: Signature, tie: float) -> Fit:
     """Joint fit from the linear estimate of the sizes, or from a size that leaves less.
 
     Small sizes and the other points of the grid are tried until one fit earns what the linear
-    estimate promises; starts of the effect's own are all tried, at an even modulus fraction. Where
-    contact has moved further than is likely, the effect may be what moved it: an effect of one
-    parameter sets out from none, too.
+    estimate promises; starts of the effect's own are all tried. Where contact has moved further
+    than is likely, the effect may be what moved it: an effect of one parameter and a law set out
+    from none, too. A law sets out from points of its grid, those of which least is left, at an
+    even modulus fraction.
 
     Parameters
     ----------
@@ -48,12 +53,16 @@ def joint_fit(current: Fit, signature: Signature, tie: float) -> Fit:
         estimate[p.name] = float(np.clip(size, p.low + margin, p.high - margin))
     small = {p.name: p.neutral + 0.01 * nominal_step(p) for p in effect.sizes}
     starts = [estimate, {**signature.start, **small}]
-    if len(effect.sizes) < 3:
+    if len(effect.sizes) < 3 and not effect.is_law:
         starts += [{**estimate, **point} for point in effect.points]
     promised = current.cost - 0.95 * signature.gain(current.white)
     model = current.model.with_effect(effect)
     states = [current.state.with_values(effect.name, values) for values in starts]
-    own = _own_starts(current, model, effect.starts)
+    own = _own_starts(current, model, effect.starts or _points_of_law(effect))
+    moved = abs(current.state.contact_zero) > problem.settings.contact_zero_mm
+    if effect.is_law:  # changes all of the force, of which a linear estimate says little
+        unmoved = [_unmoved(problem, model, state) for state in own if moved]
+        own = sorted([*own, *unmoved], key=partial(_left, current, model))[:TRIED]
     if effect.idealised:  # a change so large that the material found without it says little
         states = [states[0], *problem.of_each_fraction(model, states[0])]
         promised = -np.inf
@@ -61,7 +70,7 @@ def joint_fit(current: Fit, signature: Signature, tie: float) -> Fit:
         ladder = _ladder(states[0], effect)
         best = _least_left(current, model, [states[0], *ladder])
         states = states if best is states[0] else [best, *states]
-        if abs(current.state.contact_zero) > problem.settings.contact_zero_mm:
+        if moved:
             unmoved = [replace(state, contact_zero=0.0) for state in ladder]
             own = [*own, _least_left(current, model, unmoved)]
     elif effect.shifts_travel:
@@ -100,19 +109,35 @@ def _either_way(state: State, signature: Signature) -> list[State]:
     ]
 
 
+def _unmoved(problem: Problem, model: Model, state: State) -> State:
+    """The state with contact where the records say, and the modulus that goes with it."""
+    return problem.of_own_modulus(model, replace(state, contact_zero=0.0))
+
+
+def _left(current: Fit, model: Model, state: State) -> float:
+    """What is left of a state that the material could not take over linearly: sum of squares."""
+    directions = orthonormal(current.jacobian)
+    white = current.problem.residual(model, state)[: len(directions)]
+    rest = white - directions @ (directions.T @ white)
+    return float(rest @ rest)
+
+
 def _least_left(current: Fit, model: Model, states: Sequence[State]) -> State:
-    """The state of which least is left that the material could not take over linearly.
+    """The state of which least is left.
 
     Where contact sets in late, what a small size does tells little of what a large one does.
     """
-    directions = orthonormal(current.jacobian)
+    return min(states, key=partial(_left, current, model))
 
-    def left(state: State) -> float:
-        white = current.problem.residual(model, state)[: len(directions)]
-        rest = white - directions @ (directions.T @ white)
-        return float(rest @ rest)
 
-    return min(states, key=left)
+def _points_of_law(effect: Effect) -> list[Mapping[str, float]]:
+    """Values of a law at each point of its grid, at some and all of its nominal sizes."""
+    if not effect.is_law:
+        return []
+    return [
+        {p.name: p.neutral + part * nominal_step(p) for p in effect.sizes} | dict(point)
+        for part, point in product(PARTS, effect.points)
+    ]
 
 
 def law_fit(base: Fit, law: Effect, tie: float) -> Fit:
@@ -125,12 +150,8 @@ def law_fit(base: Fit, law: Effect, tie: float) -> Fit:
     law : Effect
         Another elastic law.
     """
-    starts = law.starts or [
-        {p.name: p.neutral + part * nominal_step(p) for p in law.sizes} | dict(point)
-        for part, point in product(PARTS, law.points)
-    ]
     model = base.model.with_effect(law)
-    states = _own_starts(base, model, starts)
+    states = _own_starts(base, model, law.starts or _points_of_law(law))
     return _likeliest(base, base.problem.fits(model, states, tie), tie)
 
 

@@ -23,10 +23,11 @@ from softsample.loop.fit import Fit
 from softsample.loop.joint import joint_fit, law_fit
 from softsample.loop.model import FIXED, Model, State
 from softsample.loop.posed import LoopSettings, Posed
+from softsample.loop.rounds import SelectionSettings
 from softsample.loop.scale import most_likely
 from softsample.loop.screen import best_of_each, signatures
-from softsample.loop.select import SelectionSettings, misfit_with_penalties, unusable
 from softsample.loop.specimen import Array, Specimen
+from softsample.loop.usable import misfit_with_penalties, unusable
 
 MOST_UNUSABLE = 0.5
 """Part of the groups in which effects may explain nothing; in more of them they are none."""

@@ -18,9 +18,10 @@ from softsample.loop.noise import (
     most_blocks,
     shared,
 )
+from softsample.loop.rounds import SelectionSettings
 from softsample.loop.same_piece import in_common
 from softsample.loop.scale import relative_stiffness, scatter
-from softsample.loop.select import SelectionSettings, plain_model
+from softsample.loop.select import plain_model
 from softsample.loop.specimen import Array, Specimen, blocks
 
 PER_BLOCK = 4

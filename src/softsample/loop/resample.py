@@ -4,7 +4,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from softsample.loop.fit import Fit, Problem
-from softsample.loop.select import Selection, SelectionSettings, select
+from softsample.loop.rounds import SelectionSettings
+from softsample.loop.select import Selection, select
 
 BLOCKS = 10.0
 """Mean length of the stretches that are drawn, in blocks of the record."""

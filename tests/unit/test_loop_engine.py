@@ -1220,25 +1220,6 @@ def test_nothing_is_chosen_beside_a_refused_effect_of_more_than_twice_the_eviden
     assert step.refused.name == ("uneven_contact" if why == "at an end" else "late_contact")
 
 
-def test_laws_have_fits_of_their_own_only_where_unloading_differs_from_loading(monkeypatch):
-    """A tissue that relaxes loses on return; with its relaxation known nothing is lost."""
-    asked = []
-    fit_of = _beside_hysteresis
-
-    def counted(here, law):
-        asked.append(here.base.model.names)
-        return fit_of(here, law)
-
-    monkeypatch.setattr("softsample.loop.rounds._beside_hysteresis", counted)
-    effects = [library()[name] for name in ("viscoelastic_relaxation", "elastic_law")]
-    for relaxed, models in ((0.0, set()), (0.4, {()})):
-        asked.clear()
-        tests = laboratory.Lab(seed=5, relaxed=relaxed).specimens()
-        found = select(pose(tests, SETTINGS)[0], effects, LoopSettings().selection)
-        assert list(found.classes) == ["viscoelastic_relaxation"][: bool(relaxed)]
-        assert set(asked) == models
-
-
 def test_an_effect_that_is_alone_in_the_end_has_the_class_of_the_round_of_the_plain_model(
     monkeypatch,
 ):

@@ -140,21 +140,6 @@ def _points_of_law(effect: Effect) -> list[Mapping[str, float]]:
     ]
 
 
-def law_fit(base: Fit, law: Effect, tie: float) -> Fit:
-    """Joint fit of a law from each point of its grid, whatever a linear estimate says.
-
-    Parameters
-    ----------
-    base, tie
-        As `current` and `tie` of `joint_fit`.
-    law : Effect
-        Another elastic law.
-    """
-    model = base.model.with_effect(law)
-    states = _own_starts(base, model, law.starts or _points_of_law(law))
-    return _likeliest(base, base.problem.fits(model, states, tie), tie)
-
-
 def nearest(current: Fit, alike: Sequence[Fit]) -> Fit:
     """The first of several fits, but for those that change far more of what is held out.
 

@@ -9,7 +9,7 @@ import numpy as np
 from softsample.loop.discrepancy import ROUNDS, settled
 from softsample.loop.effects.base import Effect
 from softsample.loop.fit import Fit, Problem
-from softsample.loop.joint import joint_fit, law_fit, nearest
+from softsample.loop.joint import joint_fit, nearest
 from softsample.loop.screen import LEAST_SIGNATURE, best_of_each, penalty, signatures
 from softsample.loop.specimen import Array
 
@@ -161,31 +161,12 @@ def fitted(here: Round, effects: Sequence[Effect]) -> list[Candidate]:
             continue
         joint = joint_fit(current, signature, settings.class_gain)
         candidates.append(_candidate(here, joint))
-    if _loses_on_return(here.base.problem):
-        laws = [effect for effect in effects if effect.is_law]
-        candidates += [_beside_hysteresis(here, law) for law in laws]
     candidates.sort(key=lambda c: c.evidence, reverse=True)
     if candidates and current.model.effects:
         again = restarted(candidates[0].fit, settings)
         if again is not candidates[0].fit:
             candidates[0] = max(candidates[0], _candidate(here, again), key=lambda c: c.evidence)
     return candidates
-
-
-def _loses_on_return(problem: Problem) -> bool:
-    """Whether fitted loading and unloading differ by more than the settings allow for."""
-    unloaded = any(((s.phase == "unloading") & ~s.held_out).any() for s in problem.specimens)
-    return unloaded and problem.variances.get("history", 0.0) > 1.0
-
-
-def _beside_hysteresis(here: Round, law: Effect) -> Candidate:
-    """A law fitted with the sizes of the discrepancy that the plain model has left.
-
-    With smaller ones, records that go back ask for a law whose loading and unloading differ least,
-    as no law explains that they do.
-    """
-    fit = law_fit(here.base, law, here.settings.class_gain)
-    return _candidate(here, here.current.problem.at(fit.model, fit.state))
 
 
 def _candidate(here: Round, fit: Fit) -> Candidate:

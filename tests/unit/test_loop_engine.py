@@ -54,7 +54,7 @@ from softsample.loop.noise import (
 )
 from softsample.loop.posed import LoopSettings, pose
 from softsample.loop.resample import resampled, stretches
-from softsample.loop.rounds import Candidate, Round, _beside_hysteresis
+from softsample.loop.rounds import Candidate, Round
 from softsample.loop.screen import Signature, family_wise, null_threshold, penalty, signatures
 from softsample.loop.select import _alone, _Search, plain_model, select
 from softsample.loop.specimen import Specimen, blocks

@@ -1,6 +1,6 @@
 """Joint fits of the material and one effect more, from several initial guesses."""
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from dataclasses import replace
 from functools import partial
 from itertools import product
@@ -58,11 +58,13 @@ def joint_fit(current: Fit, signature: Signature, tie: float) -> Fit:
     promised = current.cost - 0.95 * signature.gain(current.white)
     model = current.model.with_effect(effect)
     states = [current.state.with_values(effect.name, values) for values in starts]
-    own = _own_starts(current, model, effect.starts or _points_of_law(effect))
     moved = abs(current.state.contact_zero) > problem.settings.contact_zero_mm
     if effect.is_law:  # changes all of the force, of which a linear estimate says little
-        unmoved = [_unmoved(problem, model, state) for state in own if moved]
-        own = sorted([*own, *unmoved], key=partial(_left, current, model))[:TRIED]
+        here = [current.state, replace(current.state, contact_zero=0.0)][: 1 + moved]
+        own = [one for state in here for one in _law_starts(problem, model, state)]
+        own = sorted(own, key=partial(_left, current, model))[:TRIED]
+    else:
+        own = [current.state.with_values(effect.name, start) for start in effect.starts]
     if effect.idealised:  # a change so large that the material found without it says little
         states = [states[0], *problem.of_each_fraction(model, states[0])]
         promised = -np.inf
@@ -109,11 +111,6 @@ def _either_way(state: State, signature: Signature) -> list[State]:
     ]
 
 
-def _unmoved(problem: Problem, model: Model, state: State) -> State:
-    """The state with contact where the records say, and the modulus that goes with it."""
-    return problem.of_own_modulus(model, replace(state, contact_zero=0.0))
-
-
 def _left(current: Fit, model: Model, state: State) -> float:
     """What is left of a state that the material could not take over linearly: sum of squares."""
     directions = orthonormal(current.jacobian)
@@ -130,14 +127,19 @@ def _least_left(current: Fit, model: Model, states: Sequence[State]) -> State:
     return min(states, key=partial(_left, current, model))
 
 
-def _points_of_law(effect: Effect) -> list[Mapping[str, float]]:
-    """Values of a law at each point of its grid, at some and all of its nominal sizes."""
-    if not effect.is_law:
-        return []
-    return [
-        {p.name: p.neutral + part * nominal_step(p) for p in effect.sizes} | dict(point)
-        for part, point in product(PARTS, effect.points)
-    ]
+def law_fit(base: Fit, law: Effect, tie: float) -> Fit:
+    """Joint fit of a law from each point of its grid.
+
+    Parameters
+    ----------
+    base, tie
+        As `current` and `tie` of `joint_fit`.
+    law : Effect
+        Another elastic law.
+    """
+    model = base.model.with_effect(law)
+    states = _law_starts(base.problem, model, base.state)
+    return _likeliest(base, base.problem.fits(model, states, tie), tie)
 
 
 def nearest(current: Fit, alike: Sequence[Fit]) -> Fit:
@@ -165,11 +167,15 @@ def _likeliest(current: Fit, fits: Sequence[Fit], tie: float) -> Fit:
     return nearest(current, [fit for fit in ranked if fit.cost < ranked[0].cost + tie])
 
 
-def _own_starts(current: Fit, model: Model, starts: Sequence[Mapping[str, float]]) -> list[State]:
-    """States with given values of a model's last effect; a law with its own modulus, evenly."""
-    effect, state = model.effects[-1], current.state
-    if not effect.is_law:
-        return [state.with_values(effect.name, start) for start in starts]
+def _law_starts(problem: Problem, model: Model, state: State) -> list[State]:
+    """A state with a model's last effect, a law, at each of its starts or points of its grid.
+
+    At some and all of its nominal sizes, with its own modulus, evenly.
+    """
+    law = model.effects[-1]
+    starts = law.starts or [
+        {p.name: p.neutral + part * nominal_step(p) for p in law.sizes} | dict(point)
+        for part, point in product(PARTS, law.points)
+    ]
     even = replace(state, material=replace(state.material, mu1_fraction=0.5))
-    states = [even.with_values(effect.name, start) for start in starts]
-    return [current.problem.of_own_modulus(model, x) for x in states]
+    return [problem.of_own_modulus(model, even.with_values(law.name, start)) for start in starts]

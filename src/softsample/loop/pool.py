@@ -20,7 +20,7 @@ from softsample.loop.discrepancy import settled
 from softsample.loop.effects.base import Effect, Parameter, Values
 from softsample.loop.errors import held_out_errors
 from softsample.loop.fit import Fit
-from softsample.loop.joint import joint_fit
+from softsample.loop.joint import joint_fit, law_fit
 from softsample.loop.model import FIXED, Model, State
 from softsample.loop.posed import LoopSettings, Posed
 from softsample.loop.rounds import SelectionSettings
@@ -88,8 +88,12 @@ class Group:
     def with_effect(self, name: str, tie: float) -> Self:
         """The same with one effect more in the model of all records."""
         fit, effect = self.whole, self.library[name]
-        signature = best_of_each(signatures(fit, [effect]), fit.white)[name][1]
-        return replace(self, whole=settled(fit.problem, joint_fit(fit, signature, tie)))
+        if effect.is_law:
+            found = law_fit(fit, effect, tie)
+        else:
+            signature = best_of_each(signatures(fit, [effect]), fit.white)[name][1]
+            found = joint_fit(fit, signature, tie)
+        return replace(self, whole=settled(fit.problem, found))
 
     def refitted(self, others: Sequence[Self]) -> Self:
         """The same, its model of all records fitted from the likeliest values of others too.

@@ -194,11 +194,11 @@ def first_steps(opening: Step) -> list[Step]:
     laws = [c for c in opening.candidates if c.effect.is_law]
     known = [c for c in usable if c.effect.idealised]
     steps = []
-    if chosen and chosen not in laws and any(c.evidence >= here.threshold for c in laws):
+    if chosen and not chosen.effect.is_law and any(c.evidence >= here.threshold for c in laws):
         steps.append(chosen_of(here, laws))
-    if known and chosen not in known:
+    if known and not (chosen and chosen.effect.idealised):
         steps.append(replace(opening, chosen=known[0], members=[known[0].name]))
-    refused = [c for c in (opening.refused,) if c and c not in usable]
+    refused = [c for c in (opening.refused,) if c and unusable(c.settled)]
     most = max(usable if chosen else refused, key=lambda c: c.gain, default=None)
     if most and most.name not in opening.members:
         near = most.evidence + here.settings.class_gain

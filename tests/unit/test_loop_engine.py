@@ -1170,10 +1170,8 @@ def test_a_parameter_that_no_record_shows_keeps_its_whole_range():
 def test_a_law_is_found_although_a_little_of_it_explains_nothing():
     """A gel that keeps its area, pressed through a rough face: only all of a foam of 600 Pa fits,
     beside a plain model of 5 Pa, and a drift of the force looks better than a little of it."""
-    shape, travel = (
-        laboratory.IdealShape("cylinder", 5e-3, 5e-3, 2.9e-3),
-        np.linspace(0, 1.4e-3, 600),
-    )
+    shape = laboratory.IdealShape("cylinder", 5e-3, 5e-3, 2.9e-3)
+    travel = np.linspace(0.0, 1.4e-3, 600)
     depths = np.clip(travel[:, None] - np.linspace(0.0, 0.25e-3, 41), 0.0, None)
     pressed = laboratory.foam_force(shape, 600.0, 6.0, depths / shape.height).mean(axis=1)
     noise = np.random.default_rng(3).normal(0.0, 2e-6, len(travel))
@@ -1218,6 +1216,14 @@ def test_nothing_is_chosen_beside_a_refused_effect_of_more_than_twice_the_eviden
     step = one_more(here, [])
     assert (step.chosen, step.why) == (None, why)
     assert step.refused.name == ("uneven_contact" if why == "at an end" else "late_contact")
+
+
+def test_a_tissue_that_loses_on_return_is_no_other_law():
+    effects = [library()[name] for name in ("viscoelastic_relaxation", "elastic_law")]
+    for relaxed, found in ((0.0, []), (0.4, ["viscoelastic_relaxation"])):
+        tests = laboratory.Lab(seed=5, relaxed=relaxed).specimens()
+        problem, _ = pose(tests, SETTINGS)
+        assert list(select(problem, effects, LoopSettings().selection).classes) == found
 
 
 def test_an_effect_that_is_alone_in_the_end_has_the_class_of_the_round_of_the_plain_model(

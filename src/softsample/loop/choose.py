@@ -77,9 +77,9 @@ def one_more(here: Round, effects: Sequence[Effect], again: bool = True) -> Step
 
 
 def chosen_of(here: Round, candidates: Sequence[Candidate]) -> Step:
-    """The choice among candidates."""
+    """The choice among candidates, one of each effect, that of most evidence first."""
     acceptable = [c for c in candidates if c.evidence >= here.threshold]
-    nothing = Step(here.threshold, _one_of_each(candidates), None, here=here)
+    nothing = Step(here.threshold, [*candidates], None, here=here)
     if not acceptable:
         return nothing
     inside = [c for c in acceptable if not unusable(c.settled)]
@@ -98,7 +98,7 @@ def chosen_of(here: Round, candidates: Sequence[Candidate]) -> Step:
     best = held
     if not _earned(here, best):
         return replace(nothing, refused=best, why=NOT_EARNED)
-    candidates = _compared(here, _one_of_each([best, *candidates]), best)
+    candidates = _compared(here, candidates, best)
     members = _members(here, candidates, best)
     return Step(here.threshold, candidates, best, members, refused, why, here)
 
@@ -180,12 +180,6 @@ def _earned(here: Round, candidate: Candidate) -> bool:
         log_density(fit, cross_validated(fit, names)) for fit in (here.base, candidate.settled)
     )
     return bool(names) and after > before + EARNED
-
-
-def _one_of_each(candidates: Sequence[Candidate]) -> list[Candidate]:
-    """Of several fits of one effect the first, the one of most evidence first of all."""
-    first = {c.name: c for c in reversed(candidates)}
-    return sorted(first.values(), key=lambda c: c.evidence, reverse=True)
 
 
 def _nearest_law(here: Round, best: Candidate, inside: Sequence[Candidate]) -> Candidate:

@@ -1,7 +1,7 @@
 """Where one effect more is looked for, and what each is worth there."""
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Self
 
 import numpy as np
@@ -117,23 +117,18 @@ class Round:
     threshold: float = 0.0
 
     @classmethod
-    def of(
-        cls,
-        problem: Problem,
-        current: Fit,
-        settings: SelectionSettings = SelectionSettings(),
-        threshold: float = 0.0,
-    ) -> Self:
+    def of(cls, problem: Problem, current: Fit) -> Self:
         """About a fit."""
         base = settled(problem, current, 1)
         if not current.model.effects:  # what a larger discrepancy makes of other materials
             base = settled(base.problem, base.problem.fit_material(), 1)
         sharp = base.problem.with_variances(problem.settings.sharp(base.problem.variances))
-        return cls(base, sharp.fit(base.model, base.state), settings, threshold)
+        return cls(base, sharp.fit(base.model, base.state))
 
     def about(self, problem: Problem, current: Fit) -> Self:
         """The same search about another fit."""
-        return self.of(problem, current, self.settings, self.threshold)
+        there = self.of(problem, current)
+        return replace(there, settings=self.settings, threshold=self.threshold)
 
 
 def fitted(here: Round, effects: Sequence[Effect]) -> list[Candidate]:

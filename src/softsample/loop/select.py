@@ -82,7 +82,7 @@ def select(problem: Problem, effects: Sequence[Effect], settings: SelectionSetti
     Selection
         Of the likeliest model that the searches came to, penalties included. Searches set out
         from the plain model and, if their end is likelier by more than the threshold, from
-        another law, from what the model is known to leave out or from what was refused by itself.
+        another first step, see `first_steps`.
     """
     first = _plain_round(problem)
     library = [e for e in effects if e.identifiable]
@@ -93,7 +93,8 @@ def select(problem: Problem, effects: Sequence[Effect], settings: SelectionSetti
     threshold = family_wise(
         found, len(first.current.white), settings.null_draws, settings.seed, settings.least_gain
     )
-    opening = Round.of(problem, first.current, settings, threshold)
+    opening = Round.of(problem, first.current)
+    opening = replace(opening, settings=settings, threshold=threshold)
     fresh = _Search(problem, library, opening, problem, first.current)
     search = fresh.completed()
     step, plain = search.steps[0], search.visited[0]
@@ -166,19 +167,19 @@ def _others(visited: Sequence[_Visited], best: _Visited) -> list[Fit]:
     return [of[names].fit for names in sorted(of, key=len)]
 
 
-def _alone(opening: Step, classes: Mapping[str, list[str]]) -> dict[str, list[str]]:
+def _alone(step: Step, classes: Mapping[str, list[str]]) -> dict[str, list[str]]:
     """Class of an effect that is alone in the end, in the round of the plain model.
 
     What it was chosen beside had told it from others, and was dropped.
     """
-    found = [c for c in opening.candidates if [c.name] == list(classes)]
-    if not found or opening.chosen is found[0] or opening.here is None:
+    found = [c for c in step.candidates if [c.name] == list(classes)]
+    if not found or step.chosen is found[0] or step.here is None:
         return {}
-    return {found[0].name: class_of(opening.here, opening.candidates, found[0])}
+    return {found[0].name: class_of(step.here, step.candidates, found[0])}
 
 
-def first_steps(opening: Step) -> list[Step]:
-    """Other first steps than the one of the plain model's round, from its candidates.
+def first_steps(step: Step) -> list[Step]:
+    """Other first steps than that of the plain model's round, from its candidates.
 
     To a law, if the records ask for one but for something else more: without the right law a
     history may have most of the evidence and the wrong times. To what the model is known to
@@ -187,25 +188,25 @@ def first_steps(opening: Step) -> list[Step]:
     the misfit most: where several effects are missing, the likeliest sizes of the discrepancy
     may be so large that they hide the one that explains most.
     """
-    here, chosen = opening.here, opening.chosen
+    here, chosen = step.here, step.chosen
     if here is None:
         return []
-    usable = [c for c in opening.candidates if not unusable(c.settled)]
-    laws = [c for c in opening.candidates if c.effect.is_law]
+    usable = [c for c in step.candidates if not unusable(c.settled)]
+    laws = [c for c in step.candidates if c.effect.is_law]
     known = [c for c in usable if c.effect.idealised]
     steps = []
     if chosen and not chosen.effect.is_law and any(c.evidence >= here.threshold for c in laws):
         steps.append(chosen_of(here, laws))
     if known and not (chosen and chosen.effect.idealised):
-        steps.append(replace(opening, chosen=known[0], members=[known[0].name]))
-    refused = [c for c in (opening.refused,) if c and unusable(c.settled)]
+        steps.append(replace(step, chosen=known[0], members=[known[0].name]))
+    refused = [c for c in (step.refused,) if c and unusable(c.settled)]
     most = max(usable if chosen else refused, key=lambda c: c.gain, default=None)
-    if most and most.name not in opening.members:
+    if most and most.name not in step.members:
         near = most.evidence + here.settings.class_gain
-        alike = [c for c in opening.candidates if c.evidence < near]
+        alike = [c for c in step.candidates if c.evidence < near]
         members = class_of(here, alike, most)
-        steps.append(replace(opening, chosen=most, members=members))
-    return [step for step in steps if step.chosen]
+        steps.append(replace(step, chosen=most, members=members))
+    return [one for one in steps if one.chosen]
 
 
 @dataclass

@@ -109,6 +109,18 @@ def test_optimum_on_a_bound_is_said_and_not_trusted(mu, fraction, settings, boun
     assert finding in found.finding
 
 
+def test_a_model_that_misses_a_record_does_not_suit_it():
+    """A force that grows with the sixth power of the displacement, beside tension as it should be."""
+    families = {sample: family_of(sample) for sample in ("T1", "C1")}
+    measured = {sample: record_of(sample, 900.0, 0.5) for sample in families}
+    assert fit_ogden(families, measured, SETTINGS).finding is None
+    travel = measured["C1"].displacement
+    late = measured["C1"].force[-1] * (travel / travel[-1]) ** 6
+    found = fit_ogden(families, measured | {"C1": MeasuredCurve(travel, late)}, SETTINGS)
+    said = f"does not suit these data: it misses {100.0 * found.area_error['C1']:.0f} % of the area"
+    assert f"{said} under the record of C1" in found.finding
+
+
 def test_one_term_has_one_variable():
     found = fit(["C1"], 1500.0, 1.0, noise=0.01, fractions=np.array([1.0]))
     assert found.mu == pytest.approx(1500.0, rel=5e-3)

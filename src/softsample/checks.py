@@ -163,8 +163,9 @@ def gather(reports: Mapping[str, Report]) -> dict[str, Any]:
     Raises
     ------
     SimulationError
-        Naming every check that failed, with value and limit.
+        Naming every check that failed, with value and limit, and what calibrations found.
     """
+    found = [f"{at}: {told}" for at, report in reports.items() for told in report["findings"]]
     every = [(where, item) for where, report in reports.items() for item in report["checks"]]
     failed = [
         f"  {where}: {item['name']} is {item['value']:.4g}, must be {item['sense']} "
@@ -179,6 +180,7 @@ def gather(reports: Mapping[str, Report]) -> dict[str, Any]:
                     f"{len(failed)} of {len(every)} checks failed; look at these results before "
                     "using any number, then change the mesh, solver or limits in the config:",
                     *failed,
+                    *(f"  {told}" for told in found),
                 ]
             )
         )
@@ -189,5 +191,5 @@ def gather(reports: Mapping[str, Report]) -> dict[str, Any]:
     warnings = [
         f"{where}: {item['name']} is {item['value']:.4g}" for where, item in every if item["warned"]
     ]
-    warnings += [f"{at}: {told}" for at, report in reports.items() for told in report["findings"]]
+    warnings += found
     return {"passed": True, "checks": len(every), "worst": worst, "warnings": warnings}

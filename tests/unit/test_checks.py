@@ -153,6 +153,8 @@ def test_the_gathering_names_every_failure():
     bad = checked([check("a", 3.0, 2.0)])
     with pytest.raises(SimulationError, match=r"(?s)1 of 5 checks.*C3_real: a is 3, must be <= 2"):
         gather({"C1": good, "C2": more, "C3_real": bad})
+    with pytest.raises(SimulationError, match=r"(?s)a is 3.*\n  C3: the model does not suit"):
+        gather({"C3_real": bad, "C3": checked([], ["the model does not suit these data"])})
 
 
 def test_manifest_finds_changed_and_unlisted_files(tmp_path):

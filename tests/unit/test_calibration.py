@@ -110,7 +110,7 @@ def test_optimum_on_a_bound_is_said_and_not_trusted(mu, fraction, settings, boun
 
 
 def test_a_model_that_misses_a_record_does_not_suit_it():
-    """A force that grows with the sixth power of the displacement, beside tension as it should be."""
+    """A force that grows with the sixth power of displacement, beside tension as it should be."""
     families = {sample: family_of(sample) for sample in ("T1", "C1")}
     measured = {sample: record_of(sample, 900.0, 0.5) for sample in families}
     assert fit_ogden(families, measured, SETTINGS).finding is None

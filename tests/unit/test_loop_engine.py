@@ -13,6 +13,7 @@ from scipy.ndimage import gaussian_filter1d
 
 import laboratory
 from laboratory import elastic
+from softsample.blindlab.resample import confidence, resampled
 from softsample.loop.average import weighed
 from softsample.loop.choose import (
     WITHIN_DOUBT,
@@ -53,7 +54,6 @@ from softsample.loop.noise import (
     shared,
 )
 from softsample.loop.posed import LoopSettings, pose
-from softsample.loop.resample import resampled, stretches
 from softsample.loop.rounds import Candidate, Round
 from softsample.loop.screen import Signature, family_wise, null_threshold, penalty, signatures
 from softsample.loop.select import _alone, _Search, plain_model, select
@@ -1123,13 +1123,6 @@ def test_a_fit_that_loses_more_than_the_whole_explains_nothing(problem):
         assert bool(found) == bool(why)
 
 
-def test_stretches_are_runs_of_the_wanted_mean_length():
-    places = stretches(20000, 10.0, np.random.default_rng(2))
-    breaks = np.sum((np.diff(places) - 1) % 20000 != 0)
-    assert 20000 / (breaks + 1) == pytest.approx(10.0, rel=0.1)
-    assert np.ptp(np.histogram(places, 10)[0]) < 800
-
-
 def test_resampled_records_keep_what_the_model_says_and_the_noise(problem):
     fit = problem.fit_material()
     again = resampled(problem, fit, np.random.default_rng(5))
@@ -1153,8 +1146,9 @@ def test_resampled_noise_lies_where_records_are_fitted(problem):
 
 
 def test_a_plain_effect_is_found_again_in_resampled_records(found):
-    assert found.confidence(LoopSettings(), 0) is None
-    assert found.confidence(LoopSettings(), 2) == 1.0
+    rules = LoopSettings().selection
+    assert confidence(found, rules, 0) is None
+    assert confidence(found, rules, 2) == 1.0
 
 
 def test_a_parameter_that_no_record_shows_keeps_its_whole_range():

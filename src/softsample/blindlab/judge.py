@@ -1,6 +1,6 @@
 """What the loop is given: its own model of a body, and bare records; what it answers.
 
-The only file of the laboratory that knows the loop, beside `models`.
+The only file of the laboratory that knows the loop, beside `models` and `resample`.
 """
 
 from collections.abc import Mapping, Sequence
@@ -14,6 +14,7 @@ import pandas as pd
 from softsample.blindlab.bodies import ALPHA, POISSON, Body
 from softsample.blindlab.models import calibrated
 from softsample.blindlab.records import Record as Written
+from softsample.blindlab.resample import confidence
 from softsample.loop.diagnose import diagnose
 from softsample.loop.posed import LoopSettings
 from softsample.loop.specimen import Specimen
@@ -123,7 +124,7 @@ def answer(
         "reduced_chi_square": verdict["reduced_chi_square"],
         "path": verdict["path"],
         "not_identifiable": verdict["not_identifiable"],
-        "confidence": found.confidence(settings, bootstraps),
+        "confidence": confidence(found, settings.selection, bootstraps),
         "cpu_s": process_time() - before,
     }
 

@@ -26,8 +26,8 @@ DIFFERENCE_STEP = {"family": 1.5e-8, "direct": 3e-4}
 simulated forces larger steps bend the gradient, and smaller ones drown in their rounding."""
 
 MISSED = 0.25
-"""Part of the area under a record from which on the model does not suit it: the real geometry of the
-shipped samples leaves at most 0.03, cuboids of them up to 0.29."""
+"""Part of the area under a record from which on the model does not suit it: the real geometry of
+the shipped samples leaves at most 0.03, cuboids of them up to 0.29."""
 
 
 @dataclass(frozen=True)

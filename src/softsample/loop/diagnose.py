@@ -25,7 +25,6 @@ from softsample.loop.errors import (
 from softsample.loop.fit import Fit
 from softsample.loop.pool import Group, Others, Pooled, pooled
 from softsample.loop.posed import LoopSettings, Posed
-from softsample.loop.resample import confidence
 from softsample.loop.rounds import Candidate
 from softsample.loop.scale import Scales, most_likely
 from softsample.loop.select import Selection, select
@@ -169,12 +168,6 @@ class Diagnosis:
         if self.correction:
             return self.correction.scales
         return most_likely(self.final)
-
-    def confidence(self, settings: LoopSettings, draws: int) -> float | None:
-        """How often the first effect's class is found again; none without effect or draws."""
-        if draws == 0 or self.objection or self.told or not self.selection.classes:
-            return None
-        return confidence(self.posed.problem, self.selection, settings.selection, draws)
 
 
 def diagnose(

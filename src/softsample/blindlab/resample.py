@@ -1,27 +1,26 @@
 """How often a selection comes out again when the records are made anew from what it left over."""
 
 import numpy as np
-from numpy.typing import NDArray
 
+from softsample.calibration.uncertainty import resampled as of_series
+from softsample.loop.diagnose import Diagnosis
 from softsample.loop.fit import Fit, Problem
 from softsample.loop.rounds import SelectionSettings
-from softsample.loop.select import Selection, select
+from softsample.loop.select import select
 
 BLOCKS = 10.0
 """Mean length of the stretches that are drawn, in blocks of the record."""
 
 
-def confidence(
-    problem: Problem, selection: Selection, settings: SelectionSettings, draws: int
-) -> float:
-    """Share of resampled groups whose first class holds the first effect of the selection.
+def confidence(found: Diagnosis, settings: SelectionSettings, draws: int) -> float | None:
+    """Share of resampled groups whose first class holds the first effect of a diagnosis.
+
+    None without an effect or draws.
 
     Parameters
     ----------
-    problem : Problem
-        Records with their noise, without doubt of form.
-    selection : Selection
-        What was found in them, with one effect at least.
+    found : Diagnosis
+        Of a group that others told nothing of.
     settings : SelectionSettings
         As of `select`.
     draws : int
@@ -32,6 +31,9 @@ def confidence(
     D. N. Politis, J. P. Romano, J. Am. Stat. Assoc. 89 (1994) 1303,
     doi:10.1080/01621459.1994.10476870.
     """
+    problem, selection = found.posed.problem, found.selection
+    if draws == 0 or found.objection or not selection.classes:
+        return None
     random = np.random.default_rng([settings.seed, draws])
     first = selection.final.model.names[0]
     again = [
@@ -46,20 +48,9 @@ def resampled(problem: Problem, fit: Fit, random: np.random.Generator) -> Proble
     forces = problem.predicted(fit.model, fit.state)
     left = [s.force - force for s, force in zip(problem.specimens, forces, strict=True)]
     white = problem.by_test(problem.white(left))
-    drawn = [part[stretches(len(part), BLOCKS, random)] for part in white]
-    noise = problem.coloured(np.concatenate(drawn))
+    noise = problem.coloured(np.concatenate([of_series(part, BLOCKS, random) for part in white]))
     for force, means, whitener in zip(forces, noise, problem.whiteners, strict=True):
         every = np.zeros(len(whitener.keep))
         every[whitener.keep] = means
         force[: len(every) * whitener.size] += np.repeat(every, whitener.size)
     return problem.with_forces(forces)
-
-
-def stretches(n: int, mean: float, random: np.random.Generator) -> NDArray[np.int64]:
-    """Places (n,) of the stationary bootstrap: stretches of random start and geometric length."""
-    starts = random.integers(0, n, n)
-    places = np.empty(n, np.int64)
-    new = random.uniform(size=n) < 1.0 / mean
-    for k in range(n):
-        places[k] = starts[k] if new[k] or k == 0 else (places[k - 1] + 1) % n
-    return places

@@ -251,7 +251,11 @@ class Search:
         )
 
     def starts(self) -> list[Array]:
-        """Inner points of the shape's ranges, each with moduli around the one that fits it best."""
+        """Inner points of the shape's ranges, each with moduli around the one that fits it best.
+
+        And the ends of the ranges, where that costs no simulation: where one term is a thousand
+        times as stiff as the other at the end of the stroke, no inner point leads to the softer.
+        """
         n = STARTS_PER_PARAMETER[self.settings.method]
         inner = (np.arange(n) + 0.5) / n
         grids = [
@@ -261,9 +265,12 @@ class Search:
         measured = self.objective.measured
         seen = sum(np.abs(curve.force).sum() for curve in measured.values())
         starts = []
-        for shape in product(*grids):
+        points = [(shape, np.exp(np.linspace(-0.5, 0.5, n))) for shape in product(*grids)]
+        if n > 1 and len(self.bounds) > 1:
+            points += [(end, np.ones(1)) for end in product(*self.objective.bounds.values())]
+        for shape, factors in points:
             unit = sum(np.abs(self.objective.force(s, 1.0, *shape)).sum() for s in measured)
-            for factor in np.exp(np.linspace(-0.5, 0.5, n)):
+            for factor in factors:
                 x = self.pack(factor * seen / unit, *shape)
                 x[0] = np.clip(x[0], *self.bounds["mu"])
                 starts.append(x)

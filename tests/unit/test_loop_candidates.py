@@ -86,6 +86,15 @@ def test_without_recorded_time_there_are_no_effects_of_time(tests):
     assert not replace(record, time=None).timed
 
 
+def test_a_sweep_without_time_has_no_past(tests):
+    """No loading led to where a mean curve over both directions of shear begins."""
+    past = {"backlash", "mullins_softening", "permanent_set", "unloading_loss"}
+    sweep = replace(tests[2], travel=tests[2].travel - 0.5 * tests[2].reach)
+    assert past <= set(named([*tests[:2], sweep]))
+    untimed = [*tests[:2], replace(sweep, timed=False)]
+    assert set(named(untimed)) == set(named([*tests[:2], replace(tests[2], timed=False)])) - past
+
+
 @pytest.mark.parametrize(("rate", "there"), [(100.0, True), (96.0, True), (50.0, False)])
 def test_the_mains_show_where_their_ripple_is_folded_to_a_slow_beat(tests, rate, there):
     resampled = [replace(s, time=s.time * laboratory.RATE / rate) for s in tests]

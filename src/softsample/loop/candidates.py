@@ -23,7 +23,8 @@ RIPPLE_HZ = (95.0, 105.0)
 def candidates(specimens: Sequence[Specimen], height: float, solid: Material) -> list[Effect]:
     """The library for the records of a group.
 
-    Effects of time are no candidates without recorded time. A law has the exponents whose response
+    Effects of time are no candidates without recorded time, and none that goes by where the platen
+    has been if a record without time begins deformed. A law has the exponents whose response
     is known (`softsample.response.law_response`). Ranges of lengths and forces go with
     the size of the sample and the peak force where these are far from those of the study.
 
@@ -37,6 +38,7 @@ def candidates(specimens: Sequence[Specimen], height: float, solid: Material) ->
         What the model is made of.
     """
     timed = all(s.timed for s in specimens)
+    followed = not any(s.is_sweep for s in specimens)
     rippled = timed and all(RIPPLE_HZ[0] < _rate(s) < RIPPLE_HZ[1] for s in specimens)
     length = _beyond(height, HEIGHTS)
     peaks = [s.peak for s in specimens if not s.held_out.all()]
@@ -53,7 +55,9 @@ def candidates(specimens: Sequence[Specimen], height: float, solid: Material) ->
     return [
         _known(_scaled(effect, scales), known)
         for effect in library(solid, specimens).values()
-        if (timed or not effect.of_time) and there.get(effect.name, True)
+        if (timed or not effect.of_time)
+        and (followed or not effect.of_past)
+        and there.get(effect.name, True)
     ]
 
 

@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from softsample.arrays import Array, Mask
-from softsample.protocol import denoised, travel_sign
+from softsample.protocol import AWAY, denoised, travel_sign
 from softsample.records import Record
 from softsample.response.elastic import Elastic
 
@@ -23,7 +23,6 @@ KINDS = {
 
 FORCE, NORMAL = "force", "force_normal"
 """Channels of a record: along the displacement, and along +z in shear."""
-
 
 def blocks(values: Array, size: int) -> Array:
     """Means (n // size, ...) of consecutive groups of `size` samples; the rest is left out."""
@@ -158,6 +157,11 @@ class Specimen:
     def clock(self) -> Array:
         """Time since the record began (n,) [s]."""
         return self.time - self.time[0]
+
+    @property
+    def is_sweep(self) -> bool:
+        """Whether it has no time and begins deformed, as mean curves over both directions do."""
+        return not self.timed and bool(abs(self.travel[0]) > AWAY * np.ptp(self.travel))
 
     @property
     def loading_time(self) -> float:

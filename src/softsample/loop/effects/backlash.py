@@ -11,5 +11,6 @@ EFFECT = Effect(
     signature="flat step at the start of the unloading, then the whole unloading shifted",
     confused_with=("mullins_softening", "channel_lag"),
     experiment="small loops back and forth; a gauge on the platen",
+    of_past=True,
     travel=lambda specimen, travel, values: followed(travel, 1e-3 * values["play_mm"]),
 )

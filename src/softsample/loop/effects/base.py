@@ -93,6 +93,9 @@ class Effect:
         Whether any test of this protocol can show it.
     of_time : bool
         Whether it acts by the clock, so that records without time cannot show it.
+    of_past : bool
+        Whether it acts by where the platen has been, which is not known of a sweep without time:
+        no loading led to where that begins.
     whole : callable, optional
         What the sizes take together of one whole in the course of a record: in the range of one of
         them, if they are parts of one. Proportional to the sizes.
@@ -134,6 +137,7 @@ class Effect:
     modes: tuple[str, ...] = MODES
     identifiable: bool = True
     of_time: bool = False
+    of_past: bool = False
     idealised: bool = False
     is_law: bool = False
     has: tuple[str, ...] = ()

@@ -23,5 +23,6 @@ EFFECT = Effect(
     signature="ramp and hold untouched, unloading low, back to nothing at the maximum",
     confused_with=("viscoelastic_relaxation", "backlash", "bond_peel"),
     experiment="a second cycle to a larger displacement, and a second rate",
+    of_past=True,
     tissue=_tissue,
 )

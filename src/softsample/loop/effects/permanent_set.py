@@ -24,5 +24,6 @@ EFFECT = Effect(
     signature="ramp untouched, unloading reaches no force early, the next loading begins there",
     confused_with=("mullins_softening", "unloading_loss", "displacement_zero", "backlash"),
     experiment="measure the sample before and after; a second cycle after a long rest",
+    of_past=True,
     travel=_travel,
 )

@@ -26,5 +26,6 @@ EFFECT = Effect(
     "the turn on; a second loading has all of it",
     confused_with=("mullins_softening", "viscoelastic_relaxation", "permanent_set", "backlash"),
     experiment="a second cycle: its loading is low after softening; a second rate",
+    of_past=True,
     tissue=_tissue,
 )

@@ -24,6 +24,7 @@ KINDS = {
 FORCE, NORMAL = "force", "force_normal"
 """Channels of a record: along the displacement, and along +z in shear."""
 
+
 def blocks(values: Array, size: int) -> Array:
     """Means (n // size, ...) of consecutive groups of `size` samples; the rest is left out."""
     n = len(values) // size

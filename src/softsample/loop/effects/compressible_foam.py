@@ -2,13 +2,20 @@
 
 from softsample.loop.effects.base import Effect, Parameter
 
+WHOLE = 1.0, 1e-4
+"""A foam is all of the tissue: what keeps its volume is a thousand times as stiff at half the
+height, so that a small share of that would have much of the force."""
+
+MOST_KEPT = 0.45
+"""Poisson's ratio from which on a foam is a solid that keeps its volume, as by `elastic_law`."""
+
 EFFECT = Effect(
     name="compressible_foam",
     title="Compressible foam",
     parameters=(
-        Parameter("share", "1", 0.0, 1.0, 1.0, limits=(0.0, 1.0)),
+        Parameter("share", "1", 0.0, 1.0, 1.0, limits=(0.0, 1.0), known=WHOLE),
         Parameter("alpha", "1", -45.0, 40.0, 8.0, grid=(-8.0, 4.0, 16.0), inside=True),
-        Parameter("nu", "1", 0.0, 0.49, 0.1, grid=(0.1, 0.35), limits=(0.0, 0.49)),
+        Parameter("nu", "1", 0.0, MOST_KEPT, 0.1, grid=(0.1, 0.35), limits=(0.0,), inside=True),
     ),
     is_law=True,
     has=("poisson_ratio",),

@@ -146,7 +146,7 @@ def test_only_scoring_knows_of_the_truth():
 
 
 def test_the_blind_laboratory_shares_nothing_with_the_effects():
-    """Makers of records know nothing of the loop; those of verdicts know it, but none of its effects."""
+    """Makers of records know nothing of the loop, and those of verdicts none of its effects."""
     knowing = {"judge.py", "models.py", "resample.py"}
     for path in (ROOT / "src/softsample/blindlab").glob("*.py"):
         of_loop = {name for name in imports(path) if name.startswith("softsample.loop")}

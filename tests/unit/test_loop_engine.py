@@ -37,7 +37,7 @@ from softsample.loop.errors import (
     folds,
     log_density,
 )
-from softsample.loop.fit import Problem
+from softsample.loop.fit import Problem, labels
 from softsample.loop.joint import _either_way, _least_left, joint_fit
 from softsample.loop.limits import _highest
 from softsample.loop.model import Material, Model, Packing, State
@@ -457,11 +457,14 @@ def test_a_fold_that_leaves_nothing_is_none():
 
 
 def test_two_tests_of_one_mode_keep_their_own_lines():
-    specimens = [laboratory.Lab(seed=s).specimens(["tension"])[0] for s in (1, 2)]
-    problem, _ = pose(specimens, SETTINGS)
+    """By their samples, or by numbers if these have one name."""
+    alike = [laboratory.Lab(seed=s).specimens(["tension"])[0] for s in (1, 2)]
+    named = [replace(s, name=name) for s, name in zip(alike, "AB", strict=True)]
+    problem, _ = pose(named, SETTINGS)
     fit = problem.fit_material()
-    assert list(errors(fit, [0.0, 0.0])) == ["tension", "tension_2"]
-    assert {"leave_out_tension", "leave_out_tension_2"} <= set(folds(problem))
+    assert list(errors(fit, [0.0, 0.0])) == ["tension_A", "tension_B"]
+    assert {"leave_out_tension_A", "leave_out_tension_B"} <= set(folds(problem))
+    assert labels([named[0]] * 2) == ["tension_A", "tension_A_2"]
 
 
 def test_many_tests_share_folds_and_blocks(perfect):

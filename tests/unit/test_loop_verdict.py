@@ -259,6 +259,28 @@ def test_none_says_what_is_left_beyond_the_discrepancy():
         assert text[2] == saying
 
 
+def test_the_page_says_first_what_is_not_predicted():
+    """Of what the study leaves out; where little is left anyway, it is predicted all the same."""
+    verdict = report(judged(15.0), LoopSettings())
+    for when, (pull, push, shear) in (("before", (8.0, 50.0, 2.0)), ("after", (2.0, 49.0, 1.9))):
+        verdict[f"held_out_{when}"] = {
+            f"leave_out_{mode}": {mode: {"rms_percent": error, "rms_N": error}}
+            for mode, error in (("tension", pull), ("compression", push), ("shear", shear))
+        }
+    assert "predicted to" not in page("A7", verdict).split("##")[0]  # the study holds nothing out
+    opening = page("A7", {**verdict, "rule": "each mode left out in turn"}).split("##")[0]
+    assert "What is held out is predicted to 28.3 % of the peak, 29.3 % without effects." in opening
+    assert "**Not predicted:** `leave_out_compression`. There" in opening
+
+
+@pytest.mark.parametrize("there", [True, False])
+def test_a_modulus_beside_relaxation_is_said_to_be_instantaneous(there):
+    verdict = report(judged(15.0), LoopSettings())
+    if there:
+        verdict["recommended"]["models"][0]["effects"] += ["viscoelastic_relaxation"]
+    assert ("It is the instantaneous modulus" in page("A7", verdict)) == there
+
+
 def test_values_at_a_bound_are_zero_and_an_error_below_the_noise_says_so():
     verdict = report(judged(15.0), LoopSettings())
     size = {"value": 1e-6, "low": -4.9e-7, "high": 0.01, "unit": "1"}

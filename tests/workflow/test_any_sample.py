@@ -204,8 +204,8 @@ def test_what_is_held_out_is_not_fitted_and_is_judged(tmp_path):
     assert (fit["samples"], fit["held_out"]) == (["A"], ["B"])
     verdict = json.loads((tmp_path / "results/loop/G/verdict.json").read_text())
     errors = verdict["held_out_before"]["held_out"]
-    assert set(errors) == {"compression", "compression_2"}
-    assert errors["compression"]["rms_percent"] == pytest.approx(wrong["A"], rel=0.05)
+    assert set(errors) == {"compression_A", "compression_B"}
+    assert errors["compression_A"]["rms_percent"] == pytest.approx(wrong["A"], rel=0.05)
     assert verdict["error_before"]["compression"]["all"]["rms_percent"] < 1.0
     assert "strain above 0.15" in verdict["rule"]
 

@@ -127,10 +127,14 @@ def _error_of_form(*parts: tuple[Array, Array]) -> Array:
 
 
 def labels(specimens: Sequence[Specimen]) -> list[str]:
-    """Modes of tests, numbered from the second test of a mode on, and their channels."""
+    """Modes of tests and their channels, with the sample where a mode has several tests."""
     kinds = [s.mode if s.channel == FORCE else f"{s.mode}_normal" for s in specimens]
-    counts = [kinds[: k + 1].count(kind) for k, kind in enumerate(kinds)]
-    return [kind if n == 1 else f"{kind}_{n}" for kind, n in zip(kinds, counts, strict=True)]
+    named = [
+        kind if kinds.count(kind) == 1 else f"{kind}_{s.name}"
+        for kind, s in zip(kinds, specimens, strict=True)
+    ]
+    counts = [named[: k + 1].count(name) for k, name in enumerate(named)]
+    return [name if n == 1 else f"{name}_{n}" for name, n in zip(named, counts, strict=True)]
 
 
 class _Ended:

@@ -1,12 +1,13 @@
 """Verdicts of all groups as tables."""
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Iterator, Mapping
 from typing import Any
 
 import numpy as np
 import pandas as pd
 
 from softsample.arrays import root_mean_square
+from softsample.loop.verdict import HELD_OUT
 
 Verdicts = Mapping[tuple[str, str], Mapping[str, Any]]
 
@@ -64,6 +65,18 @@ def _held_out(verdict: Mapping[str, Any], when: str, of: Callable[[list[float]],
     folds = verdict[f"held_out_{when}"].values()
     parts = [test["rms_percent_structured"] for fold in folds for test in fold.values()]
     return float(of(parts)) if parts else float("nan")
+
+
+def declared(
+    folds: Mapping[str, Mapping[str, Mapping[str, float]]] | None,
+) -> Iterator[tuple[str, Mapping[str, float]]]:
+    """Name and error of each test that the study holds or leaves out; other folds check the fit."""
+    for fold, tests in (folds or {}).items():
+        for test, error in tests.items():
+            if fold == HELD_OUT:
+                yield test, error
+            elif fold.startswith("leave_out_"):
+                yield fold if len(tests) == 1 else f"{test} of {fold}", error
 
 
 def error_table(verdicts: Verdicts) -> pd.DataFrame:

@@ -7,6 +7,7 @@ import numpy as np
 import pandas as pd
 
 from softsample.arrays import root_mean_square
+from softsample.report.loop import declared
 
 Verdict = Mapping[str, Any]
 
@@ -53,7 +54,10 @@ def _cells(group: str, verdict: Verdict) -> tuple[Any, ...]:
         correction = verdict["correction"]
         effects = "; ".join([f"class: {correction['class']}", *correction["with"]])
     errors = (
-        *(root_mean_square([*held_out(verdict[f"held_out_{when}"])]) for when in WHEN),
+        *(
+            root_mean_square([e["rms_percent"] for _, e in declared(verdict[f"held_out_{when}"])])
+            for when in WHEN
+        ),
         *(root_mean_square([*fitted(verdict[f"error_{when}"])]) for when in WHEN),
     )
     law = (verdict["elastic_law"] or {}).get("name", "")
@@ -61,13 +65,6 @@ def _cells(group: str, verdict: Verdict) -> tuple[Any, ...]:
 
 
 WHEN = ("before", "after")
-
-
-def held_out(folds: Mapping[str, Mapping[str, Mapping[str, float]]] | None) -> Iterator[float]:
-    """Errors [% of peak] of the tests of the declared folds; others are checks of the fit."""
-    for name, tests in (folds or {}).items():
-        if name == "held_out" or name.startswith("leave_out_"):
-            yield from (error["rms_percent"] for error in tests.values())
 
 
 def fitted(tests: Mapping[str, Mapping[str, Mapping[str, float]]] | None) -> Iterator[float]:

@@ -1,12 +1,14 @@
 """The verdict on one page, for people."""
 
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
 from itertools import groupby
 from typing import Any
 
 import numpy as np
 
+from softsample.arrays import root_mean_square
 from softsample.loop.effects import ends, library
+from softsample.report.loop import declared
 from softsample.wording import (
     NO_ERROR,
     OVERLOADED,
@@ -50,23 +52,8 @@ def page(group: str, verdict: Mapping[str, Any]) -> str:
         Report of a diagnosis, see `softsample.loop.verdict.report`.
     """
     parts = [f"# Verdict for {group}: {verdict_words(verdict['verdict'])}", ""]
-    if overloaded := verdict["overloaded_N"]:
-        parts += [f"**{OVERLOADED}:** {overload_told(overloaded)}", ""]
-    parts += [_saying(verdict), ""]
-    limits = _worst_first(verdict["detection_limits"])
-    named = [effect["name"] for effect in verdict["effects"]]
-    unseen = [limit for limit in limits if limit[0] not in named]
-    parts += [_recommended(verdict["recommended"]), ""]
-    if unseen:
-        parts += [_unseen(*unseen[0]), ""]
-    if verdict["specimen_stiffness"] and not verdict["effects"]:
-        parts += [_specimens(verdict["specimen_stiffness"]), ""]
-    if verdict["specimen_contact_mm"]:
-        parts += [_contact(verdict["specimen_contact_mm"]), ""]
-    if verdict["pooled"]:
-        parts += [_pooled(verdict["pooled"]), ""]
-    if verdict["other_ends"]:
-        parts += [_other_ends(verdict), ""]
+    for text in _opening(verdict):
+        parts += [text, ""] if text else []
     for effect in verdict["effects"]:
         other = verdict["other_ends"] if effect["name"] == ends.EFFECT.name else None
         against = effect["evidence"] < verdict["path"][0]["threshold"]
@@ -90,9 +77,30 @@ def page(group: str, verdict: Mapping[str, Any]) -> str:
         )
         parts += [f"Held out, and predicted from the rest ({rule}):", ""]
         parts += [*_errors(verdict, "held_out", "left out", "test"), ""]
+    limits = _worst_first(verdict["detection_limits"])
     parts += ["## Path", "", PATH, "", *_path(verdict), "", *_limits(verdict, limits)]
     parts += ["", "![before and after](verdict.png)", ""]
     return "\n".join(parts)
+
+
+def _opening(verdict: Mapping[str, Any]) -> Iterator[str]:
+    """Paragraphs before the effects; empty where there is nothing to say."""
+    named = [effect["name"] for effect in verdict["effects"]]
+    unseen = [x for x in _worst_first(verdict["detection_limits"]) if x[0] not in named]
+    if overloaded := verdict["overloaded_N"]:
+        yield f"**{OVERLOADED}:** {overload_told(overloaded)}"
+    yield _saying(verdict)
+    yield _recommended(verdict["recommended"])
+    yield _predicted(verdict)
+    yield _unseen(*unseen[0]) if unseen else ""
+    if verdict["specimen_stiffness"] and not named:
+        yield _specimens(verdict["specimen_stiffness"])
+    if verdict["specimen_contact_mm"]:
+        yield _contact(verdict["specimen_contact_mm"])
+    if verdict["pooled"]:
+        yield _pooled(verdict["pooled"])
+    if verdict["other_ends"]:
+        yield _other_ends(verdict)
 
 
 def _saying(verdict: Mapping[str, Any]) -> str:
@@ -101,6 +109,10 @@ def _saying(verdict: Mapping[str, Any]) -> str:
     if verdict["verdict"] != "none" or round(ratio, 2) == 1.0:
         return SAYING[verdict["verdict"]]
     return f"No effect is named; what is left is {ratio:.2f} times what the discrepancy predicts."
+
+
+RELAXING = ("viscoelastic_relaxation", "poroelastic_drainage")
+"""Effects beside which the modulus is that of a sudden load."""
 
 
 WORTH_A_NAME = 0.05
@@ -124,6 +136,41 @@ def _recommended(found: Mapping[str, Any]) -> str:
         text += " The interval allows for other models that the records leave open."
     if found["widened_by_rest"]:
         text += " It allows for what the error that is left makes of the modulus at small strain."
+    relaxing = [f"`{e}`" for e in RELAXING if any(e in one["effects"] for one in named)]
+    if relaxing:
+        text += (
+            f" It is the instantaneous modulus: with {' and '.join(relaxing)} the tissue is softer "
+            "at the pace of these tests."
+        )
+    return text
+
+
+NO_BETTER = 0.8
+"""Part of the error without effects from which on what is held out is not predicted."""
+
+FAR = 3.0
+"""Multiple of the stated floor up to which it is predicted all the same."""
+
+
+def _predicted(verdict: Mapping[str, Any]) -> str:
+    """How well a verdict with effects predicts what the study holds out, and what it does not."""
+    if not verdict.get("rule") or verdict["verdict"] not in ("explained", "explained_class"):
+        return ""
+    pairs = {
+        name: (error["rms_percent"], after["rms_percent"])
+        for (name, error), (_, after) in zip(
+            *(declared(verdict[f"held_out_{when}"]) for when in ("before", "after")), strict=True
+        )
+    }
+    before, after = (significant(root_mean_square(of)) for of in zip(*pairs.values(), strict=True))
+    text = f"What is held out is predicted to {after} % of the peak, {before} % without effects."
+    least = FAR * verdict["floor"]["floor_percent"]
+    failed = [f"`{k}`" for k, (was, left) in pairs.items() if left > max(NO_BETTER * was, least)]
+    if failed:
+        text += (
+            f" **Not predicted:** {', '.join(failed)}. There the effects do no better than the "
+            "plain model: what is quoted holds for what was fitted."
+        )
     return text
 
 

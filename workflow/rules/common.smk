@@ -214,10 +214,10 @@ BONDED_GROUPS = list(dict.fromkeys(SAMPLES[piece]["group"] for piece in PLAN.bon
 
 
 def numbers_of_this_run():
-    """The document of all numbers, if this run has made it."""
-    path = Path(config["results"], "results.json")
-    made = path.is_file() and path.stat().st_mtime >= STARTED
-    return read_json(path) if made else None
+    """The document of all numbers, if this run has made it, or the report of it."""
+    paths = [Path(config["results"], name) for name in ("results.json", "report.html")]
+    made = any(path.is_file() and path.stat().st_mtime >= STARTED for path in paths)
+    return read_json(paths[0]) if made and paths[0].is_file() else None
 
 
 onstart:

@@ -144,14 +144,14 @@ def words_of_success(
 ) -> str:
     """What a run says last: the moduli of `results.json` if it made that, and where to look.
 
-    Samples that were left out follow with the failures.
+    Samples that were left out and the failures follow.
     """
     end = [f"Done. Results are below {results}/ (tables, figures, checks)."]
     if document:
         end = [in_brief(document), f"All tables and figures: {results}/report.html"]
     if left_out:
-        end += [f"Left out: {', '.join(left_out)}", *_told(failures)]
-    return "\n".join(end)
+        end.append(f"Left out: {', '.join(left_out)}")
+    return "\n".join([*end, *_told(failures)])
 
 
 def words_of_failure(failures: Failures) -> str:

@@ -135,8 +135,8 @@ def test_a_model_that_misses_a_record_does_not_suit_it():
     travel = measured["C1"].displacement
     late = measured["C1"].force[-1] * (travel / travel[-1]) ** 6
     found = fit_ogden(families, measured | {"C1": MeasuredCurve(travel, late)}, SETTINGS)
-    said = f"does not suit these data: it misses {100.0 * found.area_error['C1']:.0f} % of the area"
-    assert f"{said} under the record of C1" in found.finding
+    missed = 100.0 * found.area_error["C1"]
+    assert f"the model does not suit C1: {missed:.0f} % of its area is missed" in found.finding
 
 
 def test_one_term_has_one_variable():

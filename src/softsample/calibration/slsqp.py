@@ -103,10 +103,8 @@ class Fit:
         ]
         worst, error = max(self.area_error.items(), key=lambda item: item[1])
         if error > MISSED:
-            parts.append(
-                f"the model does not suit these data: it misses {100.0 * error:.0f} % of the area "
-                f"under the record of {worst}; see the verdict"
-            )
+            missed = f"{100.0 * error:.0f} % of its area is missed"
+            parts.append(f"the model does not suit {worst}: {missed}")
         return "; ".join(parts) or None
 
     @property

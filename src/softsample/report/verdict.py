@@ -162,6 +162,8 @@ def _predicted(verdict: Mapping[str, Any]) -> str:
             *(declared(verdict[f"held_out_{when}"]) for when in ("before", "after")), strict=True
         )
     }
+    if not pairs:
+        return ""
     before, after = (significant(root_mean_square(of)) for of in zip(*pairs.values(), strict=True))
     text = f"What is held out is predicted to {after} % of the peak, {before} % without effects."
     least = FAR * verdict["floor"]["floor_percent"]

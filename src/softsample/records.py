@@ -10,6 +10,7 @@ from numpy.typing import NDArray
 
 from softsample.arrays import Array, Mask
 from softsample.errors import InputError, records_setting
+from softsample.lone import LoneRows
 from softsample.protocol import (
     LARGEST,
     SHEARED_MODES,
@@ -42,10 +43,6 @@ STARTS_LOADED = 0.25
 FREE_PART, FREE_PARTS, FREE_FORCE, FREE_NOISE = 0.25, 20, 0.002, 3.0
 """The first quarter of a loading, in twentieths, is doubted if the mean force of each stays below
 this part of the peak and so many standard errors."""
-LONE_PART, LONE_NOISE, LONE_STEPS = 0.05, 10.0, 3.0
-"""A reading stands alone if it is off by this part of the peak, and by so many times what half of
-the readings that change are, and the steps beside it."""
-
 CLIPPED, CLIPPED_COARSE = 10, 5.0
 """A load cell is at its limit if its largest reading is repeated this often, and so many times as
 often as half of the others, which few digits repeat too."""
@@ -285,6 +282,8 @@ def aligned_record(
     _refuse(_no_numbers(table, source))
     _refuse(_wrong_time(table, source))
     aligned = _forces(table.astype(np.float64), size, mode, source)
+    lone = LoneRows.of(aligned, source)
+    _refuse(lone.faults)  # first, as zero and signs rest on such rows
     positive, turned = {}, {}
     for quantity, column in COLUMNS.items():
         positive[column], turned[quantity] = _positive(quantity, reading, settings, table, mode)
@@ -302,6 +301,7 @@ def aligned_record(
     _refuse(_parts_of_one(aligned, reading, source))
     signs = _Signs(turned, settings)
     record, facts = _checked(aligned, mode, schema, source, signs, size, which)
+    facts["warnings"] += lone.doubts
     facts["warnings"] += _untimed(reading, settings) if not record.timed else []
     facts["warnings"] += reading.get("doubts", [])
     return aligned.assign(**record.marks), {
@@ -645,7 +645,6 @@ def _facts(
     if known and loading is course.loadings[0]:
         warnings += _free(record, rows, rest, settings)
     warnings += _relaxing(record.force[loading.ramps[-1]])
-    warnings += _lone(lines, record.force, abs(peak))
     for ramp in loading.ramps if record.timed else ():
         warnings += _gap(lines, record.clock, ramp)
     if is_clipped(force):
@@ -708,25 +707,6 @@ def _relaxing(force: Array) -> Iterator[str]:
             f"the force falls from {largest:.3g} N to {last:.3g} N along the loading, as in a hold "
             "or after failure; export the whole test with its ramp, or choose another loading in "
             "column cycle"
-        )
-
-
-def _lone(lines: pd.Index, force: Array, peak: float) -> Iterator[str]:
-    """Readings that are far from those beside them, which are close to their own neighbours."""
-    if len(force) < 5:
-        return
-    middle, step = force[2:-2], np.abs(np.diff(force))
-    off = np.abs(middle - 0.5 * (force[1:-3] + force[3:-1]))
-    beside = np.maximum(np.maximum(step[:-3], step[3:]), np.abs(force[3:-1] - force[1:-3]))
-    changing = (step[1:-2] > 0.0) | (step[2:-1] > 0.0)  # a cell at its limit is off by nothing
-    noise = float(np.median(off[changing])) if changing.any() else 0.0
-    usual = max(LONE_PART * peak, LONE_NOISE * noise)
-    found = np.flatnonzero(off > np.maximum(usual, LONE_STEPS * beside))
-    if len(found):
-        more = f", and {len(found) - 1} more" if len(found) > 1 else ""
-        yield (
-            f"line {lines[found[0] + 2]}: the force is {middle[found[0]]:.3g} N, far from that of "
-            f"the lines beside it{more}; delete such lines if the cell was disturbed"
         )
 
 

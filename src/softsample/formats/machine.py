@@ -76,6 +76,9 @@ RATIOS = ("strain", "stretch")
 
 WORD = re.compile(r"[^\W\d_]{2}")
 
+NO_NUMBERS = ("", "nan", "inf", "null", "none")
+"""What machines write, in lower case, where they have no number."""
+
 THOUSANDS = re.compile(r"[+-]?[1-9]\d{0,2},\d{3}", re.ASCII)
 """A number that may have a mark of thousands."""
 
@@ -513,7 +516,7 @@ def _rows(text: _Text, heading: _Heading) -> tuple[list[list[str]], list[int], l
     """Cells of the lines of numbers, their numbers in the file, and the line of units if any.
 
     Titles and units may be repeated, with metadata before them, where a machine begins a new
-    block of the same test.
+    block of the same test; metadata may also end the file.
     """
     units: list[str] = []
     rows: list[list[str]] = []
@@ -538,7 +541,7 @@ def _rows(text: _Text, heading: _Heading) -> tuple[list[list[str]], list[int], l
             _check_line(text, metadata, number, cells, titles)
             rows.append(cells)
             kept.append(number)
-    _check_line(text, metadata, 0, [], titles)
+    _end(text, heading, metadata, bool(rows))
     if not rows:
         raise InputError(f"{text.path}: no numbers below the titles; export the whole test")
     if blocks:
@@ -549,6 +552,27 @@ def _rows(text: _Text, heading: _Heading) -> tuple[list[list[str]], list[int], l
             "is read as a part of the same test; if of another specimen, give each its own file"
         )
     return rows, kept, units
+
+
+def _end(text: _Text, heading: _Heading, metadata: Sequence[int], numbers: bool) -> None:
+    """Leave out the lines after the last row of numbers if they are metadata, and say so."""
+    faulty = [line for line in metadata if not numbers or _is_row(text, heading, line)]
+    _check_line(text, faulty, 0, [], heading.titles)
+    if metadata:
+        line = text.lines[metadata[0] - 1].strip()
+        text.notes.append(f"metadata below the numbers, from line {metadata[0]} on: {line!r}")
+
+
+def _is_row(text: _Text, heading: _Heading, number: int) -> bool:
+    """Whether a line without a number in its first column is meant as one of numbers.
+
+    It holds nothing but numbers and what stands for missing ones, or more than one number of
+    those that are looked for: a line of metadata has a title before a value.
+    """
+    cells = text.cells(text.lines[number - 1], heading.delimiter)
+    found = [VALUE.fullmatch(_cell(cells, column.place)) for column in heading.columns]
+    numeric = [VALUE.fullmatch(cell) or cell.lower() in NO_NUMBERS for cell in cells]
+    return all(numeric) or sum(map(bool, found)) > 1
 
 
 def _cut_off(

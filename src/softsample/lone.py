@@ -133,9 +133,10 @@ def _alone(values: Array, at: int, unit: str) -> str:
     """A reading with those beside it and the range of the others, in words."""
     others = np.delete(values, at)
     beside = " and ".join(f"{x:.4g}" for x in (*values[max(at - 1, 0) : at], values[at + 1]))
+    row = "the first row" if at == 0 else "this row"
     return (
-        f"{values[at]:.4g} {unit} in {'the first' if at == 0 else 'this'} row alone, with {beside} "
-        f"{unit} beside it and {others.min():.4g} to {others.max():.4g} {unit} in all others"
+        f"{values[at]:.4g} {unit} in {row} stands alone, with {beside} {unit} beside it and "
+        f"{others.min():.4g} to {others.max():.4g} {unit} in all others"
     )
 
 

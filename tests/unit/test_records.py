@@ -233,7 +233,7 @@ def test_noise_beside_a_cell_at_its_limit_does_not_stand_alone():
     clipped["force_N"] = clipped["force_N"].clip(lower=-0.15)  # most of the readings
     (warning,) = check(clipped)["warnings"]
     assert "overloaded" in warning
-    with pytest.raises(InputError, match="line 300, column 'force_N': 0.9 N in this row alone"):
+    with pytest.raises(InputError, match="line 300, column 'force_N': 0.9 N in this row stands"):
         check(put("force_N", 300, 0.9)(clipped))
 
 

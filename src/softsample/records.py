@@ -462,7 +462,7 @@ def _checked(
     faults = _wrong_ramp(table, record, loading, source)
     _refuse([*faults, *_wrong_signs(table, record, loading, mode, source, signs)])
     return record._marked_by(course, which), {
-        **_facts(record, course, loading, size, signs.settings, table.index),
+        **_facts(record, course, loading, size, signs, table.index),
         "calibrated_loading": course.number(which),
     }
 
@@ -630,7 +630,7 @@ def _facts(
     course: Course,
     loading: Loading,
     size: Sized | None,
-    settings: RecordSettings,
+    signs: _Signs,
     lines: pd.Index,
 ) -> dict[str, Any]:
     """What is worth knowing about a record, in the units of files."""
@@ -641,10 +641,10 @@ def _facts(
     begin, end = record.displacement[[loading.start, loading.last]]
     peak = force[np.abs(force).argmax()]
     warnings = [] if known else ["no rest before the ramp: force zero and noise are not known"]
-    warnings += _off_zero(record, loading, peak, rest if known else slice(0, 0), settings)
+    warnings += _off_zero(record, loading, peak, rest if known else slice(0, 0), signs.settings)
     if known and loading is course.loadings[0]:
-        warnings += _free(record, rows, rest, settings)
-    warnings += _relaxing(record.force[loading.ramps[-1]])
+        warnings += _free(record, rows, rest, signs.settings)
+    warnings += _relaxing(record, loading, signs)
     for ramp in loading.ramps if record.timed else ():
         warnings += _gap(lines, record.clock, ramp)
     if is_clipped(force):
@@ -698,15 +698,22 @@ def _of_material(record: Record, rows: NDArray[np.intp], size: Sized) -> dict[st
     }
 
 
-def _relaxing(force: Array) -> Iterator[str]:
-    """What says that the sample failed, or that what is taken for a ramp is none."""
-    tenths = _tenths(force)
-    largest, last = tenths[np.abs(tenths).argmax()], tenths[-1]
+def _relaxing(record: Record, loading: Loading, signs: _Signs) -> Iterator[str]:
+    """What says that the sample failed, or that what is taken for a ramp is none.
+
+    A force that falls from the start of a single ramp on may as well have the wrong sign, if the
+    cell was not tared.
+    """
+    tenths = _tenths(record.force[loading.ramps[-1]])
+    highest = int(np.abs(tenths).argmax())
+    largest, last = tenths[highest], tenths[-1]
     if abs(last) < RELAXED * abs(largest):
+        falls = highest == 0 and len(loading.ramps) == 1
+        sign = f"; if it should grow instead, {signs.cure('force', ['force'])}" if falls else ""
         yield (
             f"the force falls from {largest:.3g} N to {last:.3g} N along the loading, as in a hold "
             "or after failure; export the whole test with its ramp, or choose another loading in "
-            "column cycle"
+            f"column cycle{sign}"
         )
 
 

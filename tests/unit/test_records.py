@@ -5,6 +5,7 @@ from typing import NamedTuple
 import numpy as np
 import pandas as pd
 import pytest
+import yaml
 
 from softsample.errors import InputError
 from softsample.io import read_table, read_yaml
@@ -288,6 +289,22 @@ def test_a_cell_that_was_not_tared_is_no_wrong_sign(mode, sign):
     table["force_N"] += 3.0 * sign
     (_, warning) = aligned(table, mode)[1]["warnings"]
     assert re.match("the force before the ramp is -?1.5 N; .*zero: {force: start}", warning)
+
+
+def test_a_force_that_falls_all_along_may_have_the_wrong_sign():
+    """Compression is positive in the file, from a cell that was not tared."""
+    table = record(rest=0.0).assign(force_N=lambda table: -table["force_N"] - 1.5)
+    (warning,) = [w for w in check(table)["warnings"] if w.startswith("the force falls from -1.5")]
+    cure = yaml.safe_load(warning.split("`")[-2])["records"]
+    assert cure == {"positive": {"force": "loading"}}
+    positive = {"displacement": "tension", **cure["positive"]}
+    with pytest.raises(InputError, match="changes as it should .*zero: {force: start}"):
+        aligned(table, positive=positive)
+    (facts,) = aligned(table, positive=positive, zero={"force": "start"})[1:]
+    assert facts["peak_force_N"] == pytest.approx(-1.0, abs=0.01)
+    failed = record(rest=0.0)
+    failed["force_N"] = failed["force_N"].where(failed["displacement_mm"] > -2.0, 0.0)
+    assert "instead" not in check(failed)["warnings"][1]
 
 
 def test_a_deformed_sample_may_be_loaded_as_the_record_begins():

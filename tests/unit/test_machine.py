@@ -104,7 +104,7 @@ def test_a_table_without_words_is_read_by_its_mapping(tmp_path):
     np.testing.assert_allclose(table["force_N"], TEST[2], atol=1e-7)
     with pytest.raises(InputError, match=r"column 'a': no unit is named; .*units: \{time: s\}"):
         read(path, names)
-    with pytest.raises(InputError, match=r"line 1: no column .* hold displacement or strain or"):
+    with pytest.raises(InputError, match=r"line 1: no column .* hold displacement .strain or"):
         read(path)
 
 
@@ -175,6 +175,23 @@ def test_a_column_is_proposed_as_what_it_holds(tmp_path, titles, cure):
     with pytest.raises(InputError) as refused:
         read(path, mode=mode)
     assert f"`records: {cure}`" in str(refused.value)
+
+
+def test_columns_in_another_language_are_proposed_by_the_units_below(tmp_path):
+    text = plain("时间,位移,力\n(s),(mm),(mN)")
+    path = machines.write(tmp_path / "r.csv", text)
+    with pytest.raises(InputError, match="'位移' and '力' may be these, name these in ") as refused:
+        read(path)
+    cure = "`records: {columns: {displacement: 位移, force: 力}}`"
+    assert str(refused.value).endswith(cure)
+    raw = read(path, {"time": "时间", "displacement": "位移", "force": "力"})
+    np.testing.assert_allclose(raw.table["force_N"], 1e-3 * TEST[2], atol=1e-8)
+    path = machines.write(tmp_path / "r.csv", plain("x,y,z"))
+    with pytest.raises(InputError) as refused:
+        read(path)
+    told = str(refused.value)
+    assert "displacement (strain or stretch may stand for it), nor force (stress may" in told
+    assert "such as `records: {columns: {displacement: its title, force: its title}}`" in told
 
 
 @pytest.mark.parametrize(

@@ -351,11 +351,10 @@ def _no_titles(
             f"{text.path}: no line of titles such as time_s,displacement_mm,force_N; export the "
             "test with its titles, separated by commas, semicolons or tabs"
         )
-    ways = [" or ".join(form.get(name, (name,))) for name in missing]
-    below = _numbers_below(text, number, titles)
-    named = dict(
-        found for name in missing if (found := _plausible(titles, below, form.get(name, (name,))))
-    )
+    ways = [_ways_told(form.get(name, (name,))) for name in missing]
+    below = _units_below(text, number, titles)
+    found = (_plausible(titles, below, form.get(name, (name,))) for name in missing)
+    named = dict(filter(None, found))
     where = f"formats: {block}" if block else "records"
     absent = [wanted[way] for name in missing for way in form.get(name, (name,)) if way in wanted]
     if absent:
@@ -364,19 +363,21 @@ def _no_titles(
             f"(there are {', '.join(map(repr, titles))}); correct `columns` in section {where} of "
             "the settings"
         )
-    cure = f"export the test with it, or name its column in the settings, section {where}"
+    example = records_setting({"columns": dict.fromkeys(missing, "its title")}, block)
+    cure = f"export the test with titles of these, or name them in the settings, such as {example}"
     if len(named) == len(missing) == len({*named.values()}):
         keys = {"columns": named}
         silent = [
             name
             for name, title in named.items()
-            if below[title] and not _split(title, name)[1] and name not in RATIOS
+            if not below[title] and not _split(title, name)[1] and name not in RATIOS
         ]
         if silent:
             keys["units"] = {name: next(iter(UNITS[name])) for name in silent}
+        it, its = ("it", "its") if len(named) == 1 else ("these", "their")
         cure = (
-            f"if {' and '.join(map(repr, named.values()))} may be it, name it"
-            f"{' and its unit' if silent else ''} in the settings of the study: "
+            f"if {' and '.join(map(repr, named.values()))} may be {it}, name {it}"
+            f"{f' and {its} unit' if silent else ''} in the settings of the study: "
             f"{records_setting(keys, block)}"
         )
     elif form is NEEDED and (true := [title for title in below if _is_true(title)]):
@@ -387,30 +388,45 @@ def _no_titles(
             "stretch (of an incompressible sample)"
         )
     raise InputError(
-        f"{text.path}, line {number + 1}: no column is known to hold {' and '.join(ways)} "
+        f"{text.path}, line {number + 1}: no column is known to hold {', nor '.join(ways)} "
         f"(there are {', '.join(map(repr, titles))}); {cure}"
     )
 
 
-def _numbers_below(text: _Text, number: int, titles: Sequence[str]) -> dict[str, bool]:
-    """Titles with numbers below them, and whether they begin at once, without a line of units."""
+def _ways_told(ways: Sequence[str]) -> str:
+    """A quantity and what may stand for it, in words."""
+    first, *others = ways
+    return f"{first} ({' or '.join(others)} may stand for it)" if others else first
+
+
+def _units_below(text: _Text, number: int, titles: Sequence[str]) -> dict[str, str]:
+    """Titles with numbers below them, and what stands between in a line of units, if there is one.
+
+    It is empty where numbers begin at once.
+    """
     line = text.lines[number]
     delimiter = next((d for d in "\t;," if len(text.cells(line, d)) > 1), ",")
     rows = [text.cells(row, delimiter) for row in text.lines[number + 1 : number + 1 + LOOKED_AT]]
-    numeric = {
-        title: [bool(NUMBER.fullmatch(_cell(row, place))) for row in rows if any(row)]
-        for place, title in enumerate(titles)
-    }
-    return {title: found[0] for title, found in numeric.items() if any(found)}
+    found = {}
+    for place, title in enumerate(titles):
+        cells = [_cell(row, place) for row in rows if any(row)]
+        if any(map(NUMBER.fullmatch, cells)):
+            found[title] = "" if NUMBER.fullmatch(cells[0]) else cells[0].strip("()[] ")
+    return found
 
 
 def _plausible(
-    titles: Sequence[str], below: Mapping[str, bool], ways: Sequence[str]
+    titles: Sequence[str], below: Mapping[str, str], ways: Sequence[str]
 ) -> tuple[str, str] | None:
     """The only column of numbers that may hold one of some quantities, and which one of them.
 
-    It has a unit of it, or else none; which one it is, its unit tells, or a word of its title.
+    It has a unit of it, in its title or `below`, or else none; which one it is, its unit tells, or
+    a word of its title.
     """
+
+    def unit(title: str, way: str) -> str:
+        return _split(title, way)[1] or below[title]
+
     free = [
         title
         for title in titles
@@ -419,15 +435,15 @@ def _plausible(
         and not any(_candidates(name, [title], {}) for name in NAMES)
     ]
     units = {unit for way in ways for unit in UNITS[way]}
-    fitting = [title for title in free if any(_split(title, way)[1] in units for way in ways)]
-    silent = [title for title in free if not any(_split(title, name)[1] for name in COLUMNS)]
+    fitting = [title for title in free if any(unit(title, way) in units for way in ways)]
+    silent = [title for title in free if not any(unit(title, name) for name in COLUMNS)]
     title = next((found[0] for found in (fitting, silent) if len(found) == 1), None)
     if title is None:
         return None
     words = _words(title)
 
     def fits(way: str) -> tuple[bool, bool]:
-        return _split(title, way)[1] in UNITS[way], bool(words & NAMES.get(way, set()))
+        return unit(title, way) in UNITS[way], bool(words & NAMES.get(way, set()))
 
     return max(ways, key=fits), title
 

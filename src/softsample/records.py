@@ -749,13 +749,13 @@ def _free(
     """What says that the platen moves a long way before it loads the sample."""
     force = record.force - record.force[rest].mean()
     noise, least = force[rest].std(ddof=1), FREE_FORCE * np.abs(force[rows]).max()
-    parts = np.array_split(rows, FREE_PARTS)
+    parts = np.array_split(rows, min(FREE_PARTS, len(rows)))
     loaded = [
         abs(force[part].mean()) > max(least, FREE_NOISE * noise / np.sqrt(len(part)))
         for part in parts
     ]
-    free = loaded.index(True) if any(loaded) else FREE_PARTS
-    if FREE_PART * FREE_PARTS <= free < FREE_PARTS:
+    free = loaded.index(True) if any(loaded) else len(parts)
+    if FREE_PART * len(parts) <= free < len(parts):
         way = abs(record.displacement[parts[free][0]] - record.displacement[rows[0]])
         yield (
             f"the force stays within its noise over the first {way / MM:.3g} mm of the loading, "

@@ -276,6 +276,18 @@ def test_a_loading_that_begins_without_force_is_a_warning(free, told):
         assert "zero: {displacement: start}" in warning
 
 
+@pytest.mark.filterwarnings("error")
+@pytest.mark.parametrize(("free", "told"), [(0, False), (4, True)])
+def test_free_travel_of_a_coarse_record_is_a_warning(free, told):
+    """Of twelve samples the first four, a third, touch nothing."""
+    travel = np.concatenate([np.zeros(12), 0.3 * np.arange(1.0, 13.0)])
+    force = np.maximum(0.0, travel - 0.3 * free) + 1e-4 * np.cos(np.arange(24))
+    table = pd.DataFrame({"displacement_mm": travel, "force_N": force})
+    table.insert(0, "time_s", 0.5 * np.arange(24))
+    warnings = check(table, "tension")["warnings"]
+    assert any("stays within its noise over the first" in w for w in warnings) == told
+
+
 @pytest.mark.parametrize(("mode", "sign"), [("tension", 1.0), ("compression", -1.0)])
 def test_a_cell_that_was_not_tared_is_no_wrong_sign(mode, sign):
     table = record(sign=sign, rest=0.0)

@@ -5,7 +5,7 @@ the setting that accepts it if it is right.
 """
 
 import math
-from collections.abc import Iterator, Mapping
+from collections.abc import Container, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from decimal import Decimal
 from typing import Any
@@ -15,6 +15,7 @@ from softsample.formats.titles import COLUMNS, UNITS
 from softsample.protocol import NEVER_UNIFORM
 from softsample.records import Sized
 from softsample.units import MM
+from softsample.wording import significant
 
 USUAL_MM, USUAL_N = 100.0, 100.0
 """Largest displacement and force that raise no doubt if no dimensions are known."""
@@ -58,10 +59,10 @@ class Limits:
 
 
 WORDS = {
-    "strain": ("strain of {0:.3g} %", 100.0),
-    "strain_rate_per_s": ("strain rate of {0:.3g} per s", 1.0),
-    "stiffness_pa": ("stress over strain of {0:.3g} kPa", 1e-3),
-    "sampling_hz": ("{0:.3g} samples per s", 1.0),
+    "strain": ("strain of {} %", 100.0),
+    "strain_rate_per_s": ("strain rate of {} per s", 1.0),
+    "stiffness_pa": ("stress over strain of {} kPa", 1e-3),
+    "sampling_hz": ("{} samples per s", 1.0),
 }
 """How each quantity is told, and its size in the unit of these words."""
 
@@ -115,13 +116,18 @@ def doubts(
     values = figures(facts, size)
     outside = _outside(values, limits)
     if outside:
-        told = ", ".join(WORDS[name][0].format(WORDS[name][1] * values[name]) for name in outside)
+        told = ", ".join(
+            words.format(significant(scale * values[name]))
+            for name, (words, scale) in WORDS.items()
+            if name in outside
+        )
         accepted = {name: _widened(getattr(limits, name), values[name]) for name in outside}
         cure = next(_explained(facts, values, limits, dimensions or {}, block), "")
-        sized = size if {*outside} - {"sampling_hz"} else None
+        powers = _powers_of_size(_by_quantity(facts))
+        sized = size if any(powers.get(name) for name in outside) else None
         yield (
-            f"{told}{_of(sized)}: is a unit or a dimension wrong? {cure}If it is right, set "
-            f"{as_setting({'plausibility': accepted})}"
+            f"{told}{_of(sized)}: is a unit{' or a dimension' if sized else ''} wrong? {cure}If it "
+            f"is right, set {as_setting({'plausibility': accepted})}"
         )
     if size is None:
         yield from _large(facts)
@@ -143,9 +149,10 @@ def _of(size: Sized | None) -> str:
 
 
 def _outside(values: Mapping[str, float], limits: Limits) -> list[str]:
-    """Quantities beyond their limits."""
+    """Quantities beyond their limits, with the digits that are told of them."""
     bounds = {name: getattr(limits, name) for name in values}
-    return [name for name, (low, high) in bounds.items() if not low <= values[name] <= high]
+    told = {name: float(f"{value:.3g}") for name, value in values.items()}
+    return [name for name, (low, high) in bounds.items() if not low <= told[name] <= high]
 
 
 def _widened(bounds: tuple[float, float], value: float) -> list[float]:
@@ -160,11 +167,10 @@ def _rounded(value: float, factor: float) -> float:
 
 POWERS = {
     "displacement": {"strain": 1, "strain_rate_per_s": 1, "stiffness_pa": -1},
-    "size": {"strain": -1, "strain_rate_per_s": -1, "stiffness_pa": -1},
     "force": {"stiffness_pa": 1},
     "time": {"strain_rate_per_s": -1, "sampling_hz": -1},
 }
-"""Power of each figure in the scale of displacement, dimensions, force and time."""
+"""Power of each figure in the scale of displacement, force and time."""
 
 STANDS_FOR = {
     "strain": "displacement",
@@ -175,6 +181,22 @@ STANDS_FOR = {
 """Quantities of a file that scale as others."""
 
 
+def _by_quantity(facts: Mapping[str, Any]) -> dict[str, Mapping[str, Any]]:
+    """What was understood of the columns of a file, by quantity."""
+    columns = facts["reading"].get("columns", {})
+    return {name: columns[title] for name, title in COLUMNS.items() if title in columns}
+
+
+def _powers_of_size(stated: Container[str]) -> dict[str, int]:
+    """Power of each figure in the scale of the dimensions, by the quantities that a file states.
+
+    Strain, stretch and angle are strain at any size, and nominal stress is stress.
+    """
+    strain = 0 if any(name in stated for name in ("strain", "stretch", "angle")) else -1
+    stress = -3 if "angle" in stated else 0 if "stress" in stated else -2
+    return {"strain": strain, "strain_rate_per_s": strain, "stiffness_pa": stress - strain}
+
+
 def _explained(
     facts: Mapping[str, Any],
     values: Mapping[str, float],
@@ -183,14 +205,14 @@ def _explained(
     block: str,
 ) -> Iterator[str]:
     """Cures with which every figure would be plausible, the likeliest first."""
+    by_quantity = _by_quantity(facts)
+    all_powers = {**POWERS, "size": _powers_of_size(by_quantity)}
 
     def fits(what: str, factor: float) -> bool:
-        powers = POWERS[what]
+        powers = all_powers[what]
         scaled = {name: v * factor ** powers.get(name, 0) for name, v in values.items()}
         return not _outside(scaled, limits)
 
-    columns = facts["reading"].get("columns", {})
-    by_quantity = {name: columns[title] for name, title in COLUMNS.items() if title in columns}
     for what in ("displacement", "size", "force", "time"):
         if what == "size":
             yield from (
@@ -216,11 +238,20 @@ def _units(quantity: str) -> dict[float, str]:
 
 
 def _cells(dimensions: Mapping[str, str], factor: float) -> str:
-    """Cells of the study table with a factor."""
-    sizes = {name: Decimal(cell) * Decimal(str(factor)) for name, cell in dimensions.items()}
-    return " and ".join(
-        f"write {size.normalize():f} into column {name}" for name, size in sizes.items()
-    )
+    """What to write into cells of the study table so that each is larger by a factor."""
+    sizes = {
+        name: f"{(Decimal(cell) * Decimal(str(factor))).normalize():f}"
+        for name, cell in dimensions.items()
+    }
+    if len(sizes) > 1 and len({*sizes.values()}) == 1:
+        return f"write {next(iter(sizes.values()))} into columns {_listed([*sizes])}"
+    return f"write {_listed([f'{size} into column {name}' for name, size in sizes.items()])}"
+
+
+def _listed(words: Sequence[str]) -> str:
+    """Words with commas and an "and" between them."""
+    *others, last = words
+    return f"{', '.join(others)} and {last}" if others else last
 
 
 def _retitled(quantity: str, column: Mapping[str, Any], unit: str, block: str) -> str:

@@ -10,6 +10,7 @@ from numpy.typing import NDArray
 
 from softsample.arrays import Array, Mask
 from softsample.errors import InputError, records_setting
+from softsample.lone import LoneRows
 from softsample.protocol import (
     LARGEST,
     SHEARED_MODES,
@@ -42,10 +43,6 @@ STARTS_LOADED = 0.25
 FREE_PART, FREE_PARTS, FREE_FORCE, FREE_NOISE = 0.25, 20, 0.002, 3.0
 """The first quarter of a loading, in twentieths, is doubted if the mean force of each stays below
 this part of the peak and so many standard errors."""
-LONE_PART, LONE_NOISE, LONE_STEPS = 0.05, 10.0, 3.0
-"""A reading stands alone if it is off by this part of the peak, and by so many times what half of
-the readings that change are, and the steps beside it."""
-
 CLIPPED, CLIPPED_COARSE = 10, 5.0
 """A load cell is at its limit if its largest reading is repeated this often, and so many times as
 often as half of the others, which few digits repeat too."""
@@ -285,6 +282,8 @@ def aligned_record(
     _refuse(_no_numbers(table, source))
     _refuse(_wrong_time(table, source))
     aligned = _forces(table.astype(np.float64), size, mode, source)
+    lone = LoneRows.of(aligned, source)
+    _refuse(lone.faults)  # first, as zero and signs rest on such rows
     positive, turned = {}, {}
     for quantity, column in COLUMNS.items():
         positive[column], turned[quantity] = _positive(quantity, reading, settings, table, mode)
@@ -302,6 +301,7 @@ def aligned_record(
     _refuse(_parts_of_one(aligned, reading, source))
     signs = _Signs(turned, settings)
     record, facts = _checked(aligned, mode, schema, source, signs, size, which)
+    facts["warnings"] += lone.doubts
     facts["warnings"] += _untimed(reading, settings) if not record.timed else []
     facts["warnings"] += reading.get("doubts", [])
     return aligned.assign(**record.marks), {
@@ -462,7 +462,7 @@ def _checked(
     faults = _wrong_ramp(table, record, loading, source)
     _refuse([*faults, *_wrong_signs(table, record, loading, mode, source, signs)])
     return record._marked_by(course, which), {
-        **_facts(record, course, loading, size, signs.settings, table.index),
+        **_facts(record, course, loading, size, signs, table.index),
         "calibrated_loading": course.number(which),
     }
 
@@ -630,7 +630,7 @@ def _facts(
     course: Course,
     loading: Loading,
     size: Sized | None,
-    settings: RecordSettings,
+    signs: _Signs,
     lines: pd.Index,
 ) -> dict[str, Any]:
     """What is worth knowing about a record, in the units of files."""
@@ -641,11 +641,10 @@ def _facts(
     begin, end = record.displacement[[loading.start, loading.last]]
     peak = force[np.abs(force).argmax()]
     warnings = [] if known else ["no rest before the ramp: force zero and noise are not known"]
-    warnings += _off_zero(record, loading, peak, rest if known else slice(0, 0), settings)
+    warnings += _off_zero(record, loading, peak, rest if known else slice(0, 0), signs.settings)
     if known and loading is course.loadings[0]:
-        warnings += _free(record, rows, rest, settings)
-    warnings += _relaxing(record.force[loading.ramps[-1]])
-    warnings += _lone(lines, record.force, abs(peak))
+        warnings += _free(record, rows, rest, signs.settings)
+    warnings += _relaxing(record, loading, signs)
     for ramp in loading.ramps if record.timed else ():
         warnings += _gap(lines, record.clock, ramp)
     if is_clipped(force):
@@ -699,34 +698,22 @@ def _of_material(record: Record, rows: NDArray[np.intp], size: Sized) -> dict[st
     }
 
 
-def _relaxing(force: Array) -> Iterator[str]:
-    """What says that the sample failed, or that what is taken for a ramp is none."""
-    tenths = _tenths(force)
-    largest, last = tenths[np.abs(tenths).argmax()], tenths[-1]
+def _relaxing(record: Record, loading: Loading, signs: _Signs) -> Iterator[str]:
+    """What says that the sample failed, or that what is taken for a ramp is none.
+
+    A force that falls from the start of a single ramp on may as well have the wrong sign, if the
+    cell was not tared.
+    """
+    tenths = _tenths(record.force[loading.ramps[-1]])
+    highest = int(np.abs(tenths).argmax())
+    largest, last = tenths[highest], tenths[-1]
     if abs(last) < RELAXED * abs(largest):
+        falls = highest == 0 and len(loading.ramps) == 1
+        sign = f"; if it should grow instead, {signs.cure('force', ['force'])}" if falls else ""
         yield (
             f"the force falls from {largest:.3g} N to {last:.3g} N along the loading, as in a hold "
             "or after failure; export the whole test with its ramp, or choose another loading in "
-            "column cycle"
-        )
-
-
-def _lone(lines: pd.Index, force: Array, peak: float) -> Iterator[str]:
-    """Readings that are far from those beside them, which are close to their own neighbours."""
-    if len(force) < 5:
-        return
-    middle, step = force[2:-2], np.abs(np.diff(force))
-    off = np.abs(middle - 0.5 * (force[1:-3] + force[3:-1]))
-    beside = np.maximum(np.maximum(step[:-3], step[3:]), np.abs(force[3:-1] - force[1:-3]))
-    changing = (step[1:-2] > 0.0) | (step[2:-1] > 0.0)  # a cell at its limit is off by nothing
-    noise = float(np.median(off[changing])) if changing.any() else 0.0
-    usual = max(LONE_PART * peak, LONE_NOISE * noise)
-    found = np.flatnonzero(off > np.maximum(usual, LONE_STEPS * beside))
-    if len(found):
-        more = f", and {len(found) - 1} more" if len(found) > 1 else ""
-        yield (
-            f"line {lines[found[0] + 2]}: the force is {middle[found[0]]:.3g} N, far from that of "
-            f"the lines beside it{more}; delete such lines if the cell was disturbed"
+            f"column cycle{sign}"
         )
 
 
@@ -762,13 +749,13 @@ def _free(
     """What says that the platen moves a long way before it loads the sample."""
     force = record.force - record.force[rest].mean()
     noise, least = force[rest].std(ddof=1), FREE_FORCE * np.abs(force[rows]).max()
-    parts = np.array_split(rows, FREE_PARTS)
+    parts = np.array_split(rows, min(FREE_PARTS, len(rows)))
     loaded = [
         abs(force[part].mean()) > max(least, FREE_NOISE * noise / np.sqrt(len(part)))
         for part in parts
     ]
-    free = loaded.index(True) if any(loaded) else FREE_PARTS
-    if FREE_PART * FREE_PARTS <= free < FREE_PARTS:
+    free = loaded.index(True) if any(loaded) else len(parts)
+    if FREE_PART * len(parts) <= free < len(parts):
         way = abs(record.displacement[parts[free][0]] - record.displacement[rows[0]])
         yield (
             f"the force stays within its noise over the first {way / MM:.3g} mm of the loading, "

@@ -104,7 +104,7 @@ def test_a_table_without_words_is_read_by_its_mapping(tmp_path):
     np.testing.assert_allclose(table["force_N"], TEST[2], atol=1e-7)
     with pytest.raises(InputError, match=r"column 'a': no unit is named; .*units: \{time: s\}"):
         read(path, names)
-    with pytest.raises(InputError, match=r"line 1: no column .* hold displacement or strain or"):
+    with pytest.raises(InputError, match=r"line 1: no column .* hold displacement .strain or"):
         read(path)
 
 
@@ -177,6 +177,23 @@ def test_a_column_is_proposed_as_what_it_holds(tmp_path, titles, cure):
     assert f"`records: {cure}`" in str(refused.value)
 
 
+def test_columns_in_another_language_are_proposed_by_the_units_below(tmp_path):
+    text = plain("时间,位移,力\n(s),(mm),(mN)")
+    path = machines.write(tmp_path / "r.csv", text)
+    with pytest.raises(InputError, match="'位移' and '力' may be these, name these in ") as refused:
+        read(path)
+    cure = "`records: {columns: {displacement: 位移, force: 力}}`"
+    assert str(refused.value).endswith(cure)
+    raw = read(path, {"time": "时间", "displacement": "位移", "force": "力"})
+    np.testing.assert_allclose(raw.table["force_N"], 1e-3 * TEST[2], atol=1e-8)
+    path = machines.write(tmp_path / "r.csv", plain("x,y,z"))
+    with pytest.raises(InputError) as refused:
+        read(path)
+    told = str(refused.value)
+    assert "displacement (strain or stretch may stand for it), nor force (stress may" in told
+    assert "such as `records: {columns: {displacement: its title, force: its title}}`" in told
+
+
 @pytest.mark.parametrize(
     "titles",
     [
@@ -246,6 +263,18 @@ CONTENTS = {
         b"Time (s),Disp (mm),Load (N)\nNaN,NaN,NaN\n0,0,1\n1,1,1\n",
         "line 2: 'NaN,NaN,NaN' stands among the numbers; delete the line",
     ),
+    "no number at the end": (
+        b"Time (s),Disp (mm),Load (N)\n0,0,1\n1,1,1\nNaN,,2\nStatus:,PASS\n",
+        "line 4: 'NaN,,2' stands among the numbers; delete the line",
+    ),
+    "a wrong time at the end": (
+        b"Time (s),Disp (mm),Load (N)\n0,0,1\n1,1,1\nlate,1,2\n",
+        "line 4: 'late,1,2' stands among the numbers; delete the line",
+    ),
+    "metadata before more numbers": (
+        b"Time (s),Disp (mm),Load (N)\n0,0,1\nStatus:,PASS\n\nEnd\n1,1,1\nDate:, 11/14/25\n",
+        "line 3: 'Status:,PASS' stands among the numbers; delete the line",
+    ),
     "a word among the numbers": (
         b"Time (s),Disp (mm),Load (N)\n0,0,1\npaused at 10:05:00\n1,1,1\n",
         "line 3: 'paused at 10:05:00' stands among the numbers; delete the line",
@@ -258,6 +287,34 @@ def test_other_content_is_refused_with_its_place(tmp_path, name):
     content, message = CONTENTS[name]
     with pytest.raises(InputError, match=message):
         read(machines.write(tmp_path / "r.csv", content))
+
+
+FOOTER = (
+    *("Date:, 11/14/25", "Time:, 10:05:00", "Direction:, COMPRESSION", "Specimen Type:, Round"),
+    *("Specimen Diameter (mm):, 21.996", "", "Notes", "-----", "Status:, PASS", ""),
+)
+
+
+@pytest.mark.parametrize("titles", ["Time (s),Extension (mm),Load (N)", "Extension (mm),Load (N)"])
+@pytest.mark.parametrize("kind", ["csv", "xlsx"])
+def test_metadata_below_the_numbers_are_left_out(tmp_path, titles, kind):
+    columns = TEST[-len(titles.split(",")) :]
+    lines = [f"{','.join(f'{x:.6f}' for x in row)}" for row in zip(*columns, strict=True)]
+    whole = [titles, *lines]
+    if kind == "csv":
+        bare, path = (
+            machines.write(tmp_path / f"{n}.csv", "\n".join(text))
+            for n, text in enumerate(([*whole, ""], [*whole, *FOOTER]))
+        )
+    else:
+        bare, path = (
+            workbook(tmp_path / f"{n}.xlsx", {"A": [line.split(",") for line in text]})
+            for n, text in enumerate((whole, [*whole, *FOOTER]))
+        )
+    raw = read(path)
+    pd.testing.assert_frame_equal(raw.table, read(bare).table)
+    told = f"metadata below the numbers, from line {len(whole) + 1} on: 'Date:"
+    assert [line for line in raw.reading["notes"] if line.startswith(told)]
 
 
 def test_wrong_cells_keep_their_line_and_their_text(tmp_path):

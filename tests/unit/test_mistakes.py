@@ -127,7 +127,7 @@ def apply_cures(study, messages):
         first = message.split("If it is right")[0]
         line = re.search(r"samples\.tsv, row (\d+)", first)
         row = rows[int(line[1]) - 2] if line else {}
-        cells = re.findall(r"write (\S+) into column (\w+)", first)
+        cells = re.findall(r"(\S+) into column (\w+)", first)
         cells += [("", c) for c in re.findall(r"column '(\w+)': .*leave the cell empty", first)]
         titles = re.findall(r"write '([^']+)' in place of '([^']+)' in line (\d+)", first)
         for setting in re.findall(r"`(\w+: \{.*\})`", first):
@@ -172,7 +172,7 @@ MISTAKES = {
     # what is done: the change, what is told, whether a cure is told
     "dimensions in cm": (
         lambda s: s.cells("C", height_mm="1", diameter_mm="1.4"),
-        r"row 4 \(C\).*C.csv: strain of 199 % .*write 10 into column height_mm",
+        r"row 4 \(C\).*C.csv: strain of 199 % .*write .*10 into column height_mm",
         True,
     ),
     "displacement in cm": (
@@ -192,7 +192,7 @@ MISTAKES = {
     ),
     "mN as N": (
         lambda s: s.record("C.csv", time_s, travel, 1e3 * force),
-        r"row 4 \(C\).*C.csv: stress over strain of 2\.\d+e\+04 kPa.*write 'force_mN'",
+        r"row 4 \(C\).*C.csv: stress over strain of 2\d{4} kPa.*write 'force_mN'",
         True,
     ),
     "m as mm": (

@@ -48,8 +48,8 @@ CASES = {
         "strain of 2 % at a height of 10 mm",
         "in cm, write 'displacement_cm' in place of 'displacement_mm' in line 3",
     ),
-    "displacement in um": (facts(way=2000.0), "strain of 2e.04 %", "'displacement_um' in place"),
-    "force in mN": (facts(force=500.0), "2.5e.04 kPa", "'Load .mN.' in place of 'Load .N.'"),
+    "displacement in um": (facts(way=2000.0), "strain of 20000 %", "'displacement_um' in place"),
+    "force in mN": (facts(force=500.0), "25000 kPa", "'Load .mN.' in place of 'Load .N.'"),
     "force in kN": (facts(force=5e-6), "0.00025 kPa", "'Load .kN.' in place of"),
     "time in ms": (facts(seconds=1e4, rate=0.05), "0.05 samples per s", "'time_ms' in place of"),
     "time in min": (facts(seconds=0.01, rate=3e3), "rate of 20 per s", "'time_min' in place of"),
@@ -79,7 +79,61 @@ def test_what_is_right_is_accepted_by_the_setting_that_is_told(name):
 def test_dimensions_in_centimetres_are_told_as_cells_of_the_table():
     small = Size(1e-6, 1e-3)
     (doubt,) = doubts(facts(), small, LIMITS, {"diameter_mm": "1.1", "height_mm": "1"})
-    assert "write 11 into column diameter_mm and write 10 into column height_mm" in doubt
+    assert "cm, write 11 into column diameter_mm and 10 into column height_mm. If it is" in doubt
+    cube = {"length_mm": "1", "width_mm": "1.0", "height_mm": "1"}
+    (doubt,) = doubts(facts(), small, LIMITS, cube)
+    assert "cm, write 10 into columns length_mm, width_mm and height_mm. If it is right" in doubt
+
+
+STATED = {
+    "displacement": ("displacement_mm", ("Travel (mm)", "mm")),
+    "strain": ("strain", ("Strain", "1")),
+    "stretch": ("stretch", ("Stretch", "1")),
+    "angle": ("angle_rad", ("Angle (rad)", "rad")),
+    "force": ("force_N", ("Load (N)", "N")),
+    "stress": ("stress_Pa", ("Stress (Pa)", "Pa")),
+    "torque": ("torque_Nmm", ("Torque (N mm)", "N mm")),
+}
+
+
+def stated(first, second, **of_facts):
+    """Facts of a record whose file states these two quantities."""
+    given = facts(**of_facts)
+    columns = given["reading"]["columns"]
+    told = {
+        title: columns["force_N"] | dict(zip(("title", "unit"), of, strict=True))
+        for title, of in (STATED[first], STATED[second])
+    }
+    return given | {"reading": {"columns": {"time_s": columns["time_s"]} | told}}
+
+
+@pytest.mark.parametrize(
+    ("first", "second", "way", "force", "offered"),
+    [
+        ("displacement", "force", 15.0, 5.0, True),  # 150 %, 33 kPa
+        ("strain", "force", 20.0, 5.0, False),  # a strain is one at any size
+        ("stretch", "stress", 20.0, 5.0, False),
+        ("displacement", "stress", 15.0, 5.0, True),
+        ("strain", "force", 2.0, 500.0, True),  # 20 %, 25 MPa: the section may be wrong
+        ("strain", "stress", 2.0, 500.0, False),
+        ("angle", "torque", 20.0, 5.0, False),
+    ],
+)
+def test_dimensions_are_offered_only_where_they_change_what_is_doubted(
+    first, second, way, force, offered
+):
+    given = stated(first, second, way=way, force=force)
+    cells = {"length_mm": "10", "width_mm": "10", "height_mm": "10"}
+    (doubt,) = doubts(given, Size(), LIMITS, cells)
+    assert ("If the dimensions are in" in doubt) == offered
+    assert ("a unit or a dimension wrong? " in doubt) == offered
+    assert ("at a height of" in doubt) == offered
+
+
+def test_what_is_at_a_limit_with_the_digits_that_are_told_is_not_doubted():
+    """A strip of 200 mm that is pulled by 200.013 mm."""
+    assert [*doubts(facts(way=10.0007), Size(), LIMITS)] == []
+    assert [*doubts(facts(way=10.1), Size(), LIMITS)]
 
 
 def test_a_unit_of_the_settings_is_changed_there():

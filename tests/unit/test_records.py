@@ -5,9 +5,11 @@ from typing import NamedTuple
 import numpy as np
 import pandas as pd
 import pytest
+import yaml
 
 from softsample.errors import InputError
 from softsample.io import read_table, read_yaml
+from softsample.lone import LoneRows
 from softsample.protocol import Course
 from softsample.records import Record, RecordSettings, aligned_record
 from softsample.shapes import IdealShape
@@ -148,10 +150,11 @@ def test_a_channel_of_zeros_is_refused_as_such():
 
 
 @pytest.mark.parametrize("row", [10, 700, 1352])
-@pytest.mark.parametrize("value", [2e4, -2e4])
+@pytest.mark.parametrize("value", [1.2e4, -1.2e4])
 def test_a_single_cell_beyond_its_bounds_is_found(row, value):
-    with pytest.raises(InputError, match=f"r.csv, line {row}, column 'force_N': -?20000.0 is"):
-        check(put("force_N", row, value)(record()))
+    strong = record().assign(force_N=lambda table: 9e3 + 1.8e4 * table["force_N"])
+    with pytest.raises(InputError, match=f"r.csv, line {row}, column 'force_N': -?12000.0 is"):
+        check(put("force_N", row, value)(strong))
 
 
 def test_what_is_doubtful_is_a_warning():
@@ -176,6 +179,51 @@ def test_a_reading_that_stands_alone_is_a_warning():
     assert "beside it, and 1 more;" in check(two)["warnings"][0]
 
 
+@pytest.mark.parametrize(
+    ("column", "value", "of_others"),
+    [
+        ("force_N", 4.61, " N in all others"),
+        ("force_N", -0.2, " N in all others"),
+        ("displacement_mm", -0.113, "-3.897 to -0.003 mm in all others"),
+    ],
+)
+def test_a_first_row_alone_is_refused_before_all_that_rests_on_it(column, value, of_others):
+    turned = record(rest=0.0).assign(force_N=lambda table: -table["force_N"])  # a sign is wrong too
+    turned.loc[4, column] = value
+    for zero in ({}, {"force": "start"}):
+        with pytest.raises(InputError, match=of_others) as refusal:
+            aligned(turned, zero=zero)
+        place = f"r.csv, line 4, column '{column}': {value:g} "
+        assert str(refusal.value).startswith(place)
+        assert str(refusal.value).endswith("; delete the line")
+        assert "\n" not in str(refusal.value)
+    with pytest.raises(InputError, match="positive: {force: loading}"):
+        aligned(turned.iloc[1:])
+
+
+def test_a_row_between_others_that_decides_the_range_is_refused():
+    for column, value in (("force_N", -2.5), ("force_N", 1.8), ("displacement_mm", -12.0)):
+        spike = put(column, 700, value)(record())
+        with pytest.raises(InputError, match=f"r.csv, line 700, column '{column}': .*delete"):
+            check(spike)
+        assert check(spike.drop(700).astype(float))["warnings"] == []
+
+
+@pytest.mark.parametrize(("row", "travel"), [(700, -2.05), (700, -1.0), (1353, 0.0)])
+def test_a_displacement_that_stands_alone_is_a_warning(row, travel):
+    (warning,) = check(put("displacement_mm", row, travel)(record()))["warnings"]
+    assert re.match(f"line {row}: the displacement is {travel:g} mm, far from", warning)
+
+
+@pytest.mark.parametrize("travel", [(0, 2, 2, 2), (0, 0.6, 1.3, 2), (2, 1.3, 0.6, 0)])
+def test_a_sudden_step_is_no_row_alone(travel):
+    """Ramps of few samples, up or down, on the way to a hold."""
+    steps = np.array([*travel, *[travel[-1]] * 20, *(travel[-1] + np.array(travel)), 3.0])
+    table = pd.DataFrame({"displacement_mm": steps, "force_N": steps**2})
+    table.insert(0, "time_s", 0.5 * np.arange(len(steps)))
+    assert LoneRows.of(table, "r.csv") == LoneRows([], [])
+
+
 def test_noise_does_not_stand_alone():
     noisy = record(noise=0.05)  # the peak is 1 N or so
     assert not [w for w in check(noisy)["warnings"] if "far from" in w]
@@ -186,8 +234,8 @@ def test_noise_beside_a_cell_at_its_limit_does_not_stand_alone():
     clipped["force_N"] = clipped["force_N"].clip(lower=-0.15)  # most of the readings
     (warning,) = check(clipped)["warnings"]
     assert "overloaded" in warning
-    warnings = check(put("force_N", 300, 0.9)(clipped))["warnings"]
-    assert any(w.startswith("line 300: the force is 0.9 N, far from") for w in warnings)
+    with pytest.raises(InputError, match="line 300, column 'force_N': 0.9 N in this row stands"):
+        check(put("force_N", 300, 0.9)(clipped))
 
 
 def test_the_corners_of_a_coarse_record_do_not_stand_alone():
@@ -228,6 +276,18 @@ def test_a_loading_that_begins_without_force_is_a_warning(free, told):
         assert "zero: {displacement: start}" in warning
 
 
+@pytest.mark.filterwarnings("error")
+@pytest.mark.parametrize(("free", "told"), [(0, False), (4, True)])
+def test_free_travel_of_a_coarse_record_is_a_warning(free, told):
+    """Of twelve samples the first four, a third, touch nothing."""
+    travel = np.concatenate([np.zeros(12), 0.3 * np.arange(1.0, 13.0)])
+    force = np.maximum(0.0, travel - 0.3 * free) + 1e-4 * np.cos(np.arange(24))
+    table = pd.DataFrame({"displacement_mm": travel, "force_N": force})
+    table.insert(0, "time_s", 0.5 * np.arange(24))
+    warnings = check(table, "tension")["warnings"]
+    assert any("stays within its noise over the first" in w for w in warnings) == told
+
+
 @pytest.mark.parametrize(("mode", "sign"), [("tension", 1.0), ("compression", -1.0)])
 def test_a_cell_that_was_not_tared_is_no_wrong_sign(mode, sign):
     table = record(sign=sign, rest=0.0)
@@ -241,6 +301,22 @@ def test_a_cell_that_was_not_tared_is_no_wrong_sign(mode, sign):
     table["force_N"] += 3.0 * sign
     (_, warning) = aligned(table, mode)[1]["warnings"]
     assert re.match("the force before the ramp is -?1.5 N; .*zero: {force: start}", warning)
+
+
+def test_a_force_that_falls_all_along_may_have_the_wrong_sign():
+    """Compression is positive in the file, from a cell that was not tared."""
+    table = record(rest=0.0).assign(force_N=lambda table: -table["force_N"] - 1.5)
+    (warning,) = [w for w in check(table)["warnings"] if w.startswith("the force falls from -1.5")]
+    cure = yaml.safe_load(warning.split("`")[-2])["records"]
+    assert cure == {"positive": {"force": "loading"}}
+    positive = {"displacement": "tension", **cure["positive"]}
+    with pytest.raises(InputError, match="changes as it should .*zero: {force: start}"):
+        aligned(table, positive=positive)
+    (facts,) = aligned(table, positive=positive, zero={"force": "start"})[1:]
+    assert facts["peak_force_N"] == pytest.approx(-1.0, abs=0.01)
+    failed = record(rest=0.0)
+    failed["force_N"] = failed["force_N"].where(failed["displacement_mm"] > -2.0, 0.0)
+    assert "instead" not in check(failed)["warnings"][1]
 
 
 def test_a_deformed_sample_may_be_loaded_as_the_record_begins():

@@ -76,6 +76,9 @@ RATIOS = ("strain", "stretch")
 
 WORD = re.compile(r"[^\W\d_]{2}")
 
+NO_NUMBERS = ("", "nan", "inf", "null", "none")
+"""What machines write, in lower case, where they have no number."""
+
 THOUSANDS = re.compile(r"[+-]?[1-9]\d{0,2},\d{3}", re.ASCII)
 """A number that may have a mark of thousands."""
 
@@ -348,11 +351,10 @@ def _no_titles(
             f"{text.path}: no line of titles such as time_s,displacement_mm,force_N; export the "
             "test with its titles, separated by commas, semicolons or tabs"
         )
-    ways = [" or ".join(form.get(name, (name,))) for name in missing]
-    below = _numbers_below(text, number, titles)
-    named = dict(
-        found for name in missing if (found := _plausible(titles, below, form.get(name, (name,))))
-    )
+    ways = [_ways_told(form.get(name, (name,))) for name in missing]
+    below = _units_below(text, number, titles)
+    found = (_plausible(titles, below, form.get(name, (name,))) for name in missing)
+    named = dict(filter(None, found))
     where = f"formats: {block}" if block else "records"
     absent = [wanted[way] for name in missing for way in form.get(name, (name,)) if way in wanted]
     if absent:
@@ -361,19 +363,21 @@ def _no_titles(
             f"(there are {', '.join(map(repr, titles))}); correct `columns` in section {where} of "
             "the settings"
         )
-    cure = f"export the test with it, or name its column in the settings, section {where}"
+    example = records_setting({"columns": dict.fromkeys(missing, "its title")}, block)
+    cure = f"export the test with titles of these, or name them in the settings, such as {example}"
     if len(named) == len(missing) == len({*named.values()}):
         keys = {"columns": named}
         silent = [
             name
             for name, title in named.items()
-            if below[title] and not _split(title, name)[1] and name not in RATIOS
+            if not below[title] and not _split(title, name)[1] and name not in RATIOS
         ]
         if silent:
             keys["units"] = {name: next(iter(UNITS[name])) for name in silent}
+        it, its = ("it", "its") if len(named) == 1 else ("these", "their")
         cure = (
-            f"if {' and '.join(map(repr, named.values()))} may be it, name it"
-            f"{' and its unit' if silent else ''} in the settings of the study: "
+            f"if {' and '.join(map(repr, named.values()))} may be {it}, name {it}"
+            f"{f' and {its} unit' if silent else ''} in the settings of the study: "
             f"{records_setting(keys, block)}"
         )
     elif form is NEEDED and (true := [title for title in below if _is_true(title)]):
@@ -384,30 +388,45 @@ def _no_titles(
             "stretch (of an incompressible sample)"
         )
     raise InputError(
-        f"{text.path}, line {number + 1}: no column is known to hold {' and '.join(ways)} "
+        f"{text.path}, line {number + 1}: no column is known to hold {', nor '.join(ways)} "
         f"(there are {', '.join(map(repr, titles))}); {cure}"
     )
 
 
-def _numbers_below(text: _Text, number: int, titles: Sequence[str]) -> dict[str, bool]:
-    """Titles with numbers below them, and whether they begin at once, without a line of units."""
+def _ways_told(ways: Sequence[str]) -> str:
+    """A quantity and what may stand for it, in words."""
+    first, *others = ways
+    return f"{first} ({' or '.join(others)} may stand for it)" if others else first
+
+
+def _units_below(text: _Text, number: int, titles: Sequence[str]) -> dict[str, str]:
+    """Titles with numbers below them, and what stands between in a line of units, if there is one.
+
+    It is empty where numbers begin at once.
+    """
     line = text.lines[number]
     delimiter = next((d for d in "\t;," if len(text.cells(line, d)) > 1), ",")
     rows = [text.cells(row, delimiter) for row in text.lines[number + 1 : number + 1 + LOOKED_AT]]
-    numeric = {
-        title: [bool(NUMBER.fullmatch(_cell(row, place))) for row in rows if any(row)]
-        for place, title in enumerate(titles)
-    }
-    return {title: found[0] for title, found in numeric.items() if any(found)}
+    found = {}
+    for place, title in enumerate(titles):
+        cells = [_cell(row, place) for row in rows if any(row)]
+        if any(map(NUMBER.fullmatch, cells)):
+            found[title] = "" if NUMBER.fullmatch(cells[0]) else cells[0].strip("()[] ")
+    return found
 
 
 def _plausible(
-    titles: Sequence[str], below: Mapping[str, bool], ways: Sequence[str]
+    titles: Sequence[str], below: Mapping[str, str], ways: Sequence[str]
 ) -> tuple[str, str] | None:
     """The only column of numbers that may hold one of some quantities, and which one of them.
 
-    It has a unit of it, or else none; which one it is, its unit tells, or a word of its title.
+    It has a unit of it, in its title or `below`, or else none; which one it is, its unit tells, or
+    a word of its title.
     """
+
+    def unit(title: str, way: str) -> str:
+        return _split(title, way)[1] or below[title]
+
     free = [
         title
         for title in titles
@@ -416,15 +435,15 @@ def _plausible(
         and not any(_candidates(name, [title], {}) for name in NAMES)
     ]
     units = {unit for way in ways for unit in UNITS[way]}
-    fitting = [title for title in free if any(_split(title, way)[1] in units for way in ways)]
-    silent = [title for title in free if not any(_split(title, name)[1] for name in COLUMNS)]
+    fitting = [title for title in free if any(unit(title, way) in units for way in ways)]
+    silent = [title for title in free if not any(unit(title, name) for name in COLUMNS)]
     title = next((found[0] for found in (fitting, silent) if len(found) == 1), None)
     if title is None:
         return None
     words = _words(title)
 
     def fits(way: str) -> tuple[bool, bool]:
-        return _split(title, way)[1] in UNITS[way], bool(words & NAMES.get(way, set()))
+        return unit(title, way) in UNITS[way], bool(words & NAMES.get(way, set()))
 
     return max(ways, key=fits), title
 
@@ -513,7 +532,7 @@ def _rows(text: _Text, heading: _Heading) -> tuple[list[list[str]], list[int], l
     """Cells of the lines of numbers, their numbers in the file, and the line of units if any.
 
     Titles and units may be repeated, with metadata before them, where a machine begins a new
-    block of the same test.
+    block of the same test; metadata may also end the file.
     """
     units: list[str] = []
     rows: list[list[str]] = []
@@ -538,7 +557,7 @@ def _rows(text: _Text, heading: _Heading) -> tuple[list[list[str]], list[int], l
             _check_line(text, metadata, number, cells, titles)
             rows.append(cells)
             kept.append(number)
-    _check_line(text, metadata, 0, [], titles)
+    _end(text, heading, metadata, bool(rows))
     if not rows:
         raise InputError(f"{text.path}: no numbers below the titles; export the whole test")
     if blocks:
@@ -549,6 +568,27 @@ def _rows(text: _Text, heading: _Heading) -> tuple[list[list[str]], list[int], l
             "is read as a part of the same test; if of another specimen, give each its own file"
         )
     return rows, kept, units
+
+
+def _end(text: _Text, heading: _Heading, metadata: Sequence[int], numbers: bool) -> None:
+    """Leave out the lines after the last row of numbers if they are metadata, and say so."""
+    faulty = [line for line in metadata if not numbers or _is_row(text, heading, line)]
+    _check_line(text, faulty, 0, [], heading.titles)
+    if metadata:
+        line = text.lines[metadata[0] - 1].strip()
+        text.notes.append(f"metadata below the numbers, from line {metadata[0]} on: {line!r}")
+
+
+def _is_row(text: _Text, heading: _Heading, number: int) -> bool:
+    """Whether a line without a number in its first column is meant as one of numbers.
+
+    It holds nothing but numbers and what stands for missing ones, or more than one number of
+    those that are looked for: a line of metadata has a title before a value.
+    """
+    cells = text.cells(text.lines[number - 1], heading.delimiter)
+    found = [VALUE.fullmatch(_cell(cells, column.place)) for column in heading.columns]
+    numeric = [VALUE.fullmatch(cell) or cell.lower() in NO_NUMBERS for cell in cells]
+    return all(numeric) or sum(map(bool, found)) > 1
 
 
 def _cut_off(

@@ -1,0 +1,151 @@
+"""Rows of a record that stand alone: one bad reading, far from those beside it."""
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+from typing import Self
+
+import numpy as np
+import pandas as pd
+from numpy.typing import NDArray
+
+from softsample.arrays import Array
+from softsample.protocol import clock_of
+
+FEWEST = 5
+"""Of fewer readings none is judged."""
+NOISE, STEPS, FASTER = 10.0, 3.0, 5.0
+"""A reading stands alone if it is off by so many times what half of the readings that change are,
+and by so many times the steps beside it; the first and the last one, which have one neighbour, if
+the step to it is so many times as fast as all others."""
+
+
+@dataclass(frozen=True)
+class _Looked:
+    """A column that is looked at, and the part of its range that a reading has to be off by.
+
+    A platen is moved without leaps, so that a small one is none of its own.
+    """
+
+    column: str
+    name: str
+    unit: str
+    part: float
+
+
+LOOKED_AT = (
+    _Looked("displacement_mm", "displacement", "mm", 0.01),
+    _Looked("force_N", "force", "N", 0.05),
+)
+
+
+@dataclass(frozen=True)
+class LoneRows:
+    """What is to be said of rows that stand alone.
+
+    Parameters
+    ----------
+    faults : list of str
+        Rows that decide what all others count for: the first, since zero and signs rest on it,
+        and one that is farther from all others than these are from each other.
+    doubts : list of str
+        The rest of them, the first of each column with the number of others.
+    """
+
+    faults: list[str]
+    doubts: list[str]
+
+    @classmethod
+    def of(cls, table: pd.DataFrame, source: str) -> Self:
+        """Those of a record.
+
+        Parameters
+        ----------
+        table
+            Columns `displacement_mm` and `force_N`, and `time_s` if it was recorded, with signs
+            and zero of the file; the index is the line.
+        source
+            The file's path, for the messages.
+        """
+        time = table["time_s"].to_numpy(np.float64) if "time_s" in table else None
+        rows = cls([], [])
+        for looked in LOOKED_AT:
+            values = table[looked.column].to_numpy(np.float64)
+            found = lone(values, clock_of(time, values), looked.part)
+            deciding = [at for at in found if at == 0 or _decides(values, at)]
+            rows.faults.extend(
+                f"{source}, line {table.index[at]}, column {looked.column!r}: "
+                f"{_alone(values, at, looked.unit)}; delete the line"
+                for at in deciding
+            )
+            rows.doubts.extend(_doubts(table.index, values, looked, [*{*found} - {*deciding}]))
+        return rows
+
+
+def lone(values: Array, clock: Array, part: float) -> NDArray[np.intp]:
+    """Places of the readings that stand alone.
+
+    A first one that is nearer to zero than the next may be where a sudden step begins, and is none.
+
+    Parameters
+    ----------
+    values : (n,) float64
+        Readings of one quantity, in any unit.
+    clock : (n,) float64
+        Their times, or numbers of samples, ascending.
+    part
+        Of the range of the others, which a reading has to be off by.
+
+    Returns
+    -------
+    places : (k,) int
+        Ascending; none of fewer than `FEWEST` readings.
+    """
+    if len(values) < FEWEST:
+        return np.empty(0, np.intp)
+    step = np.abs(np.diff(values))
+    off = np.abs(values[1:-1] - 0.5 * (values[:-2] + values[2:]))
+    changing = (step[:-1] > 0.0) | (step[1:] > 0.0)  # a cell at its limit is off by nothing
+    noise = float(np.median(off[changing])) if changing.any() else 0.0
+    usual = max(part * float(np.ptp(np.sort(values)[1:-1])), NOISE * noise)
+    before_and_after = np.pad(step, 1)
+    beside = np.maximum(before_and_after[:-3], before_and_after[3:])
+    beside = np.maximum(beside, np.abs(values[2:] - values[:-2]))
+    alone = np.zeros(len(values), bool)
+    alone[1:-1] = off > np.maximum(usual, STEPS * beside)
+    speed = step / np.diff(clock)
+    alone[0] = step[0] > usual and speed[0] > FASTER * speed[1:].max()
+    alone[0] &= abs(values[0]) > abs(values[1])
+    alone[-1] = step[-1] > usual and speed[-1] > FASTER * speed[:-1].max()
+    return np.flatnonzero(alone)
+
+
+def _decides(values: Array, at: int) -> bool:
+    """Whether a reading between others is farther from all of them than they are from each other.
+
+    The last one may be the way back of the platen, or what is left after failure.
+    """
+    others = np.delete(values, at)
+    beyond = max(others.min() - values[at], values[at] - others.max())
+    return at < len(values) - 1 and bool(beyond > np.ptp(others))
+
+
+def _alone(values: Array, at: int, unit: str) -> str:
+    """A reading with those beside it and the range of the others, in words."""
+    others = np.delete(values, at)
+    beside = " and ".join(f"{x:.4g}" for x in (*values[max(at - 1, 0) : at], values[at + 1]))
+    row = "the first row" if at == 0 else "this row"
+    return (
+        f"{values[at]:.4g} {unit} in {row} stands alone, with {beside} {unit} beside it and "
+        f"{others.min():.4g} to {others.max():.4g} {unit} in all others"
+    )
+
+
+def _doubts(lines: pd.Index, values: Array, looked: _Looked, found: list[int]) -> Iterator[str]:
+    """What to say of readings that decide nothing."""
+    if found:
+        at = min(found)
+        more = f", and {len(found) - 1} more" if len(found) > 1 else ""
+        yield (
+            f"line {lines[at]}: the {looked.name} is {values[at]:.3g} {looked.unit}, far from that "
+            f"of the lines beside it{more}; delete such lines if the reading was disturbed"
+        )

@@ -14,10 +14,10 @@ from softsample.loop.discrepancy import settled
 from softsample.loop.effects import library
 from softsample.loop.errors import cross_validated, folds, held_out_errors
 from softsample.loop.posed import LoopSettings, pose
-from softsample.loop.residual import residual_table
 from softsample.loop.select import select
 from softsample.loop.specimen import Specimen
 from softsample.loop.verdict import judgement, report
+from softsample.report.residual import residual_table
 from softsample.report.verdict import page
 from softsample.response.curves import ResponseCurves
 

@@ -9,8 +9,8 @@ from softsample.loop.ends import diagnose_ends, for_sliding
 from softsample.loop.held_out import hold_out_text
 from softsample.loop.leave_out import left_out_errors
 from softsample.loop.posed import LoopSettings
-from softsample.loop.residual import residual_table
 from softsample.loop.verdict import document
+from softsample.report.residual import residual_table
 from softsample.report.verdict import page
 from softsample.workflow import logged_to, progress_bar, provenance
 

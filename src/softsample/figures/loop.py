@@ -7,8 +7,8 @@ from matplotlib.figure import Figure
 from softsample.arrays import root_mean_square
 from softsample.figures.style import colours, page_figure, styled
 from softsample.loop.diagnose import Diagnosis
-from softsample.loop.residual import Predicted, predicted
 from softsample.loop.specimen import FORCE, Array, blocks
+from softsample.report.residual import Predicted, predicted
 from softsample.wording import spoken
 
 MOST = 5

@@ -122,6 +122,11 @@ def simulation_checks(
             direct["against_calibrated_curve_percent"],
             limits["direct_difference_percent_max"],
         ),
+        *(
+            [check("runs at the optimum that crushed elements", crushed, 0, "==")]
+            if (crushed := direct.get("crushed_runs", 0))
+            else []
+        ),
     ]
 
 

@@ -96,10 +96,13 @@ def homogeneous_normal(strain: ArrayLike, material: Material) -> Array:
     return np.asarray((stress[:, 0] + square * stress[:, 2]) / (1.0 + square))
 
 
-def thickness_stretch(strain: float, material: Material) -> float:
-    """Stretch along y, where simple shear by an amount `strain` leaves the faces free."""
-    log_stretch, _ = _principal_state("shear", strain, material)
-    return float(np.exp(log_stretch[0, 1]))
+def principal_stretches(mode: str, strain: float, material: Material) -> Array:
+    """Principal stretches (3,) of a homogeneous test at a strain, along x, y and z.
+
+    In simple shear they lie along the principal axes in the plane of shear and, second, along y.
+    """
+    log_stretch, _ = _principal_state(mode, strain, material)
+    return np.asarray(np.exp(log_stretch[0]))
 
 
 def _sign(mode: str) -> float:

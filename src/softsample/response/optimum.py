@@ -9,15 +9,22 @@ import pandas as pd
 from numpy.typing import NDArray
 
 from softsample.arrays import Array
-from softsample.constitutive.homogeneous import thickness_stretch
+from softsample.constitutive.homogeneous import principal_stretches
 from softsample.constitutive.material import Material
+from softsample.errors import CrushedError
 from softsample.fem.boundary import Boundary, Ends
 from softsample.fem.explicit import ExplicitModel
 from softsample.fem.fields import CONTACT, contact_report, max_principal_hencky_strain
 from softsample.fem.setup import Sample, set_up
 from softsample.meshing.mesh import HexMesh
 from softsample.response.curves import Curves
-from softsample.response.unit import Progress, homogeneous_area, run_report, shortest_loading_time
+from softsample.response.unit import (
+    CLOSED_FORM,
+    Progress,
+    homogeneous_area,
+    run_report,
+    shortest_loading_time,
+)
 from softsample.shapes import IdealShape
 
 SNAPSHOTS = tuple(np.linspace(0.05, 1.0, 20))
@@ -119,18 +126,27 @@ def optimum(
         Told what runs and the finished part.
     """
     mode, sections, ends = test
-    if mode == "shear" and ends == "sliding":
+
+    def homogeneous(crushed: int) -> Optimum:
         points = sections["solver"]["curve_points"]
-        return sheared_optimum(sample[0], shape, material, travel, points)
+        return homogeneous_optimum(sample[0], shape, mode, material, travel, points, crushed)
+
+    if mode == "shear" and ends == "sliding":
+        return homogeneous(crushed=0)
     model, boundary = set_up(sample, *test)
-    return simulated_optimum(
-        model,
-        boundary,
-        material,
-        travel,
-        loading_time(response, model),
-        lambda done: progress("run at the optimum", done),
-    )
+    try:
+        return simulated_optimum(
+            model,
+            boundary,
+            material,
+            travel,
+            loading_time(response, model),
+            lambda done: progress("run at the optimum", done),
+        )
+    except CrushedError:
+        if response["method"] != CLOSED_FORM:
+            raise
+        return homogeneous(crushed=1)
 
 
 def simulated_optimum(
@@ -170,29 +186,41 @@ def simulated_optimum(
     )
 
 
-def sheared_optimum(
-    mesh: HexMesh, shape: IdealShape, material: Material, travel: float, points: int
+def homogeneous_optimum(
+    mesh: HexMesh,
+    shape: IdealShape,
+    mode: str,
+    material: Material,
+    travel: float,
+    points: int,
+    crushed: int = 0,
 ) -> Optimum:
-    """Homogeneous simple shear in closed form, which no run of the solver is.
+    """A homogeneous test in closed form: simple shear, which no run of the solver is, or any other.
 
     Parameters
     ----------
     mesh, shape
-        The ideal shape.
-    material
-        Its law.
+        The ideal shape, on z = 0 and centred about the z axis.
+    mode, material
+        Of the test, and its law.
     travel : float
         Displacement of the platen [m].
     points : int
         Evenly spaced displacements, zero not counted.
+    crushed : int
+        Number of runs in whose place it stands, as they crushed elements.
     """
     displacement = np.linspace(0.0, travel, points + 1)
-    area = homogeneous_area(shape, "shear", displacement, material)
+    area = homogeneous_area(shape, mode, displacement, material)
     force = material.shear_modulus * area
-    gamma = travel / shape.height
-    field = np.zeros_like(mesh.points)
-    field[:, 0] = gamma * mesh.points[:, 2]
-    field[:, 1] = (thickness_stretch(gamma, material) - 1.0) * mesh.points[:, 1]
+    strain = travel / shape.height
+    stretches = principal_stretches(mode, strain, material)
+    if mode == "shear":
+        field = np.zeros_like(mesh.points)
+        field[:, 0] = strain * mesh.points[:, 2]
+        field[:, 1] = (stretches[1] - 1.0) * mesh.points[:, 1]
+    else:
+        field = (stretches - 1.0) * mesh.points
     steps = 0.5 * (force[1:] + force[:-1]) * np.diff(displacement)
     work = np.concatenate([[0.0], np.cumsum(steps)])
     none = np.zeros_like(work)
@@ -207,7 +235,7 @@ def sheared_optimum(
         },
         pd.DataFrame(columns=["displacement", *CONTACT]),
         {
-            "method": "closed form", "steps": 0, "energy_imbalance": 0.0, "hourglass_ratio": 0.0,
-            "kinetic_ratio": 0.0, "platen_against_base_percent": 0.0,
+            "method": CLOSED_FORM, "steps": 0, "energy_imbalance": 0.0, "hourglass_ratio": 0.0,
+            "kinetic_ratio": 0.0, "platen_against_base_percent": 0.0, "crushed_runs": crushed,
         },
     )  # fmt: skip

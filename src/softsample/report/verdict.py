@@ -140,7 +140,7 @@ def _recommended(found: Mapping[str, Any]) -> str:
     if relaxing:
         text += (
             f" It is the instantaneous modulus: with {' and '.join(relaxing)} the tissue is softer "
-            "at the pace of these tests."
+            "at the speed of these tests."
         )
     return text
 

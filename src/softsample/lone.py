@@ -122,7 +122,7 @@ def lone(values: Array, clock: Array, part: float) -> NDArray[np.intp]:
 def _decides(values: Array, at: int) -> bool:
     """Whether a reading between others is farther from all of them than they are from each other.
 
-    The last one may be the way back of the platen, or what is left after failure.
+    The last one may be of the unloading, or what is left after failure.
     """
     others = np.delete(values, at)
     beyond = max(others.min() - values[at], values[at] - others.max())

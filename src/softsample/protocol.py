@@ -444,10 +444,14 @@ def _is_sweep(found: Sequence[Phase], displacement: Array) -> bool:
 
     Where the platen rests first, the sample is taken for undeformed there.
     """
-    ends = float(displacement.min()), float(displacement.max())
-    first = float(displacement[0])
-    passes = min(-ends[0], ends[1]) > AWAY * (ends[1] - ends[0])
-    return found[0].kind != "baseline" and passes and abs(first) > AWAY * (ends[1] - ends[0])
+    return found[0].kind != "baseline" and sweeps_through_zero(displacement)
+
+
+def sweeps_through_zero(displacement: Array) -> bool:
+    """Whether displacements (n,) begin away from zero and reach to both sides of it."""
+    low, high = float(displacement.min()), float(displacement.max())
+    least = AWAY * (high - low)
+    return min(-low, high) > least and abs(float(displacement[0])) > least
 
 
 def _ramp_slices(found: Sequence[Phase], away: Array) -> list[slice]:

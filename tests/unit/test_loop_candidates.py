@@ -93,6 +93,8 @@ def test_a_sweep_without_time_has_no_past(tests):
     assert past <= set(named([*tests[:2], sweep]))
     untimed = [*tests[:2], replace(sweep, timed=False)]
     assert set(named(untimed)) == set(named([*tests[:2], replace(tests[2], timed=False)])) - past
+    pressed = replace(tests[2], travel=tests[2].travel + 0.5 * tests[2].reach, timed=False)
+    assert past <= set(named([*tests[:2], pressed]))  # one that begins deformed, and no sweep
 
 
 @pytest.mark.parametrize(("rate", "there"), [(100.0, True), (96.0, True), (50.0, False)])

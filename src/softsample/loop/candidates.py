@@ -24,7 +24,7 @@ def candidates(specimens: Sequence[Specimen], height: float, solid: Material) ->
     """The library for the records of a group.
 
     Effects of time are no candidates without recorded time, and none that goes by where the platen
-    has been if a record without time begins deformed. A law has the exponents whose response
+    has been if a record without time sweeps to both sides. A law has the exponents whose response
     is known (`softsample.response.law_response`). Ranges of lengths and forces go with
     the size of the sample and the peak force where these are far from those of the study.
 

@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from softsample.arrays import Array, Mask
-from softsample.protocol import AWAY, denoised, travel_sign
+from softsample.protocol import denoised, sweeps_through_zero, travel_sign
 from softsample.records import Record
 from softsample.response.elastic import Elastic
 
@@ -161,8 +161,8 @@ class Specimen:
 
     @property
     def is_sweep(self) -> bool:
-        """Whether it has no time and begins deformed, as mean curves over both directions do."""
-        return not self.timed and bool(abs(self.travel[0]) > AWAY * np.ptp(self.travel))
+        """Whether it has no time and goes to both sides, as mean curves over both directions do."""
+        return not self.timed and sweeps_through_zero(self.travel)
 
     @property
     def loading_time(self) -> float:

@@ -357,14 +357,18 @@ def test_a_fine_surface_is_decimated_and_keeps_its_shape():
     assert volume == pytest.approx(800.0, rel=0.01)
 
 
-def test_a_run_says_last_what_was_found_what_was_left_out_and_what_failed():
+def test_a_run_says_last_what_was_found_what_was_left_out_and_what_failed(tmp_path):
     failures = [("mesh/A", "too thin")]
     said = words_of_success("out", None, [], [])
     assert said == "Done. Results are below out/ (tables, figures, checks)."
-    lines = words_of_success("out", {"groups": {}}, ["A", "B"], failures).splitlines()
+    document = {"groups": {}}  # of verdicts alone there is no report
+    assert words_of_success(str(tmp_path), document, [], []).endswith(f"Results: {tmp_path}")
+    page = tmp_path / "report.html"
+    page.touch()
+    lines = words_of_success(str(tmp_path), document, ["A", "B"], failures).splitlines()
     assert lines[0].startswith("group  modulus to quote [Pa]")
     assert lines[1:] == [
-        "All tables and figures: out/report.html", "Left out: A, B", "  mesh/A: too thin"
+        f"All tables and figures: {page}", "Left out: A, B", "  mesh/A: too thin"
     ]  # fmt: skip
     assert words_of_failure(failures).splitlines()[1:] == ["  mesh/A: too thin"]
     assert "run the same command again" in words_of_failure([])

@@ -209,6 +209,7 @@ rule verdicts:
     input:
         FILES.verdicts.values(),
         "<results>/tables/loop.csv",
+        "<results>/results.json",
     message:
         "Verdicts of all groups"
 

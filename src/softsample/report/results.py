@@ -1,6 +1,7 @@
 """All numbers of a study in one document, for programs."""
 
 from collections.abc import Iterable, Mapping, Sequence
+from pathlib import Path
 from typing import Any
 
 import pandas as pd
@@ -146,9 +147,11 @@ def words_of_success(
 
     Samples that were left out and the failures follow.
     """
+    report = Path(results, "report.html")
     end = [f"Done. Results are below {results}/ (tables, figures, checks)."]
     if document:
-        end = [in_brief(document), f"All tables and figures: {results}/report.html"]
+        where = f"All tables and figures: {report}" if report.is_file() else f"Results: {results}"
+        end = [in_brief(document), where]
     if left_out:
         end.append(f"Left out: {', '.join(left_out)}")
     return "\n".join([*end, *_told(failures)])

@@ -11,7 +11,7 @@ from softsample.calibration.measured import MeasuredCurve, fitted_curves
 from softsample.errors import CalibrationError
 from softsample.loop.candidates import candidates
 from softsample.loop.diagnose import diagnose
-from softsample.loop.effects import library
+from softsample.loop.effects import library, specimen_stiffness
 from softsample.loop.effects.base import SOLID
 from softsample.loop.ends import AssumedEnds
 from softsample.loop.errors import held_out_errors
@@ -329,6 +329,19 @@ def test_tests_at_another_speed_or_to_another_displacement_tell_nothing_of_stiff
     assert same_tests([one, fast, alike]) == [0, 1, 0]
     problem, _ = pose([one, fast], SETTINGS.noise)
     assert relative_stiffness(problem.fit_material()) == {}
+
+
+def test_pieces_cut_along_other_directions_tell_nothing_of_stiffness():
+    """What is stiffer along the fibres is no stiffer specimen; either sign is the same."""
+    (one,) = (replace(s, material_z=1, material_x=2)
+              for s in laboratory.Lab(seed=7).specimens(["shear"]))  # fmt: skip
+    turned = replace(stiffer(one, 1.5, "B"), material_z=2, material_x=1)
+    alike = replace(stiffer(one, 1.5, "C"), material_z=-1)
+    assert same_tests([one, turned, alike]) == [0, 1, 0]
+    problem, _ = pose([one, turned], SETTINGS.noise)
+    assert relative_stiffness(problem.fit_material()) == {}
+    assert specimen_stiffness.of_tests([one, turned]) is None
+    assert [p.name for p in specimen_stiffness.of_tests([one, turned, alike]).parameters] == ["C"]
 
 
 def test_a_specimen_of_another_height_has_the_same_test_at_the_same_strain():

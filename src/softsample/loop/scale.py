@@ -41,8 +41,9 @@ def scale_of(specimen: Specimen, known: Scales) -> float:
 def relative_stiffness(fit: Fit) -> dict[str, float]:
     """Modulus of each specimen over the geometric mean of those that had the same test.
 
-    That is one of the same mode to about the same strain at about the same speed. What had
-    no test in common says nothing of stiffness: scales may differ for other reasons.
+    That is one of the same mode, along the same directions of the material if these are stated, to
+    about the same strain at about the same speed. What had no test in common says nothing of
+    stiffness: scales may differ for other reasons.
 
     Parameters
     ----------
@@ -81,7 +82,10 @@ def _relative(fit: Fit) -> dict[str, float]:
 
 
 def same_tests(specimens: Sequence[Specimen]) -> list[int]:
-    """A number for each test, the same for those of one mode, channel, strain and speed."""
+    """A number for each test, the same for those of one mode, channel, strain and speed.
+
+    Where a study states how the material lies, also of one direction.
+    """
     return numbered(specimens, _alike)
 
 
@@ -91,7 +95,7 @@ def _alike(one: Specimen, other: Specimen) -> bool:
     if one.timed and other.timed:
         ratios.append(one.reach / other.reach * other.loading_time / one.loading_time)
     near = all(1.0 / ALIKE < ratio < ALIKE for ratio in ratios)
-    return near and (one.mode, one.channel) == (other.mode, other.channel)
+    return near and (one.way, one.channel) == (other.way, other.channel)
 
 
 def scatter(stiffness: Mapping[str, float]) -> float:

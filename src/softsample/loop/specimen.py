@@ -120,6 +120,11 @@ class Specimen:
             np.zeros(len(time), bool) if held_out is None else held_out,
         )
 
+    @property
+    def way(self) -> tuple[str, int, int]:
+        """Mode, and the directions of the material in which it loads, either sign."""
+        return self.mode, abs(self.material_z), abs(self.material_x)
+
     def of_stiffness(self, known: Mapping[str, float]) -> Self:
         """The same with the stiffness of its specimen, if that is known."""
         if self.piece not in known:

@@ -22,13 +22,14 @@ def of_names(names: Sequence[str]) -> Effect:
 
 
 def of_tests(tests: Sequence[Specimen]) -> Effect | None:
-    """The effect, with a size for each specimen before which another one was tested in its mode.
+    """The effect, with a size for each specimen before which another one had its test.
 
-    Of what is held out of every test, nothing would be learned.
+    That is one of its mode and directions. Of what is held out of every test, nothing would be
+    learned.
     """
     fitted = [test for test in tests if not test.held_out.all()]
-    first = {test.mode: test.piece for test in reversed(fitted)}
-    later = dict.fromkeys(test.piece for test in fitted if test.piece != first[test.mode])
+    first = {test.way: test.piece for test in reversed(fitted)}
+    later = dict.fromkeys(test.piece for test in fitted if test.piece != first[test.way])
     return of_names(list(later)) if later else None
 
 

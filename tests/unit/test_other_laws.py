@@ -154,6 +154,10 @@ def test_between_runs_a_law_is_interpolated_and_at_a_run_it_is_the_run():
         wanted, inside = real(alpha), travel <= there * travel[-1]
         off = np.abs(found - wanted)[inside].max() / wanted[inside].max()
         assert off < close, alpha
+    found = curves.force_per_mu(1.0, travel) + laws.ogden_change(1.0, travel, (25.0, 16.0))
+    broke, closed = 39, area(BLOCK, "tension", travel, two(1.0, (25.0,)))
+    beside = factor(16.0) * factor(25.0)[broke] / factor(16.0)[broke]  # of the next run, from there
+    assert found[-1] == pytest.approx((closed * beside)[-1], rel=2e-3)
     assert np.all(np.isfinite(laws.ogden_change(0.5, travel, (-30.0, 25.0))))
     assert np.all(laws.ogden_change(0.5, travel, (-8.0, 16.0)) == 0.0)
     assert laws.knows_foams

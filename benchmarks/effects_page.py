@@ -23,10 +23,10 @@ are fitted from several initial guesses. Offsets, drift and weight have the sign
 Ranges of lengths and forces hold for samples 6.5 to 26 mm high and peak forces of 0.2 to 5 N and
 are scaled with height and peak force beyond. Times of relaxation follow the clock of the records.
 `specimen_stiffness` has one parameter, named after the specimen, for every specimen but the first
-of its mode. Where the table states how each piece was cut (`material_z`, `material_x`), the fibres
-of `anisotropy` have one direction in the material: `azimuth_deg` from 1 towards 2, `elevation_deg`
-towards 3. Pure shear counts as tension, confined compression as compression. Records without time
-have no effects marked *time*.
+of its mode and direction. Where the table states how each piece was cut (`material_z`,
+`material_x`), the fibres of `anisotropy` have one direction in the material, `azimuth_deg` from 1
+towards 2, `elevation_deg` towards 3, and `k1` up to 5. Pure shear counts as tension, confined
+compression as compression. Records without time have no effects marked *time*.
 """
 
 

@@ -69,6 +69,11 @@ def modelled_ends(row: Mapping[str, str]) -> str | float | Indenter:
     return "bonded" if has_open_ends(row) else ends_of(row)
 
 
+def states_directions(row: Mapping[str, str]) -> bool:
+    """Whether a row says how the material lies in its test."""
+    return bool(row.get("material_z"))
+
+
 def axes_of(row: Mapping[str, str]) -> dict[str, str]:
     """Image world axes of loading and shear."""
     return {name: row.get(name, default) for name, default in DEFAULT_AXES.items()}

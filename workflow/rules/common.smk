@@ -36,7 +36,13 @@ from softsample.report.results import words_of_failure, words_of_success
 from softsample.study import schema
 from softsample.study.files import PICTURE_FORMATS, Files, in_formats
 from softsample.study.plan import GEOMETRIES, Plan
-from softsample.validation import check_config, check_samples, modelled_ends, resolved
+from softsample.validation import (
+    check_config,
+    check_samples,
+    modelled_ends,
+    resolved,
+    states_directions,
+)
 from softsample.workflow import failed_jobs
 
 if workflow.is_main_process:

@@ -3,6 +3,7 @@
 OF_CHANGED_MODELS = {
     **OF_SHAPES,
     "ends": ENDS,
+    "many_fibres": of_row(states_directions),
     "region_stiffness": config["material"]["region_stiffness"],
     "element_size_mm": config["loop"]["element_size_mm"],
     "perturbations": config["loop"]["perturbations"],

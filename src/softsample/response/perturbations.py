@@ -20,8 +20,10 @@ from softsample.protocol import DIRECTIONS, History
 from softsample.response.changes import (
     LAW,
     LESS,
+    MANY,
     NEARER,
     NORMAL,
+    OF_MANY,
     PRESSED,
     PRESSED_ELSEWHERE,
     elsewhere,
@@ -58,16 +60,19 @@ FIBRES = {
     "behind": (-1.0, 0.0, 1.0),
 }
 """Directions of fibres; shear goes along x. It does nothing to those that lie in it, and in an
-axial test both diagonals are alike, so that each test has three of these runs."""
+axial test both diagonals are alike, so that each test has three of these runs, and three with many
+fibres if directions of the material are stated."""
 
-EXPONENTS, APART = (-20.0, 2.0, 25.0), 3.0
+EXPONENTS, APART = (-35.0, -20.0, 2.0, 25.0, 40.0), 3.0
 """Exponents of the runs of single terms; one as near as that to one of the model's is left out."""
 
 TILTS = {"x": (1.0, 0.0), "minus_x": (-1.0, 0.0), "y": (0.0, 1.0), "minus_y": (0.0, -1.0)}
 """Axes about which the platen is turned."""
 
 STEPS = {
-    **dict.fromkeys((f"fibres_{name}" for name in FIBRES), "fibre_ratio"),
+    **dict.fromkeys(
+        (f"fibres_{name}{end}" for name in FIBRES for end in ("", OF_MANY)), "fibre_ratio"
+    ),
     **dict.fromkeys((f"platen_tilt_{way}" for way in TILTS), "tilt_deg"),
     "partial_bond_ahead": "missing_bond",
     "partial_bond_behind": "missing_bond",
@@ -353,11 +358,13 @@ def changed_materials(test: MechanicalTest) -> dict[str, Material]:
     material, steps = test.material, test.steps
     nu = material.poisson_ratio
     k1 = steps.fibre_ratio * material.shear_modulus
+    numbers = {"": 1.0, OF_MANY: MANY} if test.many_fibres else {"": 1.0}
     return {
         **{lower_ratio(less): replace(material, poisson_ratio=nu - less) for less in LESS},
         **{
-            f"fibres_{name}": material.plus(Fibres(k1, FIBRES[name]))
+            f"fibres_{name}{end}": material.plus(Fibres(times * k1, FIBRES[name]))
             for name in ("z", "ahead", "behind" if test.mode == "shear" else "x")
+            for end, times in numbers.items()
         },
     }
 

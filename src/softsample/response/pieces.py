@@ -75,6 +75,8 @@ class MechanicalTest:
         `bonded`, `sliding`, or a coefficient of Coulomb friction.
     normal : bool
         Whether the force along z is wanted too, beside that along the displacement.
+    many_fibres : bool
+        Whether those along directions of the material are wanted as stiff as they may be, too.
     """
 
     mode: str
@@ -85,12 +87,13 @@ class MechanicalTest:
     steps: PerturbationSettings
     ends: Ends = "bonded"
     normal: bool = False
+    many_fibres: bool = False
 
     @classmethod
     def of(cls, material: Material, travel: float, given: Mapping[str, Any]) -> Self:
         """From a material, a displacement [m], and the parameters of the job.
 
-        These are `mode`, `ends`, `normal`, `contact`, `solver` and `perturbations`.
+        These are `mode`, `ends`, `normal`, `contact`, `solver`, `perturbations` and `many_fibres`.
         """
         return cls(
             given["mode"],
@@ -101,6 +104,7 @@ class MechanicalTest:
             PerturbationSettings(**given["perturbations"]),
             given["ends"],
             given["normal"],
+            given["many_fibres"],
         )
 
     def at_fraction(self, fraction: float) -> Self:

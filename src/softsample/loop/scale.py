@@ -82,10 +82,7 @@ def _relative(fit: Fit) -> dict[str, float]:
 
 
 def same_tests(specimens: Sequence[Specimen]) -> list[int]:
-    """A number for each test, the same for those of one mode, channel, strain and speed.
-
-    Where a study states how the material lies, also of one direction.
-    """
+    """A number for each test, the same for those of one mode, direction, channel, strain, speed."""
     return numbered(specimens, _alike)
 
 

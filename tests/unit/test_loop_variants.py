@@ -22,6 +22,7 @@ from softsample.response.changes import for_all_fractions
 from softsample.response.curves import ResponseCurves, before_zero
 from softsample.response.elastic import Elastic
 from softsample.response.perturbations import (
+    STEPS,
     changed_boundaries,
     changed_materials,
     simulate_perturbations,
@@ -194,6 +195,17 @@ def test_many_fibres_add_less_each(mode, travel):
         added = run.force - block.plain.force
         assert np.abs(found - added).max() < 0.08 * run.force.max(), angle
         assert np.abs(40.0 * few - added).max() > 0.12 * run.force.max(), angle
+
+
+def test_the_setting_of_few_fibres_changes_no_run_with_many():
+    """Which is not in proportion to them, so that it cannot be scaled to its default."""
+    one, other = (
+        changed_materials(mechanical_test("shear", 2.4 * MM, ratio, many_fibres=True))
+        for ratio in (0.1, 0.05)
+    )
+    assert one["fibres_z_many"] == other["fibres_z_many"]
+    assert one["fibres_z"] != other["fibres_z"]
+    assert STEPS.keys().isdisjoint(name for name in one if name.endswith("_many"))
 
 
 def test_fibres_have_a_direction_of_the_material_if_all_tests_state_theirs():

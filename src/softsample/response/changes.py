@@ -18,8 +18,8 @@ DEGREE = 5
 FIBRES = ("fibres_", "at_size_anisotropy")
 """How names of changes by fibres begin."""
 
-MANY, OF_MANY = 20.0, "_many"
-"""How many more fibres a second run has than the first, and how the name of its change ends."""
+MANY, OF_MANY = 2.0, "_many"
+"""k1 over mu of a second run with fibres, and how the name of its change ends."""
 
 NORMAL = "_normal"
 """Ends the names of changes of the normal force."""

@@ -70,9 +70,7 @@ TILTS = {"x": (1.0, 0.0), "minus_x": (-1.0, 0.0), "y": (0.0, 1.0), "minus_y": (0
 """Axes about which the platen is turned."""
 
 STEPS = {
-    **dict.fromkeys(
-        (f"fibres_{name}{end}" for name in FIBRES for end in ("", OF_MANY)), "fibre_ratio"
-    ),
+    **dict.fromkeys((f"fibres_{name}" for name in FIBRES), "fibre_ratio"),
     **dict.fromkeys((f"platen_tilt_{way}" for way in TILTS), "tilt_deg"),
     "partial_bond_ahead": "missing_bond",
     "partial_bond_behind": "missing_bond",
@@ -357,14 +355,15 @@ def changed_materials(test: MechanicalTest) -> dict[str, Material]:
     """Materials that differ in one thing, by the name of the perturbation."""
     material, steps = test.material, test.steps
     nu = material.poisson_ratio
-    k1 = steps.fibre_ratio * material.shear_modulus
-    numbers = {"": 1.0, OF_MANY: MANY} if test.many_fibres else {"": 1.0}
+    ratios = {"": steps.fibre_ratio, **({OF_MANY: MANY} if test.many_fibres else {})}
     return {
         **{lower_ratio(less): replace(material, poisson_ratio=nu - less) for less in LESS},
         **{
-            f"fibres_{name}{end}": material.plus(Fibres(times * k1, FIBRES[name]))
+            f"fibres_{name}{end}": material.plus(
+                Fibres(ratio * material.shear_modulus, FIBRES[name])
+            )
             for name in ("z", "ahead", "behind" if test.mode == "shear" else "x")
-            for end, times in numbers.items()
+            for end, ratio in ratios.items()
         },
     }
 

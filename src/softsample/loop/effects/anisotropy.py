@@ -15,7 +15,7 @@ FEW = 0.1
 """k1 over mu of the runs with few fibres."""
 
 LEAST_RATIO = 1.2
-"""Of the changes by many and by few fibres."""
+"""Of the changes by many and by few fibres: at 1 the form would rise to no end."""
 
 
 def of_tests(tests: Sequence[Specimen]) -> Effect:
@@ -34,9 +34,10 @@ def _by_many(specimen: Specimen, name: str, fraction: float, travel: Array, k1: 
         specimen.elastic.change_per_mu(f"fibres_{name}{end}", fraction, travel)
         for end in ("", OF_MANY)
     )
-    ratio = np.divide(many, few, out=np.full_like(few, MANY), where=(few != 0.0) & (many != 0.0))
-    ratio = np.clip(ratio, LEAST_RATIO, MANY)
-    bent = (MANY - ratio) / (MANY * (ratio - 1.0))
+    most = MANY / FEW
+    ratio = np.divide(many, few, out=np.full_like(few, most), where=(few != 0.0) & (many != 0.0))
+    ratio = np.clip(ratio, LEAST_RATIO, most)
+    bent = (most - ratio) / (most * (ratio - 1.0))
     return np.asarray(few * k1 / FEW * (1.0 + bent) / (1.0 + bent * k1 / FEW))
 
 

@@ -8,7 +8,7 @@ from typing import Self
 import numpy as np
 from numpy.polynomial import Polynomial
 from numpy.typing import ArrayLike, NDArray
-from scipy.stats import f as f_distribution
+from scipy.special import fdtri
 
 from softsample.arrays import Array
 from softsample.errors import InputError
@@ -297,7 +297,7 @@ def _bend(time: Array, rest: Array) -> Array:
     left, more = float(np.sum((rest - bent) ** 2)), DEGREE - 1
     free = len(time) - DEGREE - 1
     gain = float(np.sum((rest - straight) ** 2)) - left
-    if gain * free <= f_distribution.isf(CHANCE, more, free) * more * left:
+    if gain * free <= fdtri(more, free, 1.0 - CHANCE) * more * left:
         return np.zeros(len(time))
     return np.asarray(bent)
 

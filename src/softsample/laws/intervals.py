@@ -4,7 +4,7 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 
 import numpy as np
-from scipy.stats import chi2
+from scipy.special import chdtri
 
 from softsample.arrays import Array
 from softsample.calibration.profile import normal_quantile
@@ -97,7 +97,7 @@ def simpler_laws(
         fewer = fit.candidate.size - other.candidate.size
         if fewer > 0:
             alike = problem.fit(other.candidate, [other.shape], 1)
-            if alike.cost - fit.cost <= chi2.ppf(confidence, fewer):
+            if alike.cost - fit.cost <= chdtri(fewer, 1.0 - confidence):
                 found.append(other.candidate.name)
     return found
 

@@ -9,7 +9,7 @@ from collections.abc import Sequence
 from typing import Any
 
 import numpy as np
-from scipy.stats import chi2
+from scipy.special import chdtrc
 
 from softsample.arrays import Array
 from softsample.errors import CalibrationError
@@ -51,5 +51,5 @@ def shared_value(values: Sequence[Array], covariances: Sequence[Array]) -> dict[
         "value": value,
         "deviance": deviance,
         "degrees_of_freedom": freedom,
-        "p_value": float(chi2.sf(deviance, freedom)),
+        "p_value": float(chdtrc(freedom, deviance)),
     }

@@ -13,7 +13,7 @@ from dataclasses import dataclass
 
 import numpy as np
 from scipy.optimize import brentq
-from scipy.stats import norm
+from scipy.special import ndtr
 
 from softsample.loop.deviation import bond_deviation, log_modulus_deviation
 from softsample.loop.fit import Fit
@@ -99,7 +99,7 @@ def averaged(models: Sequence[Weighed]) -> tuple[float, float, float]:
     weights = np.array([(one.weight, one.alike) for one in models]).T
 
     def end(of: Array, part: float) -> float:
-        return float(brentq(lambda x: of @ norm.cdf((x - means) / deviations) - part, *within))
+        return float(brentq(lambda x: of @ ndtr((x - means) / deviations) - part, *within))
 
     low, high = ([end(of, part) for of in weights] for part in INTERVAL)
     return float(np.exp(weights[0] @ means)), float(np.exp(min(low))), float(np.exp(max(high)))

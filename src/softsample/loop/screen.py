@@ -4,7 +4,7 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
 import numpy as np
-from scipy.stats import chi2
+from scipy.special import chdtrc
 
 from softsample.loop.effects.base import Effect, Parameter, Values
 from softsample.loop.fit import Fit
@@ -124,7 +124,7 @@ def family_wise(found: Sequence[Signature], n: int, draws: int, seed: int, least
     5 % already: the gain of each is distributed as chi-square.
     """
     seen = [s for s in found if s.basis.size]
-    chances = [chi2.sf(least + penalty(s.effect, n), s.basis.shape[1]) for s in seen]
+    chances = [chdtrc(s.basis.shape[1], least + penalty(s.effect, n)) for s in seen]
     if sum(chances) <= 1.0 - LEVEL:
         return least
     return max(least, null_threshold(found, n, draws, seed))

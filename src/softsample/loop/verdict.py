@@ -5,7 +5,7 @@ from dataclasses import asdict, replace
 from typing import Any
 
 import numpy as np
-from scipy.stats import norm
+from scipy.special import ndtri
 
 from softsample.constitutive.material import Material
 from softsample.loop.accept import Judged
@@ -33,7 +33,7 @@ ENDS = ends.EFFECT.name
 SHOWN = 0.005
 """Weight of a model, or change of the modulus, as a part, from which on it is named."""
 
-NINETY = float(norm.ppf(INTERVAL[1]))
+NINETY = float(ndtri(INTERVAL[1]))
 """Standard deviations from the middle to the ends of a 90 % interval."""
 
 

@@ -6,7 +6,7 @@ from typing import Any
 
 import numpy as np
 import pandas as pd
-from scipy.stats import t as student_t
+from scipy.special import stdtrit
 
 from softsample.report.bond import RULES
 from softsample.report.page import signed
@@ -107,7 +107,7 @@ def _apart(ours: Mapping[str, float], papers: Mapping[str, float]) -> tuple[floa
     freedom = squares.sum() ** 2 / sum(
         square**2 / (one["count"] - 1) for square, one in zip(squares, (ours, papers), strict=True)
     )
-    half = student_t.ppf(0.5 + 0.5 * CONFIDENCE, freedom) * np.sqrt(squares.sum())
+    half = stdtrit(freedom, 0.5 + 0.5 * CONFIDENCE) * np.sqrt(squares.sum())
     return ours["mean"] - papers["mean"], float(half)
 
 

@@ -11,7 +11,7 @@ from typing import Any
 
 import numpy as np
 import pandas as pd
-from scipy.stats import t as student_t
+from scipy.special import stdtrit
 
 from softsample.errors import InputError
 from softsample.protocol import loading
@@ -352,7 +352,7 @@ def _statistics(quantity: str, mode: str, values: pd.Series) -> list[dict[str, A
     mean, sd, count = values.mean(), values.std(ddof=1), len(values)
     if count == 0:
         return []
-    half = student_t.ppf(0.5 * (1.0 + LEVEL), count - 1) * sd / np.sqrt(count)
+    half = stdtrit(count - 1, 0.5 * (1.0 + LEVEL)) * sd / np.sqrt(count)
     row = (quantity, mode, count, mean, sd, mean - half, mean + half)
     return [dict(zip(STATISTICS, row, strict=True))]
 

@@ -7,6 +7,7 @@ import numpy as np
 
 from softsample.loop.effects.base import Array, Effect, Parameter, Specimen, Values
 from softsample.response.changes import MANY, OF_MANY
+from softsample.response.memory import remembered
 
 GRID = (-60.0, -30.0, 0.0, 30.0, 60.0, 90.0)
 """Angles [deg] from which a fit sets out."""
@@ -23,6 +24,7 @@ def of_tests(tests: Sequence[Specimen]) -> Effect:
     return BY_DIRECTION if all(test.material_z for test in tests) else EFFECT
 
 
+@remembered
 def _by_many(specimen: Specimen, name: str, fraction: float, travel: Array, k1: float) -> Array:
     """Change by fibres in one direction of the runs.
 

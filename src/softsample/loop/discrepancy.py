@@ -37,7 +37,7 @@ NOTHING = 1e-12
 
 @dataclass(frozen=True)
 class _Test:
-    """Means of one test: residual (n,) [N], slopes (n, p), covariances (n, n), (k, n, n) [N2].
+    """Means of one test: residual (n,) [N], slopes (n, p), covariances (n, n), (k, n * n) [N2].
 
     The last slopes are by what tests have in common, in the order of the parts.
     """
@@ -117,7 +117,7 @@ def _tests(problem: Problem, fit: Fit, names: Sequence[str]) -> list[_Test]:
         if not len(r):
             continue
         to = averaging(specimen, w)
-        parts = np.stack([to @ w.kept(w.part(name)) @ to.T for name in names])
+        parts = np.stack([(to @ w.kept(w.part(name)) @ to.T).ravel() for name in names])
         columns = np.column_stack([j, w.blocks(common), *(c[w.keep] for c in w.shared.values())])
         found.append(_Test(to @ r, to @ columns, to @ w.kept(w.known) @ to.T, parts))
     return found
@@ -156,7 +156,7 @@ def _restricted(
     value, information, score = 0.0, np.diag(prior), pulled.copy()
     inverses, weighted = [], []
     for test in tests:
-        total = test.known + np.tensordot(variances, test.parts, 1)
+        total = test.known + (variances @ test.parts).reshape(test.known.shape)
         total += 1e-10 * np.trace(total) / len(total) * np.eye(len(total))
         factor = cholesky(total, lower=True, check_finite=False)
         value += float(np.log(np.diag(factor)).sum())
@@ -179,7 +179,7 @@ def _restricted(
     for test, inverse, own in zip(tests, inverses, weighted, strict=True):
         left, taken = inverse @ test.residual - own @ moved, own @ root.T
         felt = inverse - taken @ taken.T - np.outer(left, left)
-        slope += variances * (test.parts.reshape(len(x), -1) @ felt.ravel())
+        slope += variances * (test.parts @ felt.ravel())
     for k, entries in shared.items():
         felt = np.sum(root[:, entries] ** 2, axis=0) + moved[entries] ** 2
         value += x[k] * len(felt)

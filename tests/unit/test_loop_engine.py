@@ -38,7 +38,7 @@ from softsample.loop.errors import (
     log_density,
 )
 from softsample.loop.fit import Problem, labels
-from softsample.loop.joint import _either_way, _least_left, joint_fit
+from softsample.loop.joint import _either_way, _least_left, joint_fit, nearest
 from softsample.loop.limits import _highest
 from softsample.loop.model import Material, Model, Packing, State
 from softsample.loop.noise import (
@@ -1266,3 +1266,11 @@ def from_sample(specimen, first):
     """The record from a sample on, without rest before it."""
     names = ("time", "travel", "force", "phase", "held_out")
     return replace(specimen, **{name: getattr(specimen, name)[first:] for name in names})
+
+
+@pytest.mark.parametrize(("missed", "taken"), [(0.05, "near"), (0.25, "best")])
+def test_a_law_is_held_near_the_plain_model_as_far_as_that_may_be_right(missed, taken):
+    """One that misses a quarter of what is fitted says nothing of half of what is held out."""
+    changes = {"best": 0.44, "near": 0.15}
+    problem = SimpleNamespace(departure=lambda fit, _: changes[fit])
+    assert nearest(SimpleNamespace(problem=problem, missed=missed), list(changes)) == taken

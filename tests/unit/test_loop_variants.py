@@ -25,6 +25,7 @@ from softsample.response.perturbations import (
     STEPS,
     changed_boundaries,
     changed_materials,
+    homogeneous_perturbations,
     simulate_perturbations,
 )
 from softsample.response.pieces import MechanicalTest, MeshedSample, PerturbationSettings, mesher
@@ -206,6 +207,24 @@ def test_the_setting_of_few_fibres_changes_no_run_with_many():
     assert one["fibres_z_many"] == other["fibres_z_many"]
     assert one["fibres_z"] != other["fibres_z"]
     assert STEPS.keys().isdisjoint(name for name in one if name.endswith("_many"))
+
+
+@pytest.mark.parametrize("mode", ["tension", "shear"])
+def test_sliding_pieces_have_few_fibres_if_directions_are_stated(mode):
+    """In closed form; without directions, and of the normal force, there are none."""
+    shape = IdealShape("cuboid", 9 * MM, 9 * MM, 9 * MM)
+    stated, silent, normal = (
+        homogeneous_perturbations(shape, mechanical_test(mode, 1.0 * MM, ends="sliding", **more))
+        for more in ({"many_fibres": True}, {}, {"many_fibres": True, "normal": True})
+    )
+    third = "behind" if mode == "shear" else "x"
+    names = [f"fibres_{name}" for name in ("z", "ahead", third)]
+    assert [name for name in stated[1] if "fibres" in name] == names
+    assert not any("fibres" in name for _, found in (silent, normal) for name in found)
+    few = mechanical_test(mode, 1.0 * MM, 0.05, many_fibres=True, ends="sliding")
+    _, half = homogeneous_perturbations(shape, few)
+    for name in names:  # in steps of the default, whatever the setting
+        assert half[name] == pytest.approx(stated[1][name], rel=1e-6, abs=1e-15)
 
 
 def test_fibres_have_a_direction_of_the_material_if_all_tests_state_theirs():

@@ -262,6 +262,7 @@ def test_none_says_what_is_left_beyond_the_discrepancy():
 def test_the_page_says_first_what_is_not_predicted():
     """Of what the study leaves out; where little is left anyway, it is predicted all the same."""
     verdict = report(judged(15.0), LoopSettings())
+    verdict["folds_before"] = verdict["folds_after"] = {}
     for when, (pull, push, shear) in (("before", (8.0, 50.0, 2.0)), ("after", (2.0, 49.0, 1.9))):
         verdict[f"held_out_{when}"] = {
             f"leave_out_{mode}": {mode: {"rms_percent": error, "rms_N": error}}
@@ -270,7 +271,23 @@ def test_the_page_says_first_what_is_not_predicted():
     assert "predicted to" not in page("A7", verdict).split("##")[0]  # the study holds nothing out
     opening = page("A7", {**verdict, "rule": "each mode left out in turn"}).split("##")[0]
     assert "What is held out is predicted to 28.3 % of the peak, 29.3 % without effects." in opening
-    assert "**Not predicted:** `leave_out_compression`. There" in opening
+    assert "**Not predicted:** `leave_out_compression`; what is quoted" in opening
+    verdict["held_out_before"]["leave_out_tension"]["tension"]["rms_percent"] = 346.0
+    verdict["held_out_after"]["leave_out_tension"]["tension"]["rms_percent"] = 228.0
+    opening = page("A7", {**verdict, "rule": "each mode left out in turn"}).split("##")[0]
+    assert "**Not predicted:** `leave_out_tension`, `leave_out_compression`" in opening
+
+
+def test_the_page_has_what_folds_leave_out_beside_what_the_study_holds_out():
+    verdict = report(judged(15.0), LoopSettings())
+    error = {"ramp": {"rms_percent": 46.0, "rms_N": 0.1}}
+    found = {"held_out_before": {}, "held_out_after": {}}
+    told = "Parts of what is fitted, left out in turn"
+    for rule in ("", "strain above 0.2"):
+        folds = {f"folds_{when}": {"last_quarter": error} for when in ("before", "after")}
+        text = page("A7", {**verdict, **found, **folds, "rule": rule})
+        assert (told in text) == bool(rule)
+        assert ("| last_quarter | ramp | 100 | 100 | 46 | 46 |" in text) == bool(rule)
 
 
 @pytest.mark.parametrize("there", [True, False])

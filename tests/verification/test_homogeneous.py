@@ -7,6 +7,7 @@ from scipy.optimize import brentq
 from exact import incompressible_stress, linear_modulus
 from softsample.constitutive.homogeneous import (
     FREE,
+    fibre_force,
     homogeneous_force,
     homogeneous_normal,
 )
@@ -202,6 +203,29 @@ def test_compression_has_its_maximum_where_the_page_says(alpha, nu, strain):
     strains = np.linspace(0.0, 0.95, 951)
     rising = np.diff(homogeneous_force("compression", strains, solid)) > 0.0
     assert strains[np.argmin(rising)] == pytest.approx(strain, abs=0.0055)
+
+
+def pulled(x):
+    """Stretch along x, y and z of an incompressible pull, and its derivative by the strain."""
+    return np.array([x**-0.5, x**-0.5, x]), np.array([-0.5 * x**-1.5, -0.5 * x**-1.5, 1.0 + 0 * x])
+
+
+@pytest.mark.parametrize("along", [(0.0, 0.0, 1.0), (1.0, 0.0, 0.0), (1.0, 0.0, 1.0), (1, 2, 3)])
+def test_few_fibres_add_the_slope_of_their_energy(along):
+    """``(I4 - 1)^2`` by hand: of pull and push, and of simple shear of an incompressible solid."""
+    solid, fibres = OgdenMaterial((300.0, 700.0), (-8.0, 16.0), 0.49999), Fibres(1.0, along)
+    squares = np.square(along) / np.sum(np.square(along))
+    for mode, sign in (("tension", 1.0), ("compression", -1.0)):
+        strain = np.array([0.01, 0.1, 0.3])
+        stretch, slope = pulled(1.0 + sign * strain)
+        added = 4.0 * (squares @ stretch**2 - 1.0) * (squares @ (stretch * slope)) * sign
+        found = fibre_force(mode, strain, solid, fibres)
+        assert found == pytest.approx(added, rel=5e-4, abs=1e-5)
+    strain = np.array([-0.4, 0.1, 0.6])
+    x, y, z = along / np.linalg.norm(along)
+    square = (x + strain * z) ** 2 + y**2 + z**2
+    added = 4.0 * (square - 1.0) * (x + strain * z) * z
+    assert fibre_force("shear", strain, solid, fibres) == pytest.approx(added, rel=1e-3, abs=1e-5)
 
 
 def test_foam_bulges_less_than_rubber_when_the_sides_are_held():

@@ -8,7 +8,8 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from softsample.arrays import Array
-from softsample.constitutive.material import Material, isotropic_response
+from softsample.constitutive.law import FibreLaw
+from softsample.constitutive.material import Material, Term, isotropic_response
 from softsample.errors import InputError
 
 FREE = {
@@ -26,6 +27,9 @@ COMPRESSIVE = ("compression", "confined_compression")
 
 CLOSE = 1e-11
 """Change of a logarithmic stretch, or interval that holds it, that ends Newton's iteration."""
+
+STEP = 1e-5
+"""Strain over which energies are differentiated."""
 
 
 def homogeneous_force(mode: str, strain: ArrayLike, material: Material) -> Array:
@@ -94,6 +98,51 @@ def homogeneous_normal(strain: ArrayLike, material: Material) -> Array:
     log_stretch, stress = _principal_state("shear", strain, material)
     square = np.exp(2.0 * log_stretch[:, 0])
     return np.asarray((stress[:, 0] + square * stress[:, 2]) / (1.0 + square))
+
+
+def fibre_force(mode: str, strain: ArrayLike, material: Material, fibres: Term) -> Array:
+    """What few fibres add to the nominal stress along the travel.
+
+    At its minimum the energy of a solid changes with a small term by the value of that term in the
+    deformation without it, whatever faces are free: the force is the slope of this along the test.
+
+    Parameters
+    ----------
+    mode, strain, material
+        As of `homogeneous_force`.
+    fibres : Term
+        Their direction is in the frame of the sample: z along the loading axis, x along the shear.
+
+    Returns
+    -------
+    (n,) float64
+        Force along the travel per reference area [Pa], to first order in the fibres' modulus.
+
+    Raises
+    ------
+    InputError, ValueError
+        As `homogeneous_force`; ValueError, too, if the term is of no direction.
+    """
+    strain = np.atleast_1d(np.asarray(strain, dtype=np.float64))
+    ahead, behind = (_fibre_energy(mode, strain + h, material, fibres) for h in (STEP, -STEP))
+    return np.asarray((ahead - behind) / (2.0 * STEP))
+
+
+def _fibre_energy(mode: str, strain: Array, material: Material, fibres: Term) -> Array:
+    """Energy per volume (n,) [Pa] of fibres in the deformation without them."""
+    rule = fibres.rule
+    if not isinstance(rule, FibreLaw):
+        raise ValueError(f"{fibres.law!r} is no law of fibres")
+    log_stretch, _ = _principal_state(mode, strain, material)
+    squares = np.exp(2.0 * log_stretch)
+    first, isochoric = squares.sum(axis=1), np.exp(-2.0 / 3.0 * log_stretch.sum(axis=1))
+    x, y, z = fibres.direction
+    if mode == "shear":  # of x over z, in which only y is principal
+        along = x**2 + squares[:, 1] * y**2 + 2.0 * strain * x * z + (1.0 + strain**2) * z**2
+    else:
+        along = squares @ np.square([x, y, z])
+    energy, *_ = rule.slopes(isochoric * first - 3.0, isochoric * along - 1.0, fibres.shape)
+    return np.asarray(fibres.modulus * energy)
 
 
 def principal_stretches(mode: str, strain: float, material: Material) -> Array:

@@ -20,6 +20,9 @@ ENTRIES = ("measured", "held out", "before", "after")
 LARGE = 1.0
 """Residual [N] from which on it is drawn in N, else in mN."""
 
+ROOM = 1.0
+"""How far beyond the measured range models are drawn, as a part of it."""
+
 
 @styled
 def loop_figure(found: Diagnosis) -> Figure:
@@ -66,6 +69,7 @@ def _forces(ax: Axes, one: Predicted) -> None:
             ax.plot(travel, np.where(part, force, np.nan), color=grey, lw=2.5, label=name)
     for colour, name, model in zip(colours(2), ENTRIES[2:], (one.before, one.after), strict=True):
         ax.plot(travel, blocks(model, size), color=colour, label=name)
+    _keep_near(ax, float(force.min()), float(force.max()), ROOM * float(np.ptp(force)))
     channel = "" if test.channel == FORCE else ", normal force"
     ax.set(title=f"{test.name}\n{spoken(test.mode)}{channel}", xlabel="displacement [mm]")
 
@@ -77,4 +81,11 @@ def _residuals(ax: Axes, one: Predicted, scale: float, across: Array, label: str
     for colour, model in zip(colours(2), (one.before, one.after), strict=True):
         left = scale * blocks(one.test.force - model, one.size)
         ax.plot(blocks(across, one.size), left, color=colour, lw=0.8)
+    _keep_near(ax, 0.0, 0.0, ROOM * scale * float(np.ptp(one.test.force)))
     ax.set_xlabel(label)
+
+
+def _keep_near(ax: Axes, low: float, high: float, room: float) -> None:
+    """An axis that ends where a model leaves the measured range far behind."""
+    bottom, top = ax.get_ylim()
+    ax.set_ylim(max(bottom, low - room), min(top, high + room))

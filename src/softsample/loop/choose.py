@@ -95,6 +95,8 @@ def chosen_of(here: Round, candidates: Sequence[Candidate]) -> Step:
     held = _held(here, best, inside)
     if held is None:
         return replace(nothing, refused=best, why=WITHIN_DOUBT)
+    if held is not best and not refused:
+        refused, why = best, WITHIN_DOUBT
     best = held
     if not _earned(here, best):
         return replace(nothing, refused=best, why=NOT_EARNED)

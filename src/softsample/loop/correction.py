@@ -147,10 +147,10 @@ class Confirmed:
         """Class of what it corrects."""
         if self.learned is None:
             return _stage(self.fit.model.effects[0])
-        if self.learned.size["smooth"] >= self.learned.size["scale"]:
+        ways = [s.way for s in self.fit.problem.specimens]
+        if len(ways) == 1 or self.learned.size["smooth"] >= self.learned.size["scale"]:
             return "elastic_form"
-        modes = [s.mode for s in self.fit.problem.specimens]
-        once = len(set(modes)) == len(modes)
+        once = len(set(ways)) == len(ways)
         return "mode_ratio" if once or _within(self.learned.scale) else "specimen_stiffness"
 
     def report(self) -> dict[str, Any]:

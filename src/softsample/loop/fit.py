@@ -82,6 +82,12 @@ class Fit:
         return self.problem.coloured(self.white[: self.problem.count])
 
     @property
+    def missed(self) -> float:
+        """Error of what is fitted, as a part of the peaks: RMS over the tests."""
+        tests = zip(self.residual, self.problem.specimens, strict=True)
+        return float(np.sqrt(np.mean([np.mean((r / s.peak) ** 2) for r, s in tests if len(r)])))
+
+    @property
     def slopes(self) -> list[Array]:
         """Derivatives (n, p) [N] of that by the packed parameters."""
         return self.problem.coloured(self.jacobian[: self.problem.count])

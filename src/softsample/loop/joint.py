@@ -145,7 +145,8 @@ def law_fit(base: Fit, law: Effect, tie: float) -> Fit:
 def nearest(current: Fit, alike: Sequence[Fit]) -> Fit:
     """The first of several fits, but for those that change far more of what is held out.
 
-    Of opposite exponents, which shear hardly tells, one predicts a push and the other a pull.
+    Of opposite exponents, which shear hardly tells, one predicts a push and the other a pull. What
+    the fit without them misses of what is fitted, it may miss of the rest as well.
 
     Parameters
     ----------
@@ -155,7 +156,7 @@ def nearest(current: Fit, alike: Sequence[Fit]) -> Fit:
         Fits of laws that the records hardly tell apart, the best first.
     """
     changes = [current.problem.departure(fit, current) for fit in alike]
-    most = FAR_MORE * min(changes)
+    most = FAR_MORE * max(min(changes), current.missed)
     return next(fit for fit, change in zip(alike, changes, strict=True) if change <= most)
 
 

@@ -12,7 +12,7 @@ from softsample.loop.specimen import FORCE, Array, Specimen, blocks
 
 @dataclass(frozen=True)
 class Predicted:
-    """Record of a test beside the forces of the calibrated model and of the reported one.
+    """Record of a test beside the forces of the model without effects and of the reported one.
 
     Parameters
     ----------
@@ -68,7 +68,7 @@ def residual_table(found: Diagnosis) -> pd.DataFrame:
     DataFrame
         `sample`, `mode`, `channel`; `time_s`, missing if time was not recorded;
         `displacement_mm`, `force_N`, with the signs of records; `before_N`, `after_N`: force of
-        the calibrated model and of the reported one; `held_out`: not fitted.
+        the model without effects and of the reported one; `held_out`: not fitted.
     """
     return pd.concat([_rows(one) for one in predicted(found)], ignore_index=True)
 

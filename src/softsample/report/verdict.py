@@ -29,7 +29,8 @@ SAYING = {
 
 
 OF_THE_MODEL = (
-    "Before: the calibrated model. After: the model with the effects above alone; the modulus to "
+    "Before: the model without effects, fitted to these records allowing for model discrepancy, "
+    "which calibration does not. After: the model with the effects above alone; the modulus to "
     "quote counts other likely models, too."
 )
 """What the table of moduli is of."""
@@ -77,6 +78,9 @@ def page(group: str, verdict: Mapping[str, Any]) -> str:
         )
         parts += [f"Held out, and predicted from the rest ({rule}):", ""]
         parts += [*_errors(verdict, "held_out", "left out", "test"), ""]
+    if verdict.get("rule") and verdict["folds_before"]:
+        parts += ["Parts of what is fitted, left out in turn and predicted from the rest:", ""]
+        parts += [*_errors(verdict, "folds", "left out", "test"), ""]
     limits = _worst_first(verdict["detection_limits"])
     parts += ["## Path", "", PATH, "", *_path(verdict), "", *_limits(verdict, limits)]
     parts += ["", "![before and after](verdict.png)", ""]
@@ -148,6 +152,9 @@ def _recommended(found: Mapping[str, Any]) -> str:
 NO_BETTER = 0.8
 """Part of the error without effects from which on what is held out is not predicted."""
 
+HALF = 50.0
+"""Error [% of peak] from which on it is not, whatever it was without effects."""
+
 FAR = 3.0
 """Multiple of the stated floor up to which it is predicted all the same."""
 
@@ -167,12 +174,14 @@ def _predicted(verdict: Mapping[str, Any]) -> str:
     before, after = (significant(root_mean_square(of)) for of in zip(*pairs.values(), strict=True))
     text = f"What is held out is predicted to {after} % of the peak, {before} % without effects."
     least = FAR * verdict["floor"]["floor_percent"]
-    failed = [f"`{k}`" for k, (was, left) in pairs.items() if left > max(NO_BETTER * was, least)]
+    failed = [
+        f"`{k}`"
+        for k, (was, left) in pairs.items()
+        if left > max(min(NO_BETTER * was, HALF), least)
+    ]
     if failed:
-        text += (
-            f" **Not predicted:** {', '.join(failed)}. There the effects do no better than the "
-            "plain model: what is quoted holds for what was fitted."
-        )
+        names = ", ".join(failed)
+        text += f" **Not predicted:** {names}; what is quoted holds for what was fitted."
     return text
 
 

@@ -10,6 +10,7 @@ import numpy as np
 import pandas as pd
 
 from softsample.arrays import Array
+from softsample.constitutive.homogeneous import fibre_force
 from softsample.constitutive.material import Material
 from softsample.constitutive.ogden import Fibres, OgdenMaterial, unit_modulus
 from softsample.errors import SimulationError, TooFarError
@@ -209,7 +210,10 @@ def _base(model: ExplicitModel, test: MechanicalTest, boundary: Boundary) -> Pac
 def homogeneous_perturbations(
     shape: IdealShape, test: MechanicalTest
 ) -> tuple[Array, Mapping[str, Array]]:
-    """The same in closed form for an ideal shape with sliding ends: material and size."""
+    """The same in closed form for an ideal shape with sliding ends: material and size.
+
+    Few fibres only where directions are stated, and not in the normal force.
+    """
     travel = np.linspace(0.0, MARGIN * test.travel, test.solver.curve_points + 1)
 
     def area(of: IdealShape, solid: Material) -> Array:
@@ -221,6 +225,12 @@ def homogeneous_perturbations(
     base = area(shape, test.material)
     changed = changed_materials(test).items()
     changes = {name: area(shape, of) - base for name, of in changed if of.isotropic}
+    if test.many_fibres and not test.normal:
+        strain, modulus = travel / shape.height, test.material.shear_modulus
+        for name, of in changed:
+            if not of.isotropic and not name.endswith(OF_MANY):
+                stress = fibre_force(test.mode, strain, test.material, of.terms[-1])
+                changes[name] = (shape.area * stress / modulus)[:, None]
     changes["boundary_shift"] = area(shape.grown(1e-3 * test.steps.shift_mm), test.material) - base
     return travel, _by_channel(
         {name: change * _to_default(name, test.steps) for name, change in changes.items()}

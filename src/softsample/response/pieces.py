@@ -76,7 +76,8 @@ class MechanicalTest:
     normal : bool
         Whether the force along z is wanted too, beside that along the displacement.
     many_fibres : bool
-        Whether those along directions of the material are wanted as stiff as they may be, too.
+        Whether directions of the material are stated: fibres as stiff as they may be, too, and in
+        the closed form.
     """
 
     mode: str

@@ -12,11 +12,11 @@ from softsample.holdout import (
     check_hold_out,
     folds,
     held_out,
+    hold_out_text,
     in_turn,
     wholly_held_out,
 )
 from softsample.io import read_yaml
-from softsample.loop.held_out import hold_out_text
 from softsample.records import Record
 
 ROOT = Path(__file__).resolve().parents[2]

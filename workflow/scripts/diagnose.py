@@ -5,8 +5,8 @@ from softsample.constitutive.ogden import of_fit
 from softsample.figures.loop import loop_figure
 from softsample.figures.style import write
 from softsample.from_files.diagnosis import assumed_ends
+from softsample.holdout import hold_out_text
 from softsample.loop.ends import diagnose_ends, for_sliding
-from softsample.loop.held_out import hold_out_text
 from softsample.loop.leave_out import left_out_errors
 from softsample.loop.posed import LoopSettings
 from softsample.loop.verdict import document

@@ -107,22 +107,3 @@ def tests_of(
     """Tests of several samples, see `specimens_of`."""
     every = zip(rows, records, tables, shapes, strict=True)
     return [test for sample in every for test in specimens_of(*sample, hold_out)]
-
-
-def hold_out_text(
-    hold_out: Sequence[Mapping[str, Any]], leave_out: str | None, pooled: bool = False
-) -> str:
-    """What a study holds out, in words; empty if nothing. `pooled`: of one group at a time."""
-    parts = [
-        " and ".join(f"{key.replace('_', ' ')} {_told(value)}" for key, value in part.items())
-        for part in hold_out
-    ]
-    if pooled:
-        return f"held out of one group at a time: {'; '.join(parts)}"
-    held = [f"held out: {'; '.join(parts)}"] if parts else []
-    return "; ".join([*held, *([f"each {leave_out} left out in turn"] if leave_out else [])])
-
-
-def _told(value: Any) -> str:
-    """A value of a selection, or the values of which it takes any."""
-    return " or ".join(map(str, value)) if isinstance(value, list | tuple) else str(value)

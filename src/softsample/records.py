@@ -24,7 +24,8 @@ from softsample.protocol import (
 from softsample.units import MM
 from softsample.validation import refusals
 
-SMALLEST_TRAVEL = 0.1 * MM
+SMALLEST_TRAVEL, SMALLEST_STRAIN = 0.1 * MM, 0.005
+"""A platen moves so far at least; of a sample of known height so much of it is enough."""
 FEWEST_IN_RAMP = 5
 """A published curve may have few points, all of them good."""
 FEWEST_WITH_TIME = 20
@@ -459,7 +460,8 @@ def _checked(
         loading = course.chosen(which)
     except InputError as error:
         raise InputError(f"{source}, column 'displacement_mm': {error}") from error
-    faults = _wrong_ramp(table, record, loading, source)
+    least = min(SMALLEST_TRAVEL, SMALLEST_STRAIN * size.height if size else np.inf)
+    faults = _wrong_ramp(table, record, loading, source, least)
     _refuse([*faults, *_wrong_signs(table, record, loading, mode, source, signs)])
     return record._marked_by(course, which), {
         **_facts(record, course, loading, size, signs, table.index),
@@ -537,10 +539,11 @@ def _wrong_time(table: pd.DataFrame, source: str) -> Iterator[str]:
 
 
 def _wrong_ramp(
-    table: pd.DataFrame, record: Record, loading: Loading, source: str
+    table: pd.DataFrame, record: Record, loading: Loading, source: str, least: float
 ) -> Iterator[str]:
+    """Refuse a ramp that moves less than `least` [m], or has too few samples."""
     way = abs(record.displacement[loading.last] - record.displacement[loading.start])
-    if way < SMALLEST_TRAVEL:
+    if way < least:
         yield (
             f"{source}, column 'displacement_mm': the platen moves {way / MM:.3g} mm only; "
             "is the column in m instead of mm?"

@@ -514,6 +514,17 @@ def test_a_plain_strain_under_a_title_in_percent_is_told_as_such():
         aligned(table, size=Size())
 
 
+def test_a_small_sample_may_move_little():
+    """Half a percent of a height that is stated, 0.1 mm of one that is not."""
+    table = record().assign(displacement_mm=lambda t: 0.0155 * t["displacement_mm"] / 3.9)
+    flat = IdealShape("cylinder", 6e-3, 6e-3, 2e-3)
+    kept, _ = aligned(table, size=flat)
+    assert np.ptp(kept["displacement_mm"]) == pytest.approx(0.0155, rel=0.01)
+    for size in (None, IdealShape("cylinder", 6e-3, 6e-3, 4e-3)):
+        with pytest.raises(InputError, match="moves 0.0155 mm only; is the column in m instead"):
+            aligned(table, size=size)
+
+
 def test_stretch_is_below_one_in_compression_whatever_the_settings_say():
     table = of_material(record())
     table["stretch"] = 1.0 + table.pop("strain")

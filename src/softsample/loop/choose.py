@@ -17,6 +17,9 @@ from softsample.loop.usable import doubted, unusable
 WITHIN_DOUBT = "errors of geometry and mesh, or in the form of other effects, may be this large"
 """Why an effect is not given that records ask for."""
 
+FARTHER = "it changes far more of what is held out than another law that is hardly less likely"
+"""Why another law is given than the one that records ask for."""
+
 NOT_EARNED = "what folds leave out is hardly likelier with it"
 """Why an effect beside others is not given."""
 
@@ -90,13 +93,12 @@ def chosen_of(here: Round, candidates: Sequence[Candidate]) -> Step:
     best = min(inside, key=_comes_later)
     if refused and _comes_later(best) and best.evidence < RIVAL * refused.evidence:
         return replace(nothing, refused=refused, why=why)
-    if best.effect.is_law:
-        best = _nearest_law(here, best, inside)
-    held = _held(here, best, inside)
+    near = _nearest_law(here, best, inside) if best.effect.is_law else best
+    held = _held(here, near, inside)
     if held is None:
-        return replace(nothing, refused=best, why=WITHIN_DOUBT)
+        return replace(nothing, refused=near, why=WITHIN_DOUBT)
     if held is not best and not refused:
-        refused, why = best, WITHIN_DOUBT
+        refused, why = best, WITHIN_DOUBT if held is not near else FARTHER
     best = held
     if not _earned(here, best):
         return replace(nothing, refused=best, why=NOT_EARNED)

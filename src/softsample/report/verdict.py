@@ -35,6 +35,9 @@ OF_THE_MODEL = (
 )
 """What the table of moduli is of."""
 
+SCALED = "in the scale that the fitted records of each test show, which the figure leaves out"
+"""How forces that are held out are predicted."""
+
 PATH = (
     "One line for each round of the selection: the five effects with the highest penalised log "
     "evidence, given beside each, then the outcome. An effect needs more than the threshold."
@@ -72,13 +75,13 @@ def page(group: str, verdict: Mapping[str, Any]) -> str:
         *_wider(verdict["birge_ratio"]["after"]),
     ]
     parts += ["## Error", "", *_errors(verdict, "error", "test", "phase"), ""]
-    if verdict["held_out_before"]:
-        rule = (
-            verdict.get("rule") or "the study holds nothing out: parts of what is fitted, in turn"
-        )
-        parts += [f"Held out, and predicted from the rest ({rule}):", ""]
-        parts += [*_errors(verdict, "held_out", "left out", "test"), ""]
-    if verdict.get("rule") and verdict["folds_before"]:
+    rule, leaves = verdict.get("rule"), bool(verdict["held_out_before"])
+    if rule and leaves:
+        parts += [f"Held out, and predicted from the rest ({rule}) {SCALED}:", ""]
+    elif leaves:
+        parts += ["The study holds nothing out; parts of what is fitted, in turn:", ""]
+    parts += [*_errors(verdict, "held_out", "left out", "test"), ""] if leaves else []
+    if rule and verdict["folds_before"]:
         parts += ["Parts of what is fitted, left out in turn and predicted from the rest:", ""]
         parts += [*_errors(verdict, "folds", "left out", "test"), ""]
     limits = _worst_first(verdict["detection_limits"])

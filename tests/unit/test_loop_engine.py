@@ -14,13 +14,16 @@ from scipy.ndimage import gaussian_filter1d
 import laboratory
 from laboratory import elastic
 from softsample.blindlab.resample import confidence, resampled
+from softsample.loop import choose
 from softsample.loop.average import weighed
 from softsample.loop.choose import (
+    FARTHER,
     WITHIN_DOUBT,
     Step,
     _beyond_doubt,
     _held,
     _members,
+    chosen_of,
     explained_alike,
     one_more,
 )
@@ -1266,6 +1269,32 @@ def from_sample(specimen, first):
     """The record from a sample on, without rest before it."""
     names = ("time", "travel", "force", "phase", "held_out")
     return replace(specimen, **{name: getattr(specimen, name)[first:] for name in names})
+
+
+@pytest.mark.parametrize(
+    ("near", "held", "why"),
+    [(0, 0, ""), (1, 1, FARTHER), (0, 2, WITHIN_DOUBT), (1, 2, WITHIN_DOUBT)],
+)
+def test_a_round_says_why_more_evidence_was_passed_over(monkeypatch, near, held, why):
+    """For a law that changes less, and for what is more than errors may be."""
+    law, effect = (SimpleNamespace(is_law=x, idealised=False) for x in (True, False))
+    candidates = [
+        SimpleNamespace(name=name, effect=of, evidence=evidence, settled=None)
+        for name, of, evidence in (
+            ("one", law, 40.0),
+            ("other", law, 30.0),
+            ("third", effect, 25.0),
+        )
+    ]
+    monkeypatch.setattr(choose, "unusable", lambda _: "")
+    monkeypatch.setattr(choose, "_nearest_law", lambda *_: candidates[near])
+    monkeypatch.setattr(choose, "_held", lambda *_: candidates[held])
+    monkeypatch.setattr(choose, "_earned", lambda *_: True)
+    monkeypatch.setattr(choose, "_compared", lambda _, every, best: every)
+    monkeypatch.setattr(choose, "_members", lambda *_: [])
+    step = chosen_of(SimpleNamespace(threshold=12.0), candidates)
+    assert step.chosen is candidates[held]
+    assert (step.refused, step.why) == ((candidates[0], why) if why else (None, ""))
 
 
 @pytest.mark.parametrize(("missed", "taken"), [(0.05, "near"), (0.25, "best")])

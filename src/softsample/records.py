@@ -25,7 +25,8 @@ from softsample.units import MM
 from softsample.validation import refusals
 
 SMALLEST_TRAVEL, SMALLEST_STRAIN = 0.1 * MM, 0.005
-"""A platen moves so far at least; of a sample of known height so much of it is enough."""
+"""A platen moves so far at least; of a sample of known height so much of it is enough, as metres
+taken for millimetres would be a thousandth of the strain."""
 FEWEST_IN_RAMP = 5
 """A published curve may have few points, all of them good."""
 FEWEST_WITH_TIME = 20

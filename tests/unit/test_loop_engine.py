@@ -1303,3 +1303,15 @@ def test_a_law_is_held_near_the_plain_model_as_far_as_that_may_be_right(missed, 
     changes = {"best": 0.44, "near": 0.15}
     problem = SimpleNamespace(departure=lambda fit, _: changes[fit])
     assert nearest(SimpleNamespace(problem=problem, missed=missed), list(changes)) == taken
+
+
+def test_without_a_modulus_a_fit_misses_all_that_was_measured():
+    problem = pose(laboratory.Lab().specimens(), SETTINGS)[0]
+    nothing = problem.at(Model(), State(Material(1e-3, 0.5)))
+    means = [
+        blocks(s.force, w.size)[w.keep] / s.peak
+        for s, w in zip(problem.specimens, problem.whiteners, strict=True)
+    ]
+    all_of_it = np.sqrt(np.mean([np.mean(of**2) for of in means]))
+    assert nothing.missed == pytest.approx(all_of_it, rel=0.01)
+    assert problem.fit_material().missed < 0.1 * all_of_it

@@ -15,7 +15,10 @@ LAST = 16
 
 
 def remembered(method: Method) -> Method:
-    """A method (of hashable values and arrays) that knows its last results; they are read only."""
+    """A method (of hashable values and arrays) that knows its last results; they are read only.
+
+    Or a function of an object, which keeps them as it does those of its methods.
+    """
     place = f"_last_{method.__name__}"
 
     @wraps(method)

@@ -13,7 +13,7 @@ from softsample.loop.effects import library
 from softsample.loop.effects.base import MODES, SOLID
 from softsample.loop.history import drained, followed, relaxed
 from softsample.loop.model import Material, Model, State
-from softsample.loop.specimen import NORMAL, Specimen
+from softsample.loop.specimen import AHEAD, NORMAL, Specimen
 from softsample.response.curves import ResponseCurves
 from softsample.response.elastic import Elastic
 
@@ -247,6 +247,18 @@ def test_an_effect_does_not_depend_on_when_the_clock_was_started(specimens, know
             later = replace(specimen, time=specimen.time + 5000.0)
             here, there = (predicted(s, effect, high) for s in (specimen, later))
             np.testing.assert_allclose(there, here, rtol=1e-6, atol=1e-8, err_msg=effect.name)
+
+
+@pytest.mark.parametrize("end", ["low", "nominal"])
+@pytest.mark.parametrize("name", OF_SIZE)
+def test_what_a_record_does_later_changes_nothing_before(name, end, specimens, known):
+    effect = known[name]
+    values = {p.name: getattr(p, end) if p.is_size else p.grid[0] for p in effect.parameters}
+    for specimen in homogeneous() if name == "compressible_foam" else specimens:
+        for n in (len(specimen.time) // 20, len(specimen.time) // 2):
+            first, whole = (predicted(s, effect, values) for s in (specimen.until(n), specimen))
+            kept = np.flatnonzero(specimen.time <= specimen.time[n - 1] - AHEAD)
+            np.testing.assert_allclose(first[kept], whole[kept], atol=1e-4 * np.abs(whole).max())
 
 
 @pytest.mark.parametrize("nu", [0.49, 0.47])

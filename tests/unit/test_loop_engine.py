@@ -261,6 +261,20 @@ def test_an_error_that_tests_share_is_whitened_as_their_joint_covariance(perfect
     np.testing.assert_allclose(white.T @ white, np.concatenate(residual)[some].T @ exact, rtol=1e-9)
 
 
+def test_a_fit_predicts_of_a_record_no_more_than_counts(problem):
+    masks = [w.keep & False for w in problem.whiteners]
+    masks[1] = np.arange(len(masks[1])) < len(masks[1]) // 2
+    part = replace(
+        problem, whiteners=[w.on(m) for w, m in zip(problem.whiteners, masks, strict=True)]
+    )
+    state = State(Material(1000.0, 0.7))
+    found, every = (one.predicted(Model(), state) for one in (part, problem))
+    assert not found[0].any()
+    assert not found[1][-1]
+    assert every[1][-1]
+    np.testing.assert_array_equal(part.white(found), part.white(every))
+
+
 def test_a_fit_is_as_likely_as_the_joint_covariance_says(problem):
     """Against a Problem without what tests share, by Sylvester's rule for determinants."""
     fit = problem.fit_material()

@@ -18,7 +18,7 @@ from softsample.loop.model import (
     State,
 )
 from softsample.loop.noise import SIMILARITY, NoiseSettings, Whitener, memory
-from softsample.loop.specimen import FORCE, Array, Specimen, blocks
+from softsample.loop.specimen import AHEAD, FORCE, Array, Specimen, blocks
 
 BRIEF = 0.03
 """Part of the time over which what an effect adds is alike, over which its corners are rounded: a
@@ -285,9 +285,26 @@ class Problem:
         """The same if tests shared nothing."""
         return np.concatenate([w(part) for w, part in zip(self.whiteners, parts, strict=True)])
 
+    @cached_property
+    def _fitted(self) -> list[Specimen]:
+        """Every test as far as what comes later changes nothing in its blocks that count."""
+        found = []
+        for s, w in zip(self.specimens, self.whiteners, strict=True):
+            n = w.size * (int(np.flatnonzero(w.keep).max(initial=-1)) + 1)
+            end = s.time[n - 1] + AHEAD if n else -np.inf
+            found.append(s.until(int(np.searchsorted(s.time, end, side="right"))))
+        return found
+
     def predicted(self, model: Model, state: State) -> list[Array]:
-        """Predicted force of every test [N]."""
-        return [model.predict(specimen, state) for specimen in self.specimens]
+        """Predicted force of every test (n,) [N]; nothing once no block that counts follows."""
+        return [self._predicted(model, state, k) for k in range(len(self.specimens))]
+
+    def _predicted(self, model: Model, state: State, k: int) -> Array:
+        """That of test `k`."""
+        force, test = np.zeros(len(self.specimens[k].force)), self._fitted[k]
+        if n := len(test.force):
+            force[:n] = model.predict(test, state)
+        return force
 
     def departure(self, fit: Fit, other: Fit) -> float:
         """How far two fits differ in what is held out: RMS, as a part of the other one's peaks."""
@@ -343,9 +360,13 @@ class Problem:
 
     def _beside(self, model: Model, here: Sequence[Array], state: State, k: int) -> list[Array]:
         """Predictions of a state that differs in entry `k` from one whose predictions are known."""
+        effect = model.parameters[k - FIXED][0] if k >= FIXED else None
         return [
-            force if k == CONTACT_ZERO and not s.elastic.contact else model.predict(s, state)
-            for s, force in zip(self.specimens, here, strict=True)
+            force
+            if (effect and s.kind not in effect.modes)
+            or (k == CONTACT_ZERO and not s.elastic.contact)
+            else self._predicted(model, state, j)
+            for j, (s, force) in enumerate(zip(self.specimens, here, strict=True))
         ]
 
     def doubting(self, fit: Fit) -> "Problem":

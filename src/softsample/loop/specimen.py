@@ -2,6 +2,7 @@
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
+from functools import cached_property
 from itertools import pairwise
 from typing import Self
 
@@ -23,6 +24,9 @@ KINDS = {
 
 FORCE, NORMAL = "force", "force_normal"
 """Channels of a record: along the displacement, and along +z in shear."""
+
+AHEAD = 0.3
+"""Time [s] by which a channel may be ahead of the other, at most."""
 
 
 def blocks(values: Array, size: int) -> Array:
@@ -68,6 +72,8 @@ class Specimen:
         the opposite one; 0 if not stated.
     bond : float
         Log of its force if it is bonded by the other rule, over that of the model; zero if not.
+    whole : Specimen, optional
+        The test of which this is the first part.
     """
 
     name: str
@@ -87,6 +93,7 @@ class Specimen:
     bond: float = 0.0
     material_z: int = 0
     material_x: int = 0
+    whole: Self | None = None
 
     def __post_init__(self) -> None:
         if not self.piece:
@@ -155,6 +162,13 @@ class Specimen:
             partner=self.partner and self.partner.reduced(size),
         )
 
+    def until(self, n: int) -> Self:
+        """The first `n` samples of the same test."""
+        kept = ("time", "travel", "force", "phase", "held_out")
+        parts = {name: getattr(self, name)[:n] for name in kept}
+        partner, whole = self.partner and self.partner.until(n), self.whole or self
+        return self if n == len(self.time) else replace(self, **parts, partner=partner, whole=whole)
+
     def out(self, size: int) -> Mask:
         """Blocks (n // size,) of which any sample is held out."""
         return np.asarray(blocks(self.held_out.astype(float), size) > 0.0)
@@ -169,12 +183,14 @@ class Specimen:
         """Whether it has no time and goes to both sides, as mean curves over both directions do."""
         return not self.timed and sweeps_through_zero(self.travel)
 
-    @property
+    @cached_property
     def loading_time(self) -> float:
         """Time that the platen takes to its largest displacement at its usual speed [s].
 
         That is the mean over what it travels, to which holds add nothing.
         """
+        if self.whole:
+            return self.whole.loading_time
         steps = np.abs(np.diff(self.travel))
         return float(self.reach * steps.sum() / np.sum(steps**2 / np.diff(self.time)))
 
@@ -201,10 +217,10 @@ class Specimen:
         """Direction of loading along the machine's axis: -1 where the platen presses."""
         return travel_sign(self.mode)
 
-    @property
+    @cached_property
     def reach(self) -> float:
         """Largest displacement either way [m]."""
-        return float(np.abs(self.travel).max())
+        return self.whole.reach if self.whole else float(np.abs(self.travel).max())
 
     @property
     def strain(self) -> float:

@@ -18,7 +18,7 @@ def _travel(specimen: Specimen, travel: Array, values: Values) -> Array:
 EFFECT = Effect(
     name="permanent_set",
     title="Permanent set",
-    parameters=(Parameter("set", "1", 0.0, 0.6, 0.05),),
+    parameters=(Parameter("set", "1", 0.0, 0.9, 0.05),),
     source="residual strain after unloading: Dorfmann, Ogden, Int. J. Solids Struct. 41 (2004) "
     "1855, doi:10.1016/j.ijsolstr.2003.11.014",
     signature="ramp untouched, unloading reaches no force early, the next loading begins there",

@@ -15,6 +15,7 @@ from softsample.calibration.slsqp import CalibrationSettings, fit_ogden
 from softsample.records import Record
 from softsample.response.curves import ResponseCurves
 from softsample.response.sensitivity import COARSE
+from softsample.white_noise import white_noise
 
 Truth = Mapping[str, Any]
 
@@ -186,11 +187,9 @@ def contact_zero_part(
 def noise_part(curve: MeasuredCurve) -> float:
     """Standard deviation of a modulus by the white noise of the force [%].
 
-    The noise is found from second differences; a factor on the force is known to the noise over
-    the norm of the force.
+    A factor on the force is known to the noise over the norm of the force.
     """
-    second = np.diff(curve.force, 2)
-    sigma = 1.4826 * np.median(np.abs(second - np.median(second))) / np.sqrt(6.0)
+    sigma, _ = white_noise(np.arange(len(curve.force), dtype=float), curve.force)
     return 100.0 * float(sigma / np.linalg.norm(curve.force))
 
 

@@ -47,7 +47,6 @@ from softsample.loop.model import Material, Model, Packing, State
 from softsample.loop.noise import (
     FORM,
     MOST_OF_GROUP,
-    OF_WHITE,
     Noise,
     NoiseSettings,
     Whitener,
@@ -66,6 +65,7 @@ from softsample.loop.verdict import judgement, report
 from softsample.report.verdict import page
 from softsample.response.curves import ResponseCurves
 from softsample.response.elastic import Elastic
+from softsample.white_noise import SCATTER, white_noise
 
 SETTINGS = NoiseSettings()
 RULES = Round(None, None, threshold=12.0)
@@ -130,6 +130,27 @@ def test_no_window_of_noise_reaches_from_one_rest_into_another(perfect, hold, af
     assert found.slow < 3e-4
 
 
+def test_what_is_missing_of_a_ramp_is_no_noise(perfect):
+    """Three of ten seconds, as a machine leaves out that stores what has changed."""
+    one, rng = perfect[0], np.random.default_rng(5)
+    time = np.concatenate([np.arange(0.0, 4.0, 0.1), np.arange(7.0, 10.0, 0.1)])
+    force = 1e-3 * np.expm1(0.5 * time) + rng.normal(0.0, 1e-4, len(time))
+    parts = {"travel": 1e-3 * time, "phase": np.full(len(time), "ramp"), "held_out": time < 0.0}
+    noise = measure_noise(replace(one, time=time, force=force, **parts), SETTINGS)
+    assert noise.white == pytest.approx(1e-4, rel=0.4)
+    assert noise.slow < 2e-4
+
+
+def test_readings_that_lie_unevenly_along_a_curve_are_no_noise(perfect):
+    """Filled rubber in tension as published, eleven points: twice the digits of its stress."""
+    stretch = np.array([1.0, 1.1, 1.2, 1.35, 1.5, 1.6, 1.8, 2.0, 2.1, 2.3, 2.4])
+    force = np.round(stretch - stretch**-2, 2)
+    parts = {"time": np.arange(11.0), "phase": np.full(11, "ramp"), "held_out": stretch < 0.0}
+    one = replace(perfect[0], travel=1e-3 * (stretch - 1.0), force=force, timed=False, **parts)
+    assert measure_noise(one, SETTINGS).white < 0.02
+    assert white_noise(one.time, force)[0] > 0.04
+
+
 def test_a_reading_coarser_than_its_noise_is_no_better_than_its_last_digit(perfect):
     specimen, digit = perfect[0], 2e-3
     smooth = 0.1 * specimen.travel / specimen.reach
@@ -167,7 +188,7 @@ def test_the_error_of_a_white_noise_is_that_of_many_records(perfect):
     drawn = [measure_noise(replace(one, force=rng.normal(size=500), **parts), SETTINGS)
              for _ in range(300)]  # fmt: skip
     scatter = np.std(np.log([noise.white for noise in drawn])) * np.sqrt(drawn[0].samples)
-    assert scatter == pytest.approx(OF_WHITE, rel=0.15)
+    assert scatter == pytest.approx(SCATTER, rel=0.15)
 
 
 def test_of_few_samples_nothing_tells_noise_from_that_of_others():

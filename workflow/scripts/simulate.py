@@ -10,10 +10,14 @@ from softsample.workflow import logged_to, progress_bar, provenance
 with logged_to(snakemake):
     given, files = snakemake.params, snakemake.input
     travel = reach(map(read_record, files.records), given.mode)
-    fractions = unit.modulus_fractions(unit.ResponseSettings(**given.family))
+    uniform = unit.is_homogeneous(given.mode, given.ends)
+    exact = uniform and snakemake.wildcards.geometry == "ideal"
+    fractions = unit.modulus_fractions(
+        unit.EXACT if exact else unit.ResponseSettings(**given.family)
+    )
     law = (fractions, given.material["alpha"], given.material["poisson_ratio"])
     points, bar = given.solver["curve_points"], progress_bar()
-    if snakemake.wildcards.geometry == "ideal" and unit.is_homogeneous(given.mode, given.ends):
+    if exact:
         shape = IdealShape.of_report(read_json(files.cuboid))
         found = unit.homogeneous_response(shape, given.mode, travel, *law, points)
     else:

@@ -10,6 +10,7 @@ from softsample.arrays import Array, Mask
 from softsample.laws.candidates import Candidate
 from softsample.protocol import PRESSED_MODES, travel_sign
 from softsample.records import Record
+from softsample.white_noise import white_noise
 
 POINTS = 40
 """Points of a loading at most: a law is smooth, and what is rough is noise."""
@@ -121,7 +122,8 @@ class LawTest:
         way, force = sign * record.displacement[chosen], sign * record.force[chosen]
         points = reduced(way, force, held_out[chosen])
         found = row["mode"] in PRESSED_MODES and stated and way.min() < -APPROACH * height
-        noise = white_noise(force) / np.sqrt(points[3])
+        at = record.clock[chosen] if record.timed else way
+        noise = white_noise(at, force)[0] / np.sqrt(points[3])
         return cls(
             row["sample"], row["mode"], row["specimen"], points[0], points[1], noise, response,
             CONTACT_DEPTH * height if found else 0.0, points[2], scale_error,
@@ -192,9 +194,3 @@ def reduced(
         for values in (displacement, force, held_out.astype(float))
     ]
     return means[0], means[1], means[2] > 0.0, float(np.median(count[there]))
-
-
-def white_noise(force: Array) -> float:
-    """Standard deviation of white noise (0 where there is none) from second differences [N]."""
-    second = np.diff(force, 2)
-    return 1.4826 * float(np.median(np.abs(second))) / np.sqrt(6.0) if len(second) else 0.0

@@ -10,6 +10,7 @@ import numpy as np
 from scipy.linalg import cholesky, solve_triangular
 
 from softsample.loop.specimen import Array, Mask, Specimen, blocks
+from softsample.white_noise import SCATTER, SURE, white_noise
 
 KINDS = ("baseline", "ramp", "hold", "unloading")
 """Phases of a record."""
@@ -149,14 +150,6 @@ class NoiseSettings:
         return {name: self.spread**2 * factor for name, factor in {FORM: 1.0, **least}.items()}
 
 
-OF_WHITE = 1.4
-"""Standard error of the log of a white noise, times the root of its number of second differences:
-of a median, whose neighbours overlap (test)."""
-
-AS_OTHERS = 3.0
-"""Standard errors up to which the noise of a record is taken for that of the others."""
-
-
 @dataclass(frozen=True)
 class Noise:
     """Noise of one record.
@@ -170,7 +163,7 @@ class Noise:
     size : int
         Samples in a block.
     samples : int
-        From so many second differences the white noise is known; 0 if it is not from the record.
+        From so many differences the white noise is known; 0 if it is not from the record.
     """
 
     white: float
@@ -206,7 +199,7 @@ def block_size(specimen: Specimen, settings: NoiseSettings, most: int = MOST_BLO
 
 
 def measure_noise(specimen: Specimen, settings: NoiseSettings, most: int = MOST_BLOCKS) -> Noise:
-    """White noise from second differences, slow noise from what block means vary more than that.
+    """White noise from differences, slow noise from what block means vary more than that.
 
     Block means are taken over 5 s in which the platen rests, less a parabola, or where there are
     no two of these over 5 s, at least 8 blocks, of any phase, less a polynomial of fifth degree;
@@ -215,10 +208,8 @@ def measure_noise(specimen: Specimen, settings: NoiseSettings, most: int = MOST_
     rounding is noise too, and one that goes on from sample to sample. What is held out is not read.
     """
     size, fitted = block_size(specimen, settings, most), ~specimen.held_out
-    second = np.diff(specimen.force, 2)[fitted[:-2] & fitted[1:-1] & fitted[2:]]
-    white = 0.0
-    if len(second):
-        white = 1.4826 * float(np.median(np.abs(second - np.median(second)))) / np.sqrt(6.0)
+    at = specimen.time if specimen.timed else specimen.travel
+    white, number = white_noise(at, specimen.force, fitted)
     rounding = _last_digit(specimen.force[fitted]) / np.sqrt(12.0)
     least = rounding if white < rounding else 0.0
     white = max(white, rounding)
@@ -228,35 +219,42 @@ def measure_noise(specimen: Specimen, settings: NoiseSettings, most: int = MOST_
     if len(chunks) < 2:
         chunks, degree = _windows(specimen, size, long) or _windows(specimen, size, 8), 5
     if not chunks:
-        return Noise(white, least, size, len(second))
-    window = len(chunks[0])
-    axis = np.linspace(-1.0, 1.0, window)
-    basis, _ = np.linalg.qr(np.stack([axis**k for k in range(degree + 1)], axis=1))
-    left = np.eye(window) - basis @ basis.T
-    variance = float(np.median([np.sum((left @ chunk) ** 2) for chunk in chunks]))
-    lag = np.abs(np.subtract.outer(range(window), range(window))) * block
-    share = float(np.trace(left @ np.exp(-lag / settings.correlation_s)))
-    excess = variance - np.trace(left) * white**2 / size
+        return Noise(white, least, size, number)
+    found = [_beyond(time, means, degree, settings) for time, means in chunks]
+    variance, share, left = np.median(found, axis=0)
+    excess = variance - left * white**2 / size
     slow = max(least, float(np.sqrt(max(excess, 0.0) / share)))
-    return Noise(white, slow, size, len(second))
+    return Noise(white, slow, size, number)
 
 
 def _windows(
     specimen: Specimen, size: int, window: int, kinds: Sequence[str] = KINDS
-) -> list[Array]:
-    """Means of as many blocks as fill a window (window,) [N], each within one phase."""
+) -> list[tuple[Array, Array]]:
+    """Times (window,) [s] and means [N] of as many blocks as fill a window, within one phase."""
     found = []
     for part in specimen.stretches:
         if specimen.phase[part.start] in kinds and not specimen.held_out[part.start]:
-            means = blocks(specimen.force[part], size)
-            found += [means[k : k + window] for k in range(0, len(means) - window + 1, window)]
+            time, means = (blocks(x[part], size) for x in (specimen.time, specimen.force))
+            starts = range(0, len(means) - window + 1, window)
+            found += [(time[k : k + window], means[k : k + window]) for k in starts]
     return found
 
 
+def _beyond(time: Array, means: Array, degree: int, settings: NoiseSettings) -> Array:
+    """What a polynomial leaves of block means [N2]; parts of unit slow and of unit white noise."""
+    axis = 2.0 * (time - time[0]) / (time[-1] - time[0]) - 1.0
+    basis, _ = np.linalg.qr(np.stack([axis**k for k in range(degree + 1)], axis=1))
+    left = np.eye(len(time)) - basis @ basis.T
+    alike = np.exp(-np.abs(np.subtract.outer(time, time)) / settings.correlation_s)
+    return np.array([np.sum((left @ means) ** 2), np.trace(left @ alike), np.trace(left)])
+
+
 def _last_digit(force: Array) -> float:
-    """Smallest step between two readings [N]."""
+    """Step of which all steps between readings are multiples [N]; 0 if there is none."""
     steps = np.abs(np.diff(force))
-    return float(np.min(steps, initial=np.inf, where=steps > 0.0)) if steps.any() else 0.0
+    steps = steps[steps > 0.0]
+    parts = steps / steps.min(initial=np.inf)
+    return float(steps.min()) if len(steps) and np.allclose(parts, parts.round(), 0, 1e-2) else 0.0
 
 
 def shared(noises: Sequence[Noise], cells: Sequence[str]) -> list[Noise]:
@@ -283,7 +281,7 @@ def shared(noises: Sequence[Noise], cells: Sequence[str]) -> list[Noise]:
 
 def _known(noise: Noise, white: float, slow: float) -> Noise:
     """The noise of a record in a group whose medians are known."""
-    error = AS_OTHERS * OF_WHITE / np.sqrt(max(noise.samples, 1))
+    error = SURE * SCATTER / np.sqrt(max(noise.samples, 1))
     if min(noise.white, white) > 0.0 and abs(np.log(noise.white / white)) > error:
         return replace(noise, slow=float(slow * noise.white / white))
     return replace(noise, white=float(white), slow=float(slow))
@@ -333,20 +331,21 @@ def covariances(
     lag = np.abs(np.subtract.outer(time, time))
     apart = np.subtract.outer(travel, travel) / specimen.reach
     percents = moved(specimen, size)
+    since = np.maximum.accumulate(percents)  # what has moved comes to rest elsewhere
 
-    def along(percent: float, alike: Array) -> Array:
-        return np.asarray(percent**2 * np.outer(percents, percents) * alike)
+    def along(percent: float, alike: Array, by: Array = percents) -> Array:
+        return np.asarray(percent**2 * np.outer(by, by) * alike)
 
     known = noise.white**2 / noise.size * np.eye(len(time))
     known += noise.slow**2 * np.exp(-lag / settings.correlation_s)
     known += along(100.0 * specimen.elastic.grain, np.exp(-0.5 * (apart / GRAIN_LENGTH) ** 2))
     scale = 0.01 * settings.scale_percent * model
     alike = {name: of(apart, settings.floor_length) for name, of in SIMILARITY.items()}
-    forgotten = np.exp(-lag / memory(specimen, size))
+    forgotten = _matern(lag, memory(specimen, size))
     return known, {
         **{name: along(settings.each_percent, smooth) for name, smooth in alike.items()},
         "rough": along(settings.fine_percent, np.exp(-np.abs(apart) / settings.fine_length)),
-        "history": along(settings.history_percent, alike["kinked"] * forgotten),
+        "history": along(settings.history_percent, alike["kinked"] * forgotten, since),
         "scale": np.outer(scale, scale),
     }
 

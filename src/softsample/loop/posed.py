@@ -140,6 +140,9 @@ def pose(every: Sequence[Specimen], settings: NoiseSettings) -> tuple[Problem, l
         )
         for s, travel in zip(specimens, travels, strict=True)
     ]
+    largest = max(np.abs(x).max() / s.peak for s, x in zip(specimens, lower, strict=True))
+    small = min(1.0, 0.01 * settings.form_percent / max(float(largest), 1e-300))
+    lower = [small * x for x in lower]  # beyond, no such error goes with its size
     unseen = [specimen for specimen in every if specimen.held_out.any()]
     posed = Problem(specimens, whiteners, settings, material, lower, unseen)
     return posed, noises

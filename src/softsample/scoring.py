@@ -12,10 +12,10 @@ import pandas as pd
 
 from softsample.calibration.measured import MeasuredCurve
 from softsample.calibration.slsqp import CalibrationSettings, fit_ogden
+from softsample.record_noise import white_noise
 from softsample.records import Record
 from softsample.response.curves import ResponseCurves
 from softsample.response.sensitivity import COARSE
-from softsample.white_noise import white_noise
 
 Truth = Mapping[str, Any]
 

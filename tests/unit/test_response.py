@@ -16,6 +16,7 @@ from softsample.response.elastic import Elastic
 from softsample.response.perturbations import perturbations_of
 from softsample.response.pieces import MechanicalTest, PerturbationSettings
 from softsample.response.unit import (
+    EXACT,
     ResponseSettings,
     homogeneous_response,
     modulus_fractions,
@@ -67,6 +68,17 @@ def exact(mode, channel, fraction, displacement):
         return SHAPE.area * homogeneous_normal(strain, solid)
     sign = travel_sign(mode) if channel == "force_normal" else 1.0
     return sign * SHAPE.area * homogeneous_force(mode, strain, solid)
+
+
+@pytest.mark.parametrize(("mode", "stretch"), [("tension", 2.2), ("pure_shear", 2.2)])
+def test_a_closed_form_is_exact_between_its_fractions_at_large_stretches(mode, stretch):
+    travel = (stretch - 1.0) * SHAPE.height
+    table = homogeneous_response(SHAPE, mode, travel, EXACT, ALPHA, RATIO, 60)[0]
+    curves = ResponseCurves.of_table(pd.DataFrame(response_table(table, mode)), mode)
+    for fraction in (0.3, 0.99, 0.999, 0.9999, 0.99999):
+        force = exact(mode, "force", fraction, curves.displacement)
+        found = curves.force_per_mu(fraction, curves.displacement)
+        np.testing.assert_allclose(found, force, atol=1e-5 * force.max())
 
 
 @pytest.mark.parametrize("before", ["none", "smooth", "odd", "even"])

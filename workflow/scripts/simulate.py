@@ -10,17 +10,13 @@ from softsample.workflow import logged_to, progress_bar, provenance
 with logged_to(snakemake):
     given, files = snakemake.params, snakemake.input
     travel = reach(map(read_record, files.records), given.mode)
-    uniform = unit.is_homogeneous(given.mode, given.ends)
-    exact = uniform and snakemake.wildcards.geometry == "ideal"
-    fractions = unit.modulus_fractions(
-        unit.EXACT if exact else unit.ResponseSettings(**given.family)
-    )
-    law = (fractions, given.material["alpha"], given.material["poisson_ratio"])
+    law = given.material["alpha"], given.material["poisson_ratio"]
     points, bar = given.solver["curve_points"], progress_bar()
-    if exact:
+    if snakemake.wildcards.geometry == "ideal" and unit.is_homogeneous(given.mode, given.ends):
         shape = IdealShape.of_report(read_json(files.cuboid))
-        found = unit.homogeneous_response(shape, given.mode, travel, *law, points)
+        found = unit.homogeneous_response(shape, given.mode, travel, unit.EXACT, *law, points)
     else:
+        law = unit.modulus_fractions(unit.ResponseSettings(**given.family)), *law
         model, preliminary = (
             set_up(read_mesh_with_data(path), given.mode, given, given.ends)
             for path in (files.mesh, files.preliminary)

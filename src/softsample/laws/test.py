@@ -9,8 +9,8 @@ import numpy as np
 from softsample.arrays import Array, Mask
 from softsample.laws.candidates import Candidate
 from softsample.protocol import PRESSED_MODES, travel_sign
+from softsample.record_noise import white_noise
 from softsample.records import Record
-from softsample.white_noise import white_noise
 
 POINTS = 40
 """Points of a loading at most: a law is smooth, and what is rough is noise."""

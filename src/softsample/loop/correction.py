@@ -346,7 +346,7 @@ class _Test:
         x = w.blocks(specimen.travel) / specimen.reach
         to = averaging(specimen, w)
         part = {name: v * w.kept(w.part(name)) for name, v in w.variances.items()}
-        apart = w.kept(w.known) + part["rough"] + part["history"]
+        apart = w.kept(w.known) + part["rough"] + part["history"] + part["wander"]
         spread = np.sqrt(sum(np.diag(part[name]) for name in SIMILARITY))
         near = np.exp(-np.abs(np.subtract.outer(x, x)) / problem.settings.fine_length)
         return cls(

@@ -1,6 +1,6 @@
 """Joint least squares of material and effects on whitened records."""
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from functools import cached_property, lru_cache, partial
 
@@ -230,14 +230,14 @@ class Problem:
 
     def of_stiffness(self, known: Mapping[str, float]) -> "Problem":
         """The same tests of specimens of another stiffness."""
-        unseen = [s.of_stiffness(known) for s in self.unseen]
-        specimens = [s.of_stiffness(known) for s in self.specimens]
-        return replace(self, specimens=specimens, unseen=unseen)
+        return self._of_each(lambda specimen: specimen.of_stiffness(known))
 
     def of_contact(self, known: Mapping[str, float]) -> "Problem":
         """The same tests of specimens whose compression begins elsewhere [mm]."""
-        unseen = [s.of_contact(known) for s in self.unseen]
-        specimens = [s.of_contact(known) for s in self.specimens]
+        return self._of_each(lambda specimen: specimen.of_contact(known))
+
+    def _of_each(self, change: Callable[[Specimen], Specimen]) -> "Problem":
+        specimens, unseen = ([*map(change, some)] for some in (self.specimens, self.unseen))
         return replace(self, specimens=specimens, unseen=unseen)
 
     def with_open_contact(self) -> "Problem":

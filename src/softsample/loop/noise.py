@@ -10,7 +10,7 @@ import numpy as np
 from scipy.linalg import cholesky, solve_triangular
 
 from softsample.loop.specimen import Array, Mask, Specimen, blocks
-from softsample.white_noise import SCATTER, SURE, white_noise
+from softsample.record_noise import SCATTER, SURE, beyond_polynomial, last_digit, white_noise
 
 KINDS = ("baseline", "ramp", "hold", "unloading")
 """Phases of a record."""
@@ -119,7 +119,7 @@ class NoiseSettings:
         stated = {
             **dict.fromkeys(SIMILARITY, self.each_percent),
             "rough": self.fine_percent,
-            "history": self.history_percent,
+            **dict.fromkeys(("history", "wander"), self.history_percent),
             "scale": self.scale_percent,
             FORM: self.form_percent,
         }
@@ -210,7 +210,7 @@ def measure_noise(specimen: Specimen, settings: NoiseSettings, most: int = MOST_
     size, fitted = block_size(specimen, settings, most), ~specimen.held_out
     at = specimen.time if specimen.timed else specimen.travel
     white, number = white_noise(at, specimen.force, fitted)
-    rounding = _last_digit(specimen.force[fitted]) / np.sqrt(12.0)
+    rounding = last_digit(specimen.force[fitted]) / np.sqrt(12.0)
     least = rounding if white < rounding else 0.0
     white = max(white, rounding)
     block = size * float(np.median(np.diff(specimen.time)))
@@ -220,7 +220,9 @@ def measure_noise(specimen: Specimen, settings: NoiseSettings, most: int = MOST_
         chunks, degree = _windows(specimen, size, long) or _windows(specimen, size, 8), 5
     if not chunks:
         return Noise(white, least, size, number)
-    found = [_beyond(time, means, degree, settings) for time, means in chunks]
+    found = [
+        beyond_polynomial(time, means, degree, settings.correlation_s) for time, means in chunks
+    ]
     variance, share, left = np.median(found, axis=0)
     excess = variance - left * white**2 / size
     slow = max(least, float(np.sqrt(max(excess, 0.0) / share)))
@@ -238,23 +240,6 @@ def _windows(
             starts = range(0, len(means) - window + 1, window)
             found += [(time[k : k + window], means[k : k + window]) for k in starts]
     return found
-
-
-def _beyond(time: Array, means: Array, degree: int, settings: NoiseSettings) -> Array:
-    """What a polynomial leaves of block means [N2]; parts of unit slow and of unit white noise."""
-    axis = 2.0 * (time - time[0]) / (time[-1] - time[0]) - 1.0
-    basis, _ = np.linalg.qr(np.stack([axis**k for k in range(degree + 1)], axis=1))
-    left = np.eye(len(time)) - basis @ basis.T
-    alike = np.exp(-np.abs(np.subtract.outer(time, time)) / settings.correlation_s)
-    return np.array([np.sum((left @ means) ** 2), np.trace(left @ alike), np.trace(left)])
-
-
-def _last_digit(force: Array) -> float:
-    """Step of which all steps between readings are multiples [N]; 0 if there is none."""
-    steps = np.abs(np.diff(force))
-    steps = steps[steps > 0.0]
-    parts = steps / steps.min(initial=np.inf)
-    return float(steps.min()) if len(steps) and np.allclose(parts, parts.round(), 0, 1e-2) else 0.0
 
 
 def shared(noises: Sequence[Noise], cells: Sequence[str]) -> list[Noise]:
@@ -341,11 +326,12 @@ def covariances(
     known += along(100.0 * specimen.elastic.grain, np.exp(-0.5 * (apart / GRAIN_LENGTH) ** 2))
     scale = 0.01 * settings.scale_percent * model
     alike = {name: of(apart, settings.floor_length) for name, of in SIMILARITY.items()}
-    forgotten = _matern(lag, memory(specimen, size))
+    long = memory(specimen, size)
     return known, {
         **{name: along(settings.each_percent, smooth) for name, smooth in alike.items()},
         "rough": along(settings.fine_percent, np.exp(-np.abs(apart) / settings.fine_length)),
-        "history": along(settings.history_percent, alike["kinked"] * forgotten, since),
+        "history": along(settings.history_percent, alike["kinked"] * np.exp(-lag / long)),
+        "wander": along(settings.history_percent, _matern(lag, long), since),
         "scale": np.outer(scale, scale),
     }
 

@@ -4,7 +4,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
 from functools import cached_property
 from itertools import pairwise
-from typing import Self
+from typing import Any, Self
 
 import numpy as np
 from numpy.typing import NDArray
@@ -134,17 +134,18 @@ class Specimen:
 
     def of_stiffness(self, known: Mapping[str, float]) -> Self:
         """The same with the stiffness of its specimen, if that is known."""
-        if self.piece not in known:
-            return self
-        partner = self.partner and self.partner.of_stiffness(known)
-        return replace(self, stiffness=known[self.piece], partner=partner)
+        return self._of("stiffness", known)
 
     def of_contact(self, known: Mapping[str, float]) -> Self:
         """The same with the offset of its specimen, if that is known [mm]."""
+        return self._of("contact", known)
+
+    def _of(self, name: str, known: Mapping[str, float]) -> Self:
         if self.piece not in known:
             return self
-        partner = self.partner and self.partner.of_contact(known)
-        return replace(self, contact=known[self.piece], partner=partner)
+        partner = self.partner and self.partner._of(name, known)
+        changed: dict[str, Any] = {"partner": partner, name: known[self.piece]}
+        return replace(self, **changed)
 
     def reduced(self, size: int) -> Self:
         """The same with groups of `size` samples replaced by their means; the rest is left out.

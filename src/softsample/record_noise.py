@@ -1,4 +1,4 @@
-"""White noise of a record, from what no line through neighbouring readings explains."""
+"""Noise of a record: what no line through neighbouring readings explains, no polynomial."""
 
 import numpy as np
 from numpy.lib.stride_tricks import sliding_window_view
@@ -39,3 +39,30 @@ def white_noise(at: Array, force: Array, kept: Mask | None = None) -> tuple[floa
     left = np.sum(weights * forces, axis=1)[told] / np.linalg.norm(weights[told], axis=1)
     noise = 1.4826 * np.median(np.abs(left - np.median(left)))
     return float(noise), len(left)
+
+
+def last_digit(force: Array) -> float:
+    """Step of which all steps between readings are multiples [N]; 0 if there is none."""
+    steps = np.abs(np.diff(force))
+    steps = steps[steps > 0.0]
+    parts = steps / steps.min(initial=np.inf)
+    return float(steps.min()) if len(steps) and np.allclose(parts, parts.round(), 0, 1e-2) else 0.0
+
+
+def beyond_polynomial(time: Array, means: Array, degree: int, correlation_s: float) -> Array:
+    """What a polynomial leaves of means (n,) [N2], and what of unit slow and unit white noise.
+
+    Parameters
+    ----------
+    time, means : (n,) float64
+        Of blocks of readings [s], [N].
+    degree : int
+        Of the polynomial over time.
+    correlation_s : float
+        Correlation time of the slow noise [s].
+    """
+    axis = 2.0 * (time - time[0]) / (time[-1] - time[0]) - 1.0
+    basis, _ = np.linalg.qr(np.stack([axis**k for k in range(degree + 1)], axis=1))
+    left = np.eye(len(time)) - basis @ basis.T
+    alike = np.exp(-np.abs(np.subtract.outer(time, time)) / correlation_s)
+    return np.array([np.sum((left @ means) ** 2), np.trace(left @ alike), np.trace(left)])

@@ -38,8 +38,8 @@ LAST = "last_quarter"
 CONFIRMED = 0.8
 """Part of the error of what was left out that may be left, if a correction is given."""
 
-TINY = 1e-6
-"""Part of the peak below which an error is none."""
+TINY = 1e-3
+"""Part of the peak below which an error is none: no sample and no cell is known better."""
 
 LENGTH = 1.0
 """Strain over which it changes: the ratio of two laws changes where strains are of order one."""

@@ -54,7 +54,7 @@ doi:10.7551/mitpress/3206.001.0001.
 GEOMETRY = (*SIMILARITY, "history")
 """Parts of the discrepancy that errors of geometry, mesh and element type make."""
 
-AT_MOST_STATED = ("smooth", FORM)
+AT_MOST_STATED = ("smooth", "wander", FORM)
 """Parts that are no larger than the settings say: larger, they would do what effects do."""
 
 FURTHEST = 4.0
@@ -85,7 +85,7 @@ class NoiseSettings:
         sticks and slips.
     history_percent : float
         The same for error that changes in the course of a test too, so that loading and unloading
-        differ; its correlation time is `memory`.
+        differ, and for what wanders once the platen has moved; their correlation time is `memory`.
     scale_percent : float
         Standard deviation of the scale of each test [%]: element type, volume, glued area.
     contact_zero_mm : float
@@ -144,10 +144,12 @@ class NoiseSettings:
         """Least factors of variances with errors that may be larger along an effect than elsewhere.
 
         `spread` times as large: errors of form as in the settings, with `floor` those of geometry
-        and mesh as in the settings, or in the factors that records show if these are larger.
+        and mesh as in the settings, or in the factors that records show if these are larger. What
+        wanders is as in the settings: most of a linear drift looks like it.
         """
         least = {name: max(1.0, shown.get(name, 0.0)) for name in GEOMETRY} if floor else {}
-        return {name: self.spread**2 * factor for name, factor in {FORM: 1.0, **least}.items()}
+        larger = {name: self.spread**2 * factor for name, factor in {FORM: 1.0, **least}.items()}
+        return {"wander": 1.0, **larger}
 
 
 @dataclass(frozen=True)

@@ -51,7 +51,14 @@ def test_tests_of_one_piece_that_go_as_far_at_several_speeds_share_their_errors(
 
 
 def test_residuals_are_whitened_and_judged_by_the_joint_covariance():
-    sizes = {"smooth": 4.0, "kinked": 2.0, "rough": 1.0, "history": 0.3, "scale": 9.0}
+    sizes = {
+        "smooth": 4.0,
+        "kinked": 2.0,
+        "rough": 1.0,
+        "history": 0.3,
+        "wander": 0.5,
+        "scale": 9.0,
+    }
     problem = pose(repeats(), SETTINGS)[0].with_variances(sizes)
     joint = by_hand(problem, sizes)
     rng = np.random.default_rng(3)
@@ -85,9 +92,9 @@ def test_the_slope_of_the_restricted_likelihood_is_its_derivative(monkeypatch):
     monkeypatch.setattr(discrepancy, "minimize", minimize)
     discrepancy.estimated(problem, problem.fit_material())
     value, args = asked[0]
-    here = np.array([0.3, -0.1, -0.2, 0.5, 0.1])
+    here = np.array([0.3, -0.1, -0.2, 0.5, -0.4, 0.1])
     _, slope = value(here, *args)
-    for k, step in enumerate(1e-4 * np.eye(5)):
+    for k, step in enumerate(1e-4 * np.eye(6)):
         ahead, behind = (value(here + way * step, *args)[0] for way in (1.0, -1.0))
         assert slope[k] == pytest.approx((ahead - behind) / 2e-4, rel=1e-4, abs=1e-4)
 

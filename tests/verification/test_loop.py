@@ -18,7 +18,13 @@ from softsample.loop.verdict import report
 
 SETTINGS = LoopSettings()
 EXACT = LoopSettings(
-    NoiseSettings(floor_percent=0.1, fine_percent=0.0, scale_percent=0.2, contact_zero_mm=0.01)
+    NoiseSettings(
+        floor_percent=0.1,
+        fine_percent=0.0,
+        history_percent=0.03,
+        scale_percent=0.2,
+        contact_zero_mm=0.01,
+    )
 )
 """For a model without error of its own, as the laboratory's curves are."""
 

@@ -85,7 +85,8 @@ class NoiseSettings:
         sticks and slips.
     history_percent : float
         The same for error that changes in the course of a test too, so that loading and unloading
-        differ, and for what wanders once the platen has moved; their correlation time is `memory`.
+        differ, its correlation time is `memory`; and for what wanders over a quarter of a record
+        once the platen has moved.
     scale_percent : float
         Standard deviation of the scale of each test [%]: element type, volume, glued area.
     contact_zero_mm : float
@@ -328,12 +329,12 @@ def covariances(
     known += along(100.0 * specimen.elastic.grain, np.exp(-0.5 * (apart / GRAIN_LENGTH) ** 2))
     scale = 0.01 * settings.scale_percent * model
     alike = {name: of(apart, settings.floor_length) for name, of in SIMILARITY.items()}
-    long = memory(specimen, size)
+    long, whole = memory(specimen, size), 0.25 * float(np.ptp(specimen.time))
     return known, {
         **{name: along(settings.each_percent, smooth) for name, smooth in alike.items()},
         "rough": along(settings.fine_percent, np.exp(-np.abs(apart) / settings.fine_length)),
         "history": along(settings.history_percent, alike["kinked"] * np.exp(-lag / long)),
-        "wander": along(settings.history_percent, _matern(lag, long), since),
+        "wander": along(settings.history_percent, _matern(lag, whole), since),
         "scale": np.outer(scale, scale),
     }
 

@@ -85,8 +85,8 @@ class NoiseSettings:
         sticks and slips.
     history_percent : float
         The same for error that changes in the course of a test too, so that loading and unloading
-        differ, its correlation time is `memory`; and for what wanders over a quarter of a record
-        once the platen has moved.
+        differ, its correlation time is `memory`; and for what wanders once the platen has moved,
+        over the longest `memory` of a group.
     scale_percent : float
         Standard deviation of the scale of each test [%]: element type, volume, glued area.
     contact_zero_mm : float
@@ -289,7 +289,12 @@ def memory(specimen: Specimen, size: int) -> float:
 
 
 def covariances(
-    specimen: Specimen, noise: Noise, model: Array, settings: NoiseSettings, size: int
+    specimen: Specimen,
+    noise: Noise,
+    model: Array,
+    settings: NoiseSettings,
+    size: int,
+    wander_s: float = 0.0,
 ) -> tuple[Array, dict[str, Array]]:
     """Covariances (n, n) [N2] of the block means of one test.
 
@@ -307,6 +312,8 @@ def covariances(
         moves.
     size : int
         Samples of the specimen in a block.
+    wander_s : float
+        Correlation time of what wanders [s], its own `memory` at least: it is of the machine.
 
     Returns
     -------
@@ -329,12 +336,12 @@ def covariances(
     known += along(100.0 * specimen.elastic.grain, np.exp(-0.5 * (apart / GRAIN_LENGTH) ** 2))
     scale = 0.01 * settings.scale_percent * model
     alike = {name: of(apart, settings.floor_length) for name, of in SIMILARITY.items()}
-    long, whole = memory(specimen, size), 0.25 * float(np.ptp(specimen.time))
+    long = memory(specimen, size)
     return known, {
         **{name: along(settings.each_percent, smooth) for name, smooth in alike.items()},
         "rough": along(settings.fine_percent, np.exp(-np.abs(apart) / settings.fine_length)),
         "history": along(settings.history_percent, alike["kinked"] * np.exp(-lag / long)),
-        "wander": along(settings.history_percent, _matern(lag, whole), since),
+        "wander": along(settings.history_percent, _matern(lag, max(long, wander_s)), since),
         "scale": np.outer(scale, scale),
     }
 

@@ -15,6 +15,7 @@ from softsample.loop.noise import (
     block_size,
     covariances,
     measure_noise,
+    memory,
     most_blocks,
     shared,
 )
@@ -157,9 +158,10 @@ def _whiteners(
     """Whitener of every test, its scale by what a model predicts per sample [N]."""
     most = most_blocks(len(specimens))
     sizes = [block_size(s, settings, most) for s in specimens]
+    longest = max(memory(s, size) for s, size in zip(specimens, sizes, strict=True))
     found = []
     for s, noise, model, size in zip(specimens, noises, models, sizes, strict=True):
-        known, discrepancy = covariances(s, noise, blocks(model, size), settings, size)
+        known, discrepancy = covariances(s, noise, blocks(model, size), settings, size, longest)
         found.append(Whitener(known, size, ~s.out(size), discrepancy))
     return in_common(specimens, found, settings)
 

@@ -225,22 +225,21 @@ class _Search:
     classes: dict[str, list[str]] = field(default_factory=dict)
     doubted: dict[str, bool] = field(default_factory=dict)
     visited: list[_Visited] = field(default_factory=list)
+    been: set[frozenset[str]] = field(default_factory=set)
 
     def completed(self, step: Step | None = None) -> Self:
         """Another search from here, that sets out from a step, or from nothing.
 
         It adds effects until no more are asked for, and exchanges what was a wrong choice.
         """
-        other = replace(self, steps=[], classes={}, doubted={}, visited=[])
+        other = replace(self, steps=[], classes={}, doubted={}, visited=[], been=set())
         if step is None:
             other._visit()
         else:
             other.begin(step)
         other.forward()
-        been = {frozenset(other.current.model.names)}
-        while other.exchange() and (here := frozenset(other.current.model.names)) not in been:
-            been.add(here)
-            other.forward()
+        while other.exchange() and other.forward():
+            pass
         if step is not None:
             other._tell_beside_others()
         return other
@@ -264,23 +263,24 @@ class _Search:
         self.steps.append(step)
         self._take(self.doubting, step.chosen, step.members)
 
-    def forward(self) -> None:
-        """One effect after the other, until no more are asked for.
+    def forward(self) -> bool:
+        """One effect after the other, until no more are asked for; whether any were looked for.
 
         What makes others superfluous may be superfluous beside what comes next: a search that is
         where it was before has ended.
         """
-        been = {frozenset(self.current.model.names)}
-        while len(self.current.model.effects) < self.opening.settings.most_effects:
+        before = len(self.been)
+        while (here := frozenset(self.current.model.names)) not in self.been:
+            self.been.add(here)
+            if len(here) == self.opening.settings.most_effects:
+                return True
             step = self._round(self.doubting, self.current)
             if step.chosen is None:
                 self.steps.append(step)
-                break
+                return True
             self.begin(step)
-            if (here := frozenset(self.current.model.names)) in been:
-                self.steps.append(Step(self.opening.threshold, [], None))
-                break
-            been.add(here)
+        self.steps.append(Step(self.opening.threshold, [], None))
+        return len(self.been) > before
 
     def exchange(self) -> bool:
         """Replace the first effect for which another is better beside those that came later.

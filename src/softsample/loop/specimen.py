@@ -203,7 +203,7 @@ class Specimen:
         corners = [0, *ends.tolist(), len(self.phase)]
         return [slice(a, b) for a, b in pairwise(corners)]
 
-    @property
+    @cached_property
     def kind(self) -> str:
         """What the platen does: `tension`, `compression` or `shear`."""
         return KINDS.get(self.mode, self.mode)

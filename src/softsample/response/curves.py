@@ -143,14 +143,12 @@ class ResponseCurves:
         grid, curve = self._grid, self._fine_curve(fraction)
         forward = np.abs(displacement) if self.before in ("odd", "even") else displacement
         force = np.interp(forward, grid, curve)
-        beyond = np.maximum(forward - grid[-1], 0.0)
-        if np.any(beyond):
-            force = force + self._onwards(-1, curve, beyond)
+        if (beyond := forward > grid[-1]).any():
+            force[beyond] += self._onwards(-1, curve, forward[beyond] - grid[-1])
         if self.before == "odd":
             force = force * np.sign(displacement)
-        before = np.minimum(displacement, 0.0)
-        if self.before == "smooth" and np.any(before):
-            force = force + self._onwards(0, curve, before)
+        if self.before == "smooth" and (before := displacement < 0.0).any():
+            force[before] += self._onwards(0, curve, displacement[before])
         return np.asarray(force)
 
     def force(self, displacement: Array, /, mu: float, *shape: float) -> Array:

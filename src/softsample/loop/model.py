@@ -3,10 +3,11 @@
 import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
+from functools import cached_property
 
 import numpy as np
 
-from softsample.loop.effects.base import Effect, Parameter, Values
+from softsample.loop.effects.base import MODES, Effect, Parameter, Values
 from softsample.loop.specimen import FORCE, Array, Mask, Specimen
 
 ITERATIONS, CLOSE = 20, 1e-9
@@ -73,7 +74,12 @@ class Model:
 
     def _acting(self, specimen: Specimen) -> list[Effect]:
         """Effects that change tests of this kind."""
-        return [effect for effect in self.effects if specimen.kind in effect.modes]
+        return self._of_kind[specimen.kind]
+
+    @cached_property
+    def _of_kind(self) -> dict[str, list[Effect]]:
+        """The same of every kind: fits ask again and again."""
+        return {kind: [e for e in self.effects if kind in e.modes] for kind in MODES}
 
     def travel(self, specimen: Specimen, state: "State") -> Array:
         """Travel that reaches the sample (n,) [m]."""

@@ -23,7 +23,7 @@ def remembered(method: Method) -> Method:
 
     @wraps(method)
     def asked(self: Any, *given: Any) -> Array:
-        key = tuple(x.tobytes() if isinstance(x, np.ndarray) else x for x in given)
+        key = tuple([x.tobytes() if isinstance(x, np.ndarray) else x for x in given])
         known: dict[Any, Array] = self.__dict__.setdefault(place, {})
         if key not in known:
             if len(known) >= LAST:

@@ -27,7 +27,8 @@ class JobLines(logging.Formatter):
     """Words one line for each job that starts; the rest is left to Snakemake, or not shown.
 
     The work that is left is estimated from how long jobs of the same rule took so far, of rules
-    not seen yet from the mean of all, and shared by as many jobs as ran side by side.
+    not seen yet from the mean of all, and shared by as many jobs as ran side by side. As these may
+    take far longer, the bar then says `more than`.
 
     Parameters
     ----------
@@ -75,8 +76,9 @@ class JobLines(logging.Formatter):
         done = self._total - sum(self._left.values())
         share = done / max(self._total, 1)
         bar = "#" * round(BAR * share)
-        left = self._time_left()
-        told = f", {spoken_duration(left)} left" if left is not None else ""
+        left, known = self._time_left(), self._left.keys() <= self._taken.keys()
+        least = "" if known else "more than "
+        told = f", {least}{spoken_duration(left)} left" if left is not None else ""
         return f"[{bar:<{BAR}}] {100 * share:3.0f} %{told}: {record.rule_msg or record.rule_name}"
 
     def _finished(self, job: int) -> None:

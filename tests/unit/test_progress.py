@@ -47,9 +47,9 @@ def test_a_job_is_one_line_with_a_bar_the_time_left_and_what_it_computes(monkeyp
     assert run.shown == [
         "plain Job stats",
         f"{bar}   0 %: Segment the image: A",
-        # three jobs left of 60 s each, as far as is known
-        "[#####               ]  25 %, 3 min left: Segment the image: B",
-        "[##########          ]  50 %, 2 min left: mesh",
+        # three jobs left of 60 s each, as far as is known: no mesh was made yet
+        "[#####               ]  25 %, more than 3 min left: Segment the image: B",
+        "[##########          ]  50 %, more than 2 min left: mesh",
     ]
 
 
@@ -68,10 +68,10 @@ def test_rules_that_take_longer_count_for_more(monkeypatch):
     run.start(1, "short", "s")
     run.finish(1, after=1.0)
     run.start(2, "long", "l")
-    assert run.shown[-1].endswith("3 s left: l")
+    assert run.shown[-1].endswith(", more than 3 s left: l")
     run.finish(2, after=99.0)
     run.start(3, "long", "l")
-    assert run.shown[-1].endswith("3 min left: l")  # 2 of 99 s
+    assert run.shown[-1].endswith(", 3 min left: l")  # 2 of 99 s
 
 
 def test_a_job_that_failed_is_one_line_since_its_own_message_stands_above(monkeypatch):

@@ -531,3 +531,16 @@ def test_a_report_is_announced_only_by_runs_that_make_it(
     monkeypatch.setattr(run, "_call", lambda words: 0)
     assert run.run_study("lab", targets=targets) == 0
     assert capsys.readouterr().out == f"{told}\n"
+
+
+@pytest.mark.parametrize("results", [None, "elsewhere"])
+def test_a_path_in_results_is_one_in_the_results_of_the_study(results, tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    (tmp_path / "lab").mkdir()
+    (tmp_path / "lab/samples.tsv").touch()
+    called = []
+    monkeypatch.setattr(run, "_call", lambda words: called.append(words) or 0)
+    targets = ["results/loop/A/verdict.md", "verdicts", "lab/results/report.html"]
+    assert run.run_study("lab", results=results, targets=targets) == 0
+    asked = [f"{results or 'lab/results'}/loop/A/verdict.md", *targets[1:]]
+    assert [word for word in called[0] if word in {*asked, *targets}] == asked

@@ -36,7 +36,8 @@ def run_study(
     results
         Where results go; by default `results` in the study's folder, or what the settings say.
     targets
-        Rules or files to make, everything by default.
+        Rules or files to make, everything by default; a path that begins with `results/` is one in
+        the results of the study.
     cores
         Jobs that run side by side.
 
@@ -69,6 +70,7 @@ def run_study(
         *("--cores", str(cores), "--nolock"),  # which holds the working folder, not the results
     ]
     place = _results(files, entries)
+    targets = [_in_results(target, place) for target in targets]
     of_all = not targets or bool(REPORTING.intersection(targets))
     with leading_run(place):
         status = _call([*snakemake, *targets, *options])
@@ -109,6 +111,12 @@ def _results(files: Sequence[str], entries: dict[str, PathLike]) -> PathLike:
     paths: list[PathLike] = [ROOT / "config/config.yaml", *files]
     settings = [own for path in reversed(paths) if isinstance(own := read_yaml(path), dict)]
     return next(str(own["results"]) for own in settings if own.get("results"))
+
+
+def _in_results(target: str, place: PathLike) -> str:
+    """A target, a path in `results/` as one in the results of this study."""
+    first, *inside = Path(target).parts or ("",)
+    return str(Path(place, *inside)) if first == "results" and inside else target
 
 
 def _call(command: Sequence[str]) -> int:

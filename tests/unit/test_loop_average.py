@@ -180,3 +180,20 @@ def test_what_does_not_hold_has_no_weight():
     assert quoted["estimate"] == "of the model reported"
     assert model["effects"] == list(found.final.model.names)
     assert model["mu"] == found.final.state.material.mu
+
+
+@pytest.mark.parametrize("lost", [0.0, 0.4])
+def test_what_is_left_of_a_modulus_that_relaxes_is_told_too(lost):
+    """Of a stretched exponential, which three times only follow, at the end of the records."""
+    tests = laboratory.Lab(seed=5, relaxed=lost).specimens()
+    found = diagnose(tests, SETTINGS, [library(tests=tests)["viscoelastic_relaxation"]])
+    quoted = report(found, SETTINGS)
+    relaxed, told = quoted["recommended"]["mu_relaxed"], "of it to the end of the longest record."
+    assert (told in page("A1", quoted)) == (relaxed is not None) == bool(lost)
+    if relaxed:
+        longest = max(test.clock[-1] for test in tests)
+        left = laboratory.MU * (1.0 + lost * np.expm1(-((longest / 9.0) ** 0.6)))
+        assert relaxed["value"] == pytest.approx(left, rel=0.03)
+        assert relaxed["low"] < left < relaxed["high"]
+        shared = norm.ppf(0.95) * 0.01 * SETTINGS.noise.scale_percent
+        assert shared < np.log(relaxed["high"] / relaxed["value"]) < 2.0 * shared

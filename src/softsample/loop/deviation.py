@@ -9,7 +9,8 @@ from collections.abc import Mapping
 
 import numpy as np
 
-from softsample.loop.fit import Fit
+from softsample.loop.fit import DIFFERENCE, Fit
+from softsample.loop.model import Packing
 from softsample.loop.scale import scatter
 from softsample.loop.specimen import Array
 from softsample.response.floor import rectangular
@@ -47,8 +48,35 @@ def log_modulus_deviation(fit: Fit, stiffness: Mapping[str, float]) -> float:
 
     Where the stiffness of specimens scatters, the modulus is their geometric mean.
     """
-    shared = 0.01 * fit.problem.settings.scale_percent
-    found = float(np.hypot(deviations(fit)[0], shared))
+    return _with_shared(float(deviations(fit)[0]), fit, stiffness)
+
+
+def relaxed_modulus(fit: Fit, stiffness: Mapping[str, float]) -> tuple[float, float] | None:
+    """Modulus [Pa] that is left at the end of the longest record, and deviation of its logarithm.
+
+    None if nothing in the model relaxes.
+    """
+    relaxing = [effect for effect in fit.model.effects if effect.of_time and effect.whole]
+    if not relaxing:
+        return None
+    packing = Packing(fit.model, fit.problem.fractions)
+
+    def log_left(vector: Array) -> float:
+        state = packing.unpack(vector)
+        lost = sum(e.whole(state.values[e.name]) for e in relaxing if e.whole)
+        return float(np.log(state.material.mu * max(1.0 - lost, NOTHING)))
+
+    vector = packing.pack(fit.state)
+    found = log_left(vector)
+    steps = DIFFERENCE * np.eye(len(vector))
+    slope = np.array([log_left(vector + step) - found for step in steps]) / DIFFERENCE
+    own = birge_ratio(fit) * float(np.sqrt(slope @ fit.covariance @ slope))
+    return float(np.exp(found)), _with_shared(own, fit, stiffness)
+
+
+def _with_shared(own: float, fit: Fit, stiffness: Mapping[str, float]) -> float:
+    """Standard deviation of the logarithm of a modulus, with what its fit does not know."""
+    found = float(np.hypot(own, 0.01 * fit.problem.settings.scale_percent))
     if stiffness:
         found = float(np.hypot(found, scatter(stiffness) / np.sqrt(len(stiffness))))
     return found

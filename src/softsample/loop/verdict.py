@@ -10,7 +10,12 @@ from scipy.special import ndtri
 from softsample.constitutive.material import Material
 from softsample.loop.accept import Judged
 from softsample.loop.average import INTERVAL, Weighed, averaged, weighed
-from softsample.loop.deviation import birge_ratio, deviations, log_modulus_deviation
+from softsample.loop.deviation import (
+    birge_ratio,
+    deviations,
+    log_modulus_deviation,
+    relaxed_modulus,
+)
 from softsample.loop.diagnose import STIFFNESS, Diagnosis
 from softsample.loop.effects import ends, library, specimen_stiffness
 from softsample.loop.effects.base import Effect, Values
@@ -136,6 +141,7 @@ def recommended(diagnosis: Diagnosis) -> dict[str, Any]:
     mu, low, high = averaged([model for _, model in tried])
     return {
         "mu": _sized(mu, "Pa", low * min([1.0, *rest.values()]), high * max([1.0, *rest.values()])),
+        "mu_relaxed": _relaxed(diagnosis),
         "estimate": "averaged over the models fitted" if several else "of the model reported",
         "models": [
             {
@@ -149,6 +155,12 @@ def recommended(diagnosis: Diagnosis) -> dict[str, Any]:
         "widened_by_models": any(one.alike > one.weight + SHOWN for _, one in tried),
         "widened_by_rest": any(abs(factor - 1.0) > SHOWN for factor in rest.values()),
     }
+
+
+def _relaxed(diagnosis: Diagnosis) -> dict[str, float | str] | None:
+    """Modulus that is left at the end of the longest record, if what is reported relaxes."""
+    found = relaxed_modulus(diagnosis.final, diagnosis.posed.stiffness)
+    return _of_log(*found) if found else None
 
 
 def _weighed(diagnosis: Diagnosis, part: float) -> list[Weighed]:
@@ -311,6 +323,12 @@ def _sized(value: float, unit: str, low: float, high: float) -> dict[str, float 
     return {"value": value, "unit": unit, "low": low, "high": high}
 
 
+def _of_log(mu: float, deviation: float) -> dict[str, float | str]:
+    """A modulus [Pa] with its 90 % interval, from the standard deviation of its logarithm."""
+    factor = float(np.exp(NINETY * deviation))
+    return _sized(mu, "Pa", mu / factor, mu * factor)
+
+
 def _named(
     effect: Effect, members: list[str], parameters: Mapping[str, Any], evidence: float
 ) -> dict[str, Any]:
@@ -327,11 +345,11 @@ def _named(
 def _theta(fit: Fit, stiffness: Mapping[str, float]) -> dict[str, dict[str, float | str]]:
     """Material with 90 % intervals."""
     of_log, of_fraction = log_modulus_deviation(fit, stiffness), float(deviations(fit)[1])
-    far, near = NINETY * of_log, NINETY * of_fraction
+    near = NINETY * of_fraction
     mu, r = fit.state.material.mu, fit.state.material.mu1_fraction
     least, most = fit.problem.fractions
     return {
-        "mu": _sized(mu, "Pa", mu * float(np.exp(-far)), mu * float(np.exp(far))),
+        "mu": _of_log(mu, of_log),
         "mu1_fraction": _sized(r, "1", max(least, r - near), min(most, r + near)),
     }
 

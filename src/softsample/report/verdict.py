@@ -149,6 +149,12 @@ def _recommended(found: Mapping[str, Any]) -> str:
             f" It is the instantaneous modulus: with {' and '.join(relaxing)} the tissue is softer "
             "at the speed of these tests."
         )
+    if relaxed := found.get("mu_relaxed"):
+        value, low, high = (significant(relaxed[key]) for key in ("value", "low", "high"))
+        text += (
+            f" The model reported keeps {value} Pa ({low} to {high}) of it to the end of the longest "
+            "record."
+        )
     return text
 
 

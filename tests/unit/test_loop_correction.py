@@ -94,17 +94,21 @@ def test_nothing_is_corrected_where_nothing_is_wrong():
     assert confirmed([(plain, cross_validated(plain))], found.posed.spread) is None
 
 
-@pytest.mark.parametrize("came_there", [True, False])
+@pytest.mark.parametrize("came_there", ["visited", "refused", ""])
 def test_folds_choose_among_all_models_that_a_search_came_to(came_there, monkeypatch):
-    """Of records that relax and a selection that has dropped relaxation again."""
+    """Of records that relax and a selection that has dropped relaxation, or it was at an end."""
 
     def dropped(problem, known, settings):
         found = select(problem, known, settings)
         assert found.final.model.names == ("viscoelastic_relaxation",)
-        visited = [found.final] if came_there else []
-        return replace(found, final=found.base, classes={}, visited=visited)
+        last = replace(found.steps[-1], refused=None)
+        if came_there == "refused":
+            last = replace(last, refused=found.steps[0].chosen, why="it lies at an end")
+        visited = [found.final] if came_there == "visited" else []
+        return replace(found, final=found.base, classes={}, visited=visited, steps=[last])
 
     monkeypatch.setattr("softsample.loop.diagnose.select", dropped)
+    monkeypatch.setattr("softsample.loop.diagnose.driven_to_an_end", lambda fit: "g1")
     known = [library()["viscoelastic_relaxation"]]
     found = diagnose(laboratory.Lab(seed=5, relaxed=0.4).specimens(), SETTINGS, known)
     assert found.objection

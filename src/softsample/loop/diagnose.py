@@ -29,7 +29,7 @@ from softsample.loop.rounds import Candidate
 from softsample.loop.scale import Scales, most_likely
 from softsample.loop.select import Selection, select
 from softsample.loop.specimen import Specimen
-from softsample.loop.usable import doubted, misfit_with_penalties
+from softsample.loop.usable import doubted, driven_to_an_end, misfit_with_penalties
 
 STIFFNESS = specimen_stiffness.EFFECT.name
 """Effect that stands for what scattered specimens differ in."""
@@ -203,10 +203,11 @@ def diagnose(
     models = [selection.base, selection.final] if selection.classes else [selection.base]
     rest, *more = (judged(fit, cross_validated(fit), most_likely(fit)) for fit in models)
     before = judged(first, cross_validated(first), {}) if posed.stiffness else rest
-    selected, next_one = more[0] if more else rest, None
+    selected, next_one, at_end = more[0] if more else rest, None, []
     if refused := selection.steps[-1].refused:
         asked = refused.settled
         next_one = judged(asked, cross_validated(asked), most_likely(asked))
+        at_end = [asked] if driven_to_an_end(asked) else []
     objection = ""
     if not told:
         objection = objection_to(selection, rest, selected, settings.selection, settings.noise)
@@ -214,7 +215,8 @@ def diagnose(
     if not told and (objection or selection.classes):
         tried = models[-1:]
         if objection:  # then folds choose among all models that were tried
-            tried = sorted([*models, *selection.visited], key=lambda fit: len(fit.model.effects))
+            every = [*models, *selection.visited, *at_end]  # no cause, but it may predict
+            tried = sorted(every, key=lambda fit: len(fit.model.effects))
         correction = confirmed([(fit, cross_validated(fit)) for fit in tried], posed.spread)
     if correction:
         corrected = judged(correction.whole, correction.folds, correction.scales)

@@ -152,8 +152,8 @@ def _recommended(found: Mapping[str, Any]) -> str:
     if relaxed := found.get("mu_relaxed"):
         value, low, high = (significant(relaxed[key]) for key in ("value", "low", "high"))
         text += (
-            f" The model reported keeps {value} Pa ({low} to {high}) of it to the end of the longest"
-            " record."
+            f" The model reported keeps {value} Pa ({low} to {high}) of it to the end of the "
+            "longest record."
         )
     return text
 

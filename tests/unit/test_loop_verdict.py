@@ -202,6 +202,12 @@ def test_what_is_named_is_not_called_not_identifiable(monkeypatch):
     assert [effect["name"] for effect in verdict["effects"]] == ["force_offset"]
     assert "force_drift" in verdict["not_identifiable"]
     assert "force_offset" not in verdict["not_identifiable"]
+    first, last = found.selection.steps
+    asked = replace(first.candidates[0], name="force_drift", evidence=9.0)
+    steps = [first, replace(last, candidates=[asked])]
+    selection = replace(found.selection, steps=steps)
+    verdict = report(replace(found, selection=selection), LoopSettings())
+    assert "force_drift" not in verdict["not_identifiable"]  # these records speak of it
 
 
 def test_the_choice_of_a_round_is_shown_with_its_own_evidence():
@@ -308,7 +314,9 @@ def test_values_at_a_bound_are_zero_and_an_error_below_the_noise_says_so():
         "left_out_before_percent": 9.0, "left_out_after_percent": 1e-4,
         "separating_experiment": "more",
     }  # fmt: skip
-    text = page("A7", verdict)
+    assert "goes on smoothly" in page("A7", verdict)
+    assert "not cause" not in page("A7", verdict)  # beside effects that explain the residual
+    text = page("A7", {**verdict, "verdict": "explained_class"})
     assert "| share | 0 | 0 to 0.01 | 1 |" in text
     assert "| 0 | 0 to 0.2 | 1 |" in text
     assert "noise taken out, from 9 % of the peak to less than the noise. It was" in text
@@ -352,7 +360,7 @@ def test_what_is_withheld_together_is_told_once_and_with_what_its_error_is():
         "separating_experiment": "more",
     }  # fmt: skip
     assert told(correction) == [f"Not reported: `b` (mN 2 mN), since R. {error}", last]
-    text = page("A7", {**verdict, "correction": correction})
+    text = page("A7", {**verdict, "verdict": "explained_class", "correction": correction})
     assert "noise taken out, from 9 % of the peak to 112 % of the peak. " in text
 
 

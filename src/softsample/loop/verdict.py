@@ -114,10 +114,12 @@ def report(diagnosis: Diagnosis, settings: LoopSettings) -> dict[str, Any]:
     law = diagnosis.final.model.law
     unseen = {e.name for e in diagnosis.selection.library if law.admits(e)} - set(limits)
     unseen -= {*diagnosis.final.model.names, *(effect["name"] for effect in found["effects"])}
+    rounds = [step.candidates for step in diagnosis.selection.steps]
+    seen = {c.name for candidates in rounds for c in candidates if c.evidence > 0.0}
     return {
         **found,
         "recommended": recommended(diagnosis),
-        "not_identifiable": sorted({*found["not_identifiable"], *unseen}),
+        "not_identifiable": sorted({*found["not_identifiable"], *unseen} - seen),
         "detection_limits": {
             e.name: {
                 **_first_size(e, limits[e.name].multiple),

@@ -63,7 +63,8 @@ def page(group: str, verdict: Mapping[str, Any]) -> str:
         against = effect["evidence"] < verdict["path"][0]["threshold"]
         parts += _effect(effect, bool(other and other["chosen_by_other_groups"] and against))
     if verdict["correction"]:
-        parts += [_correction(verdict["correction"]), ""]
+        tells = _beside if verdict["verdict"] == "explained" else _correction
+        parts += [tells(verdict["correction"]), ""]
     parts += _withheld(verdict)
     parts += [
         "## Modulus",
@@ -292,23 +293,42 @@ def _effect(effect: Mapping[str, Any], told: bool) -> list[str]:
 
 
 def _correction(found: Mapping[str, Any]) -> str:
-    """What corrects the model beside the effects, or in their place, and where it holds."""
+    """What corrects the model in place of effects, and where it holds."""
     kind = found["class"].replace("_", " ")
     parts = [f"`{name}`" for name in found["with"]]
     if found["smooth_part"]:
         parts.append("a smooth part")
-    domain = ", ".join(f"{test} {travel:.3g} mm" for test, travel in found["domain_mm"].items())
-    before, after = found["left_out_before_percent"], found["left_out_after_percent"]
-    left = "less than the noise" if after < NO_ERROR else f"{significant(after)} % of the peak"
     factors = ", ".join(f"{mode} {factor:.3g}" for mode, factor in found["modulus_factors"].items())
     modulus = f"It multiplies the modulus at small strain ({factors}). " if factors else ""
     return (
-        f"Correction, not cause (class: {kind}): {' and '.join(parts)}. "
-        f"It takes the error of parts that were left out, noise taken out, from "
-        f"{significant(before)} % of the peak to {left}. "
-        f"It was learned up to {domain}; beyond, it goes on smoothly. "
+        f"Correction, not cause (class: {kind}): {' and '.join(parts)}. It {_takes(found)}. "
+        f"It was learned up to {_domain(found)}; beyond, it goes on smoothly. "
         f"{modulus}Discriminating experiment: {found['separating_experiment']}."
     )
+
+
+def _beside(found: Mapping[str, Any]) -> str:
+    """What corrects the model beside effects that explain the residual."""
+    return (
+        "What these effects leave is no further effect. A smooth correction of it "
+        f"{_takes(found)}, and is part of the errors after. It was learned up to "
+        f"{_domain(found)}; beyond, it goes on smoothly."
+    )
+
+
+def _takes(found: Mapping[str, Any]) -> str:
+    """By how much a correction lowers the error."""
+    before, after = found["left_out_before_percent"], found["left_out_after_percent"]
+    left = "less than the noise" if after < NO_ERROR else f"{significant(after)} % of the peak"
+    return (
+        "takes the error of parts that were left out, noise taken out, from "
+        f"{significant(before)} % of the peak to {left}"
+    )
+
+
+def _domain(found: Mapping[str, Any]) -> str:
+    """Travels up to which a correction was learned."""
+    return ", ".join(f"{test} {travel:.3g} mm" for test, travel in found["domain_mm"].items())
 
 
 def _withheld(verdict: Mapping[str, Any]) -> list[str]:

@@ -203,7 +203,9 @@ def test_what_is_named_is_not_called_not_identifiable(monkeypatch):
     assert "force_drift" in verdict["not_identifiable"]
     assert "force_offset" not in verdict["not_identifiable"]
     first, last = found.selection.steps
-    asked = replace(first.candidates[0], name="force_drift", evidence=9.0)
+    (offset,) = first.candidates
+    fit = replace(offset.fit, state=offset.fit.state.with_values("force_drift", {}))
+    asked = replace(offset, name="force_drift", fit=fit, evidence=9.0)
     steps = [first, replace(last, candidates=[asked])]
     selection = replace(found.selection, steps=steps)
     verdict = report(replace(found, selection=selection), LoopSettings())

@@ -151,6 +151,16 @@ def test_readings_that_lie_unevenly_along_a_curve_are_no_noise(perfect):
     assert white_noise(one.time, force)[0] > 0.04
 
 
+def test_readings_in_groups_without_time_are_no_slow_noise(perfect):
+    """As digitised curves have them: over the number of the reading they are staircases."""
+    stretch = 1.0 + np.cumsum(np.tile([0.02, 0.02, 0.02, 0.1], 8))
+    force = np.round(stretch - stretch**-2, 3)
+    parts = {"time": np.arange(32.0), "phase": np.full(32, "ramp"), "held_out": stretch < 0.0}
+    one = replace(perfect[0], travel=1e-3 * (stretch - 1.0), force=force, timed=False, **parts)
+    assert measure_noise(one, SETTINGS).slow < 1e-3
+    assert measure_noise(replace(one, timed=True), SETTINGS).slow > 1e-2
+
+
 def test_a_reading_coarser_than_its_noise_is_no_better_than_its_last_digit(perfect):
     specimen, digit = perfect[0], 2e-3
     smooth = 0.1 * specimen.travel / specimen.reach

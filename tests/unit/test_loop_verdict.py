@@ -312,7 +312,8 @@ def test_values_at_a_bound_are_zero_and_an_error_below_the_noise_says_so():
     verdict["effects"][0]["parameters"] = {"share": size}
     verdict["theta_after"]["mu1_fraction"] |= {"value": 1.07e-7, "low": 0.0, "high": 0.2}
     verdict["correction"] = {
-        "class": "zero", "smooth_part": True, "with": [], "domain_mm": {}, "modulus_factors": {},
+        "class": "zero", "smooth_part": True, "with": [], "parameters": {}, "domain_mm": {},
+        "modulus_factors": {},
         "left_out_before_percent": 9.0, "left_out_after_percent": 1e-4,
         "separating_experiment": "more",
     }  # fmt: skip
@@ -357,12 +358,13 @@ def test_what_is_withheld_together_is_told_once_and_with_what_its_error_is():
     both = f"Not reported: `a` (mN 2 mN) and `b` (mN 2 mN), since R. {error}"
     assert told() == [both, last]
     correction = {
-        "class": "zero", "smooth_part": False, "with": ["a"], "domain_mm": {},
-        "modulus_factors": {}, "left_out_before_percent": 9.0, "left_out_after_percent": 112.0,
-        "separating_experiment": "more",
+        "class": "zero", "smooth_part": False, "with": ["a"], "parameters": {"a": size},
+        "domain_mm": {}, "modulus_factors": {}, "left_out_before_percent": 9.0,
+        "left_out_after_percent": 112.0, "separating_experiment": "more",
     }  # fmt: skip
     assert told(correction) == [f"Not reported: `b` (mN 2 mN), since R. {error}", last]
     text = page("A7", {**verdict, "verdict": "explained_class", "correction": correction})
+    assert "(class: zero): `a` (mN 2 mN). It takes" in text
     assert "noise taken out, from 9 % of the peak to 112 % of the peak. " in text
 
 

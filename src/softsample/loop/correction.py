@@ -160,6 +160,13 @@ class Confirmed:
             "class": self.kind,
             "smooth_part": self.learned is not None,
             "with": list(self.fit.model.names),
+            "parameters": {
+                e.name: {
+                    p.name: {"value": self.fit.state.values[e.name][p.name], "unit": p.unit}
+                    for p in e.parameters
+                }
+                for e in self.fit.model.effects
+            },
             "domain_mm": {
                 label: float(1e3 * np.abs(s.travel[~s.held_out]).max(initial=0.0))
                 for label, s in zip(problem.labels, problem.specimens, strict=True)

@@ -15,6 +15,9 @@ from softsample.record_noise import SCATTER, SURE, beyond_polynomial, last_digit
 KINDS = ("baseline", "ramp", "hold", "unloading")
 """Phases of a record."""
 
+STILL = ("baseline", "hold")
+"""Those in which the platen rests."""
+
 MOST_BLOCKS, MOST_OF_GROUP, FEWEST = 1000, 3000, 100
 """Blocks of a record at most, as its covariance is a full matrix, and of all tests of a group, each
 of which may have `FEWEST`."""
@@ -218,7 +221,7 @@ def measure_noise(specimen: Specimen, settings: NoiseSettings, most: int = MOST_
     white = max(white, rounding)
     block = size * float(np.median(np.diff(specimen.time)))
     long = max(8, round(5.0 / block))
-    chunks, degree = _windows(specimen, size, long, ("baseline", "hold")), 2
+    chunks, degree = _windows(specimen, size, long, STILL), 2
     if len(chunks) < 2:
         chunks, degree = _windows(specimen, size, long) or _windows(specimen, size, 8), 5
     if not chunks:
@@ -235,11 +238,19 @@ def measure_noise(specimen: Specimen, settings: NoiseSettings, most: int = MOST_
 def _windows(
     specimen: Specimen, size: int, window: int, kinds: Sequence[str] = KINDS
 ) -> list[tuple[Array, Array]]:
-    """Times (window,) [s] and means [N] of as many blocks as fill a window, within one phase."""
+    """Times (window,) [s] and means [N] of as many blocks as fill a window, within one phase.
+
+    Where time was not recorded and the platen moves, its way in mean steps stands for the time:
+    readings may lie unevenly.
+    """
+    steps = np.abs(np.diff(specimen.travel, prepend=specimen.travel[0]))
+    way = np.cumsum(steps) / max(float(steps.mean()), 1e-300)
     found = []
     for part in specimen.stretches:
-        if specimen.phase[part.start] in kinds and not specimen.held_out[part.start]:
-            time, means = (blocks(x[part], size) for x in (specimen.time, specimen.force))
+        kind = str(specimen.phase[part.start])
+        if kind in kinds and not specimen.held_out[part.start]:
+            at = specimen.time if specimen.timed or kind in STILL else way
+            time, means = (blocks(x[part], size) for x in (at, specimen.force))
             starts = range(0, len(means) - window + 1, window)
             found += [(time[k : k + window], means[k : k + window]) for k in starts]
     return found

@@ -295,7 +295,7 @@ def _effect(effect: Mapping[str, Any], told: bool) -> list[str]:
 def _correction(found: Mapping[str, Any]) -> str:
     """What corrects the model in place of effects, and where it holds."""
     kind = found["class"].replace("_", " ")
-    parts = [f"`{name}`" for name in found["with"]]
+    parts = [_sizes({"name": name, "parameters": of}) for name, of in found["parameters"].items()]
     if found["smooth_part"]:
         parts.append("a smooth part")
     factors = ", ".join(f"{mode} {factor:.3g}" for mode, factor in found["modulus_factors"].items())

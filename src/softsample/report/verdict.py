@@ -311,7 +311,7 @@ def _beside(found: Mapping[str, Any]) -> str:
     """What corrects the model beside effects that explain the residual."""
     return (
         "What these effects leave is no further effect. A smooth correction of it "
-        f"{_takes(found)}, and is part of the errors after. It was learned up to "
+        f'{_takes(found)}; errors under "after" include it. It was learned up to '
         f"{_domain(found)}; beyond, it goes on smoothly."
     )
 

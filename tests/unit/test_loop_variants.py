@@ -3,6 +3,7 @@
 from dataclasses import asdict, replace
 
 import numpy as np
+import pandas as pd
 import pytest
 
 import laboratory
@@ -26,9 +27,11 @@ from softsample.response.perturbations import (
     changed_boundaries,
     changed_materials,
     homogeneous_perturbations,
+    perturbations_of,
     simulate_perturbations,
 )
 from softsample.response.pieces import MechanicalTest, MeshedSample, PerturbationSettings, mesher
+from softsample.response.unit import EXACT, homogeneous_response, response_table
 from softsample.shapes import IdealShape
 
 MM = 1e-3
@@ -196,6 +199,32 @@ def test_many_fibres_add_less_each(mode, travel):
         added = run.force - block.plain.force
         assert np.abs(found - added).max() < 0.08 * run.force.max(), angle
         assert np.abs(40.0 * few - added).max() > 0.12 * run.force.max(), angle
+
+
+def test_fibres_add_the_same_force_to_any_law():
+    """Sliding, pulled to a stretch of two, where an exponent of 16 spans decades: by hand."""
+    shape, reach, terms = IdealShape("cuboid", 9 * MM, 9 * MM, 9 * MM), 9 * MM, (-8.0, 16.0)
+    curves, _ = homogeneous_response(shape, "tension", reach, EXACT, terms, 0.4999, 60)
+    solid = OgdenMaterial((0.6, 0.4), terms, 0.4999)
+    steps = {"many_fibres": True, "ends": "sliding"}
+    test = replace(mechanical_test("tension", reach, **steps), material=solid)
+    changes = perturbations_of("ideal", shape, mesh_shifted, test)
+    table = pd.DataFrame(response_table(curves, "tension"))
+    elastic = Elastic.of_tables("tension", table, [changes], solid, shape=shape)
+    travel = np.linspace(0.0, reach, 200)
+    ramp, none = np.full(200, "ramp"), np.zeros(200)
+    strip = Specimen("strip", "tension", np.arange(200.0), travel, none, ramp, elastic)
+    law, stretch = library()["elastic_law"], 1.0 + travel / shape.height
+    k1, angle = 0.3, np.radians(30.0)
+    values = {
+        "elastic_law": {"share": 1.0, "alpha": 3.0},
+        "anisotropy": {"k1": k1, "angle_deg": 30.0},
+    }
+    found = Model((law, ANISOTROPY)).predict(strip, State(Material(1.0, 0.6), values))
+    c, s = np.cos(angle) ** 2, np.sin(angle) ** 2
+    few = 4.0 * k1 * (c * stretch**2 + s / stretch - 1.0) * (c * stretch - 0.5 * s / stretch**2)
+    expected = 2.0 / 3.0 * (stretch**2 - stretch**-2.5) + few
+    assert np.abs(found / shape.area - expected).max() < 5e-3 * expected.max()
 
 
 def test_the_setting_of_few_fibres_changes_no_run_with_many():

@@ -213,19 +213,18 @@ def pulled(x):
 @pytest.mark.parametrize("along", [(0.0, 0.0, 1.0), (1.0, 0.0, 0.0), (1.0, 0.0, 1.0), (1, 2, 3)])
 def test_few_fibres_add_the_slope_of_their_energy(along):
     """``(I4 - 1)^2`` by hand: of pull and push, and of simple shear of an incompressible solid."""
-    solid, fibres = OgdenMaterial((300.0, 700.0), (-8.0, 16.0), 0.49999), Fibres(1.0, along)
+    fibres = Fibres(1.0, along)
     squares = np.square(along) / np.sum(np.square(along))
     for mode, sign in (("tension", 1.0), ("compression", -1.0)):
-        strain = np.array([0.01, 0.1, 0.3])
+        strain = np.array([0.01, 0.1, 0.3, 0.9])
         stretch, slope = pulled(1.0 + sign * strain)
         added = 4.0 * (squares @ stretch**2 - 1.0) * (squares @ (stretch * slope)) * sign
-        found = fibre_force(mode, strain, solid, fibres)
-        assert found == pytest.approx(added, rel=5e-4, abs=1e-5)
+        assert fibre_force(mode, strain, fibres) == pytest.approx(added, rel=1e-6, abs=1e-6)
     strain = np.array([-0.4, 0.1, 0.6])
     x, y, z = along / np.linalg.norm(along)
     square = (x + strain * z) ** 2 + y**2 + z**2
     added = 4.0 * (square - 1.0) * (x + strain * z) * z
-    assert fibre_force("shear", strain, solid, fibres) == pytest.approx(added, rel=1e-3, abs=1e-5)
+    assert fibre_force("shear", strain, fibres) == pytest.approx(added, rel=1e-6, abs=1e-6)
 
 
 def test_foam_bulges_less_than_rubber_when_the_sides_are_held():

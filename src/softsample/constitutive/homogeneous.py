@@ -100,16 +100,17 @@ def homogeneous_normal(strain: ArrayLike, material: Material) -> Array:
     return np.asarray((stress[:, 0] + square * stress[:, 2]) / (1.0 + square))
 
 
-def fibre_force(mode: str, strain: ArrayLike, material: Material, fibres: Term) -> Array:
-    """What few fibres add to the nominal stress along the travel.
+def fibre_force(mode: str, strain: ArrayLike, fibres: Term) -> Array:
+    """What fibres add to the nominal stress along the travel of an incompressible solid.
 
+    Its stretches are those of the test, whatever its law, as long as fibres do not change them.
     At its minimum the energy of a solid changes with a small term by the value of that term in the
     deformation without it, whatever faces are free: the force is the slope of this along the test.
 
     Parameters
     ----------
-    mode, strain, material
-        As of `homogeneous_force`.
+    mode, strain
+        As of `homogeneous_force`; confined compression changes the volume.
     fibres : Term
         Their direction is in the frame of the sample: z along the loading axis, x along the shear.
 
@@ -124,16 +125,17 @@ def fibre_force(mode: str, strain: ArrayLike, material: Material, fibres: Term) 
         As `homogeneous_force`; ValueError, too, if the term is of no direction.
     """
     strain = np.atleast_1d(np.asarray(strain, dtype=np.float64))
-    ahead, behind = (_fibre_energy(mode, strain + h, material, fibres) for h in (STEP, -STEP))
+    ahead, behind = (_fibre_energy(mode, strain + h, fibres) for h in (STEP, -STEP))
     return np.asarray((ahead - behind) / (2.0 * STEP))
 
 
-def _fibre_energy(mode: str, strain: Array, material: Material, fibres: Term) -> Array:
-    """Energy per volume (n,) [Pa] of fibres in the deformation without them."""
+def _fibre_energy(mode: str, strain: Array, fibres: Term) -> Array:
+    """Energy per volume (n,) [Pa] of fibres in an incompressible solid."""
     rule = fibres.rule
     if not isinstance(rule, FibreLaw):
         raise ValueError(f"{fibres.law!r} is no law of fibres")
-    log_stretch, _ = _principal_state(mode, strain, material)
+    given, free = _given(mode, strain), np.array(FREE[mode])
+    log_stretch = given + (_kept_volume(given, free)[:, None] * free if any(free) else 0.0)
     squares = np.exp(2.0 * log_stretch)
     first, isochoric = squares.sum(axis=1), np.exp(-2.0 / 3.0 * log_stretch.sum(axis=1))
     x, y, z = fibres.direction
@@ -160,8 +162,6 @@ def _sign(mode: str) -> float:
 
 def _principal_state(mode: str, strain: ArrayLike, material: Material) -> tuple[Array, Array]:
     """Logarithmic principal stretches (n, 3) and principal Kirchhoff stresses (n, 3) [Pa]."""
-    if mode not in FREE:
-        raise ValueError(f"mode {mode!r} is none of {', '.join(FREE)}")
     if not material.isotropic:
         raise ValueError("homogeneous tests are those of an isotropic solid; leave the fibres out")
     given = _given(mode, np.atleast_1d(np.asarray(strain, dtype=np.float64)))
@@ -172,6 +172,8 @@ def _principal_state(mode: str, strain: ArrayLike, material: Material) -> tuple[
 
 def _given(mode: str, strain: Array) -> Array:
     """Logarithmic principal stretches (n, 3) that the strain sets, zero where it sets none."""
+    if mode not in FREE:
+        raise ValueError(f"mode {mode!r} is none of {', '.join(FREE)}")
     none = np.zeros_like(strain)
     if mode == "shear":
         stretch = np.arcsinh(0.5 * strain)
@@ -182,6 +184,11 @@ def _given(mode: str, strain: Array) -> Array:
             f"strain {worst:g} in {mode} leaves no height; check height_mm and displacement_mm"
         )
     return np.stack([none, none, np.log1p(_sign(mode) * strain)], axis=1)
+
+
+def _kept_volume(given: Array, free: Array) -> Array:
+    """Logarithmic stretch (n,) along the `free` directions that keeps the volume."""
+    return np.asarray(-given.sum(axis=1) / free.sum())
 
 
 def _kirchhoff(log_stretch: NDArray, material: Material) -> NDArray:
@@ -205,7 +212,7 @@ def _free_stretch(given: Array, free: Array, material: Material) -> Array:
     high = np.abs(given).max(axis=1)
     halved = np.clip((np.log(0.5) - given.sum(axis=1)) / free.sum(), -high, high)
     low = np.where(traction(halved) < 0.0, halved, -high)
-    y, tiny = -given.sum(axis=1) / free.sum(), 1e-30
+    y, tiny = _kept_volume(given, free), 1e-30
     for _ in range(200):
         value = traction(y + 1j * tiny)
         low, high = np.where(value.real < 0.0, y, low), np.where(value.real < 0.0, high, y)

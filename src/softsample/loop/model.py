@@ -68,6 +68,11 @@ class Model:
         """The model with another law, if it has one, and no other effect."""
         return Model(tuple(effect for effect in self.effects if effect.is_law))
 
+    @cached_property
+    def without_law(self) -> "Model":
+        """The model with the study's law."""
+        return Model(tuple(effect for effect in self.effects if not effect.is_law))
+
     def admits(self, effect: Effect) -> bool:
         """Whether an effect may be added."""
         return not any(one.excludes(effect) for one in self.effects)
@@ -146,24 +151,19 @@ class Model:
         """Elastic force (n,) [N], without history.
 
         What changes shape, boundary or compressibility changes the same part of the force along the
-        displacement, whatever the law and however uneven the face.
+        displacement, whatever the law; fibres add the same. Either way an uneven face counts.
         """
         fraction = state.material.mu1_fraction
         model = specimen.elastic.force_per_mu(fraction, travel)
-        force = self._of_law(specimen, state, travel, model)
-        changes = [
-            effect.elastic(specimen, fraction, travel, state.values[effect.name])
-            for effect in self._acting(specimen)
-            if effect.elastic and not effect.is_law
-        ]
-        if changes:
-            change = sum(changes[1:], start=changes[0])
-            if specimen.channel == FORCE:
-                change = change * np.divide(
-                    force, model, out=np.ones_like(model), where=model != 0.0
-                )
-            force = force + change
-        return np.asarray(state.material.mu * specimen.stiffness * force)
+        force = added = self._of_law(specimen, state, travel, model)
+        for effect in self._acting(specimen):
+            if effect.elastic and not effect.is_law:
+                change = effect.elastic(specimen, fraction, travel, state.values[effect.name])
+                if specimen.channel == FORCE:
+                    of = self.without_law._of_law if effect.beside else lambda *_: force
+                    change = change * _part(of(specimen, state, travel, model), model)
+                added = added + change
+        return np.asarray(state.material.mu * specimen.stiffness * added)
 
     def _of_law(self, specimen: Specimen, state: "State", travel: Array, model: Array) -> Array:
         """Force per modulus (n,) [m2] of the law, from that of the study's.
@@ -295,6 +295,11 @@ class Packing:
         for (effect, p), x in zip(self.model.parameters, packed, strict=True):
             values[effect.name][p.name] = x * _unit(p)
         return State(Material(math.exp(log_mu), fraction), values, contact_zero)
+
+
+def _part(force: Array, whole: Array) -> Array:
+    """A force (n,) as a part of another one, all of it where there is none."""
+    return np.divide(force, whole, out=np.ones_like(whole), where=whole != 0.0)
 
 
 def _unit(parameter: Parameter) -> float:

@@ -90,9 +90,9 @@ def table_of_changes(
 
 
 def for_all_fractions(
-    changes: Mapping[str, Array], curves: ResponseCurves, fraction: float
+    changes: Mapping[str, Array], curves: ResponseCurves, fraction: float, exact: bool = False
 ) -> dict[str, ResponseCurves]:
-    """Changes that were simulated at one fraction, carried to all, without the grain of the mesh.
+    """Changes that were computed at one fraction, carried to all, without the grain of the mesh.
 
     Fibres are beside the solid; what changes shape, boundary or compressibility changes the force
     by the same part of it. That part is smooth along the travel, while nodes of a coarse mesh meet
@@ -106,13 +106,15 @@ def for_all_fractions(
     curves : ResponseCurves
         Force of the unchanged model.
     fraction : float
-        At which they were simulated.
+        At which they were computed.
+    exact : bool
+        Whether they are of the closed form, which has no grain.
     """
     r, there = curves.fractions, curves.curve(fraction)
     forces = np.stack([curves.curve(x) for x in r])
     follows = {**{name: np.tile(there, (len(r), 1)) for name in changes if name.startswith(FIBRES)}}
     parts = {
-        name: _smooth_part(curves.displacement, change, there)
+        name: _part(change, there) if exact else _smooth_part(curves.displacement, change, there)
         for name, change in changes.items()
         if name != PRESSED_ELSEWHERE
     }
@@ -141,6 +143,11 @@ def between_fractions(
         at_ends = one.curve(low), second[name].curve(high)
         changes[name] = one.like(np.outer(1.0 - part, at_ends[0]) + np.outer(part, at_ends[1]))
     return changes
+
+
+def _part(change: Array, force: Array) -> Array:
+    """A change as a part (n,) of the force, none where there is no force."""
+    return np.divide(change, force, out=np.zeros_like(change), where=force != 0.0)
 
 
 def _smooth_part(travel: Array, change: Array, force: Array) -> Array:

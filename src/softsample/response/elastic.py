@@ -95,11 +95,13 @@ class Elastic:
         perturbations: dict[str, ResponseCurves | Array] = {}
         runs: dict[float, Array] = {}
         for table in changes:
-            of_fraction = {}
-            for fraction in map(float, table["mu1_fraction"].unique()):
+            of_fraction, fractions = {}, table["mu1_fraction"].unique()
+            for fraction in map(float, fractions):
                 part = table[table["mu1_fraction"] == fraction]
                 simulated, single = split_laws(read_changes(part, found, mode, channel))
-                of_fraction[fraction] = for_all_fractions(simulated, found, fraction)
+                of_fraction[fraction] = for_all_fractions(
+                    simulated, found, fraction, exact=len(fractions) > 1
+                )
                 runs |= single
             perturbations |= between_fractions(of_fraction)
         if real is not None:

@@ -214,7 +214,7 @@ def homogeneous_perturbations(
 
     Few fibres only where directions are stated, and not in the normal force.
     """
-    travel = np.linspace(0.0, MARGIN * test.travel, test.solver.curve_points + 1)
+    travel = np.linspace(0.0, test.travel, test.solver.curve_points + 1)
 
     def area(of: IdealShape, solid: Material) -> Array:
         channels = (False, True) if test.normal else (False,)
@@ -229,7 +229,7 @@ def homogeneous_perturbations(
         strain, modulus = travel / shape.height, test.material.shear_modulus
         for name, of in changed:
             if not of.isotropic and not name.endswith(OF_MANY):
-                stress = fibre_force(test.mode, strain, test.material, of.terms[-1])
+                stress = fibre_force(test.mode, strain, of.terms[-1])
                 changes[name] = (shape.area * stress / modulus)[:, None]
     changes["boundary_shift"] = area(shape.grown(1e-3 * test.steps.shift_mm), test.material) - base
     return travel, _by_channel(

@@ -94,6 +94,7 @@ EFFECT = Effect(
         Parameter("angle_deg", "deg", -90.0, 90.0, 0.0, grid=GRID),
     ),
     like_floor=True,
+    beside=True,
     source="Jin et al., J. Biomech. 46 (2013) 2795; own runs with k1 (I4 - 1)^2, k1 = mu/10, along "
     "z, x and the diagonals; the angle is that from z to where the shear goes",
     signature="ratio of shear to axial stiffness",

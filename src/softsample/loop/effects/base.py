@@ -111,6 +111,8 @@ class Effect:
     like_floor : bool
         Whether errors of geometry, mesh and element type may lie along it, where no record can
         show them: only what exceeds their stated sizes is evidence for it.
+    beside : bool
+        Whether what it adds to the elastic force is the same whatever the law.
     travel : callable, optional
         Displacement (n,) [m] that reaches the sample, of one of the platen. This and those below
         are what it does at each stage, by a specimen and the values of its parameters.
@@ -142,6 +144,7 @@ class Effect:
     is_law: bool = False
     has: tuple[str, ...] = ()
     like_floor: bool = False
+    beside: bool = False
     whole: Callable[[Values], float] | None = None
     starts: tuple[Values, ...] = ()
     travel: Callable[[Specimen, Array, Values], Array] | None = None

@@ -6,6 +6,7 @@ follow from faces without traction. The finite element tests with sliding ends a
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
+from scipy.optimize.elementwise import find_minimum
 
 from softsample.arrays import Array
 from softsample.constitutive.law import FibreLaw
@@ -28,8 +29,11 @@ COMPRESSIVE = ("compression", "confined_compression")
 CLOSE = 1e-11
 """Change of a logarithmic stretch, or interval that holds it, that ends Newton's iteration."""
 
-STEP = 1e-5
+STEP = 1e-4
 """Strain over which energies are differentiated."""
+
+FLATTEST = (-3.0, 0.0, 3.0)
+"""Logarithmic stretches between which a section is flattened by fibres."""
 
 
 def homogeneous_force(mode: str, strain: ArrayLike, material: Material) -> Array:
@@ -100,12 +104,11 @@ def homogeneous_normal(strain: ArrayLike, material: Material) -> Array:
     return np.asarray((stress[:, 0] + square * stress[:, 2]) / (1.0 + square))
 
 
-def fibre_force(mode: str, strain: ArrayLike, fibres: Term) -> Array:
+def fibre_force(mode: str, strain: ArrayLike, fibres: Term, modulus: float) -> Array:
     """What fibres add to the nominal stress along the travel of an incompressible solid.
 
-    Its stretches are those of the test, whatever its law, as long as fibres do not change them.
-    At its minimum the energy of a solid changes with a small term by the value of that term in the
-    deformation without it, whatever faces are free: the force is the slope of this along the test.
+    Its stretches are those of the test, whatever the law; but in a pull or a push fibres flatten
+    the section, which the solid resists as a neo-Hookean one. Principal directions stay.
 
     Parameters
     ----------
@@ -113,11 +116,13 @@ def fibre_force(mode: str, strain: ArrayLike, fibres: Term) -> Array:
         As of `homogeneous_force`; confined compression changes the volume.
     fibres : Term
         Their direction is in the frame of the sample: z along the loading axis, x along the shear.
+    modulus : float
+        Shear modulus of the solid [Pa].
 
     Returns
     -------
     (n,) float64
-        Force along the travel per reference area [Pa], to first order in the fibres' modulus.
+        Force along the travel per reference area [Pa].
 
     Raises
     ------
@@ -125,26 +130,31 @@ def fibre_force(mode: str, strain: ArrayLike, fibres: Term) -> Array:
         As `homogeneous_force`; ValueError, too, if the term is of no direction.
     """
     strain = np.atleast_1d(np.asarray(strain, dtype=np.float64))
-    ahead, behind = (_fibre_energy(mode, strain + h, fibres) for h in (STEP, -STEP))
+    ahead, behind = (_fibre_energy(mode, strain + h, fibres, modulus) for h in (STEP, -STEP))
     return np.asarray((ahead - behind) / (2.0 * STEP))
 
 
-def _fibre_energy(mode: str, strain: Array, fibres: Term) -> Array:
-    """Energy per volume (n,) [Pa] of fibres in an incompressible solid."""
-    rule = fibres.rule
+def _fibre_energy(mode: str, strain: Array, fibres: Term, modulus: float) -> Array:
+    """Energy per volume (n,) [Pa] that fibres add, least over the shapes of a free section."""
+    rule, (x, y, z) = fibres.rule, fibres.direction
     if not isinstance(rule, FibreLaw):
         raise ValueError(f"{fibres.law!r} is no law of fibres")
     given, free = _given(mode, strain), np.array(FREE[mode])
     log_stretch = given + (_kept_volume(given, free)[:, None] * free if any(free) else 0.0)
-    squares = np.exp(2.0 * log_stretch)
-    first, isochoric = squares.sum(axis=1), np.exp(-2.0 / 3.0 * log_stretch.sum(axis=1))
-    x, y, z = fibres.direction
-    if mode == "shear":  # of x over z, in which only y is principal
-        along = x**2 + squares[:, 1] * y**2 + 2.0 * strain * x * z + (1.0 + strain**2) * z**2
-    else:
-        along = squares @ np.square([x, y, z])
-    energy, *_ = rule.slopes(isochoric * first - 3.0, isochoric * along - 1.0, fibres.shape)
-    return np.asarray(fibres.modulus * energy)
+
+    def energy(flat: Array, strain: Array, *logs: Array) -> Array:
+        one, two, three = np.exp(2.0 * np.stack([logs[0] + flat, logs[1] - flat, logs[2]]))
+        along = one * x**2 + two * y**2 + three * z**2
+        if mode == "shear":  # of x over z, in which only y is principal
+            along = x**2 + two * y**2 + 2.0 * strain * x * z + (1.0 + strain**2) * z**2
+        first, isochoric = one + two + three, np.exp(-2.0 / 3.0 * sum(logs))
+        added, *_ = rule.slopes(isochoric * first - 3.0, isochoric * along - 1.0, fibres.shape)
+        flattened = first - np.exp(2.0 * np.stack(logs)).sum(axis=0)
+        return np.asarray(fibres.modulus * added + 0.5 * modulus * flattened)
+
+    of = strain, *log_stretch.T
+    both_free = free.sum() == 2.0
+    return energy(find_minimum(energy, FLATTEST, args=of).x if both_free else 0.0 * strain, *of)
 
 
 def principal_stretches(mode: str, strain: float, material: Material) -> Array:

@@ -212,7 +212,7 @@ def homogeneous_perturbations(
 ) -> tuple[Array, Mapping[str, Array]]:
     """The same in closed form for an ideal shape with sliding ends: material and size.
 
-    Few fibres only where directions are stated, and not in the normal force.
+    Fibres only where directions are stated, and not in the normal force.
     """
     travel = np.linspace(0.0, test.travel, test.solver.curve_points + 1)
 
@@ -228,8 +228,8 @@ def homogeneous_perturbations(
     if test.many_fibres and not test.normal:
         strain, modulus = travel / shape.height, test.material.shear_modulus
         for name, of in changed:
-            if not of.isotropic and not name.endswith(OF_MANY):
-                stress = fibre_force(test.mode, strain, of.terms[-1])
+            if not of.isotropic:
+                stress = fibre_force(test.mode, strain, of.terms[-1], modulus)
                 changes[name] = (shape.area * stress / modulus)[:, None]
     changes["boundary_shift"] = area(shape.grown(1e-3 * test.steps.shift_mm), test.material) - base
     return travel, _by_channel(

@@ -30,7 +30,8 @@ def _by_many(specimen: Specimen, name: str, fraction: float, travel: Array, k1: 
 
     Few change the force in proportion to k1; of many it rises less and less, since they change the
     deformation: as k1 / (1 + b k1), through the runs with k1 = mu/10 and 2 mu, within 3 % of the
-    force at mu and 13 % at 3 mu. Without the second run, in proportion.
+    force at mu and 13 % at 3 mu; of sliding ends 2 and, at 5 mu, 8. Without the second run, in
+    proportion.
     """
     few, many = (
         specimen.elastic.change_per_mu(f"fibres_{name}{end}", fraction, travel)

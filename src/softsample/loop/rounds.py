@@ -18,7 +18,7 @@ NEIGHBOURS = 10
 
 PROMISING = 0.1
 """Candidates whose linear gain is below this part of the best one's, or of the threshold, are not
-fitted."""
+fitted; the discrepancy is not estimated about those whose gain in a fit is."""
 
 
 @dataclass(frozen=True)
@@ -139,7 +139,6 @@ def fitted(here: Round, effects: Sequence[Effect]) -> list[Candidate]:
     ranked = sorted(
         found.values(), key=lambda pair: pair[0] - penalty(pair[1].effect, n), reverse=True
     )
-    candidates: list[Candidate] = []
     least = PROMISING * max([threshold, *(gain for gain, _ in ranked)])
     smooth = _smooth_excess(current.problem.by_test(current.white[: current.problem.count]))
     promising = [s for gain, s in ranked[: settings.refits] if gain >= least]
@@ -148,20 +147,32 @@ def fitted(here: Round, effects: Sequence[Effect]) -> list[Candidate]:
         and (s.effect.starts or s.effect.is_law
              or (s.effect.idealised and s.strength >= LEAST_SIGNATURE))
     ]  # fmt: skip
-    for signature in [*promising, *others]:
+    fits = [joint_fit(current, signature, settings.class_gain) for signature in promising]
+    candidates = [_candidate(here, fit) for fit in fits if _may_be_chosen(here, fit, fits)]
+    for signature in others:
         # of others a linear gain says little; laws and relaxation gain what is smooth at most
         asked = max([threshold, *(c.evidence - settings.class_gain for c in candidates)])
         smoothing = signature.effect.is_law or signature.effect.of_time
-        if signature in others and smoothing and smooth < asked:
-            continue
-        joint = joint_fit(current, signature, settings.class_gain)
-        candidates.append(_candidate(here, joint))
+        if not smoothing or smooth >= asked:
+            fits.append(joint_fit(current, signature, settings.class_gain))
+            if _may_be_chosen(here, fits[-1], fits):
+                candidates.append(_candidate(here, fits[-1]))
     candidates.sort(key=lambda c: c.evidence, reverse=True)
     if candidates and current.model.effects:
         again = restarted(candidates[0].fit, settings)
         if again is not candidates[0].fit:
             candidates[0] = max(candidates[0], _candidate(here, again), key=lambda c: c.evidence)
     return candidates
+
+
+def _may_be_chosen(here: Round, fit: Fit, fits: Sequence[Fit]) -> bool:
+    """Whether a joint fit gains enough beside others for its discrepancy to be estimated.
+
+    Laws, and what the model is known to leave out, set out on searches of their own.
+    """
+    gain, *gains = (here.current.cost - one.cost for one in (fit, *fits))
+    effect, least = fit.model.effects[-1], PROMISING * max([here.threshold, *gains])
+    return gain >= (min(least, here.threshold) if effect.idealised or effect.is_law else least)
 
 
 def _candidate(here: Round, fit: Fit) -> Candidate:

@@ -10,7 +10,7 @@ import numpy as np
 from softsample.loop.choose import Step, chosen_of, class_of, one_more
 from softsample.loop.discrepancy import settled
 from softsample.loop.effects.base import Effect
-from softsample.loop.fit import Fit, Problem
+from softsample.loop.fit import SETTLED, Fit, Problem
 from softsample.loop.model import Model
 from softsample.loop.rounds import Candidate, Round, SelectionSettings, restarted, settled_near
 from softsample.loop.screen import (
@@ -209,11 +209,21 @@ def first_steps(step: Step) -> list[Step]:
     return [one for one in steps if one.chosen]
 
 
+@dataclass(frozen=True)
+class _Place:
+    """Where a search was: what was left there, and what it visited, so many models before."""
+
+    left: float
+    visited: list[_Visited]
+    count: int
+
+
 @dataclass
 class _Search:
     """State of a selection: what has been chosen, and the noise with the doubt of its form.
 
-    It sets out from `opening`, the round of the plain model.
+    It sets out from `opening`, the round of the plain model. What others from there have `been` to
+    is known.
     """
 
     problem: Problem
@@ -225,20 +235,19 @@ class _Search:
     classes: dict[str, list[str]] = field(default_factory=dict)
     doubted: dict[str, bool] = field(default_factory=dict)
     visited: list[_Visited] = field(default_factory=list)
-    been: set[frozenset[str]] = field(default_factory=set)
+    been: dict[frozenset[str], _Place] = field(default_factory=dict)
 
     def completed(self, step: Step | None = None) -> Self:
         """Another search from here, that sets out from a step, or from nothing.
 
         It adds effects until no more are asked for, and exchanges what was a wrong choice.
         """
-        other = replace(self, steps=[], classes={}, doubted={}, visited=[], been=set())
+        other = replace(self, steps=[], classes={}, doubted={}, visited=[])
         if step is None:
             other._visit()
         else:
             other.begin(step)
-        other.forward()
-        while other.exchange() and other.forward():
+        while other.forward() and other.exchange():
             pass
         if step is not None:
             other._tell_beside_others()
@@ -264,15 +273,13 @@ class _Search:
         self._take(self.doubting, step.chosen, step.members)
 
     def forward(self) -> bool:
-        """One effect after the other, until no more are asked for; whether any were looked for.
+        """One effect more after the other, until no more are asked for; whether it came so far.
 
-        What makes others superfluous may be superfluous beside what comes next: a search that is
-        where it was before has ended.
+        What makes others superfluous may be superfluous beside what comes next: a search that
+        comes to where it or an earlier one was, and is no likelier, has ended as that goes on.
         """
-        before = len(self.been)
-        while (here := frozenset(self.current.model.names)) not in self.been:
-            self.been.add(here)
-            if len(here) == self.opening.settings.most_effects:
+        while not (before := self._before()):
+            if len(self.current.model.effects) == self.opening.settings.most_effects:
                 return True
             step = self._round(self.doubting, self.current)
             if step.chosen is None:
@@ -280,7 +287,18 @@ class _Search:
                 return True
             self.begin(step)
         self.steps.append(Step(self.opening.threshold, [], None))
-        return len(self.been) > before
+        if before.visited is not self.visited:
+            self.visited += before.visited[before.count :]
+        return False
+
+    def _before(self) -> _Place | None:
+        """Where a search had these effects, if this one is no likelier; else it is remembered."""
+        here, left = frozenset(self.current.model.names), self.visited[-1].left
+        before = self.been.get(here)
+        if before and left >= before.left - SETTLED:
+            return before
+        self.been[here] = _Place(left, self.visited, len(self.visited))
+        return None
 
     def exchange(self) -> bool:
         """Replace the first effect for which another is better beside those that came later.

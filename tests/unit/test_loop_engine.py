@@ -56,7 +56,7 @@ from softsample.loop.noise import (
     shared,
 )
 from softsample.loop.posed import LoopSettings, pose
-from softsample.loop.rounds import Candidate, Round
+from softsample.loop.rounds import Candidate, Round, SelectionSettings, _may_be_chosen
 from softsample.loop.screen import Signature, family_wise, null_threshold, penalty, signatures
 from softsample.loop.select import _alone, _Search, plain_model, select
 from softsample.loop.specimen import Specimen, blocks
@@ -1044,6 +1044,48 @@ def test_an_effect_that_was_exchanged_does_not_come_back(monkeypatch):
     assert list(search.classes) == ["B", "C", "D"]
 
 
+@pytest.mark.parametrize(("cost", "rounds"), [(1.0, 1), (0.5, 2)])
+def test_a_search_ends_where_an_earlier_one_was_unless_it_is_likelier_there(
+    monkeypatch, cost, rounds
+):
+    """A and then B were chosen, and then C; the other search sets out from B."""
+
+    def fit(*names):
+        effects = tuple(SimpleNamespace(name=name) for name in names)
+        left = cost if names == ("B", "A") else 1.0
+        return SimpleNamespace(model=Model(effects), state=None, cost=left, white=np.ones(9))
+
+    def candidate(*names):
+        return Candidate(names[-1], fit(*names), fit(*names), 1.0, 20.0, False)
+
+    follows, asked = {"": "A", "A": "B", "B": "A", "AB": "C"}, []
+
+    class Search(_Search):
+        def _round(self, problem, current):
+            here = "".join(sorted(current.model.names))
+            asked.append(here)
+            if here not in follows:
+                return Step(12.0, [], None)
+            chosen = candidate(*current.model.names, follows[here])
+            return Step(12.0, [chosen], chosen, [chosen.name])
+
+        def exchange(self):
+            return False
+
+    posed = SimpleNamespace(unseen=[])
+    monkeypatch.setattr("softsample.loop.select._pruned", lambda problem, fit, settings: fit)
+    monkeypatch.setattr("softsample.loop.select.unusable", lambda fit: "")
+    monkeypatch.setattr("softsample.loop.select.misfit_with_penalties", lambda fit: fit.cost)
+    monkeypatch.setattr("softsample.loop.rounds.settled", lambda problem, fit, *rounds: fit)
+    rules = SelectionSettings(most_effects=4)
+    fresh = Search(posed, [], Round(fit(), fit(), rules), posed, fit())
+    first = fresh.completed()
+    other = fresh.completed(Step(12.0, [candidate("B")], candidate("B"), ["B"]))
+    assert asked.count("AB") == rounds
+    for search in (first, other):  # goes on as the first did
+        assert {"A", "B", "C"} in [set(model.classes) for model in search.visited]
+
+
 def test_a_search_that_is_where_it_was_before_ends(monkeypatch):
     """What is chosen makes the other superfluous, and the other is chosen again."""
     problem, _ = pose(laboratory.Lab(seed=5, drift=1.0).specimens(), SETTINGS)
@@ -1092,6 +1134,25 @@ def test_an_effect_that_the_model_has_no_curve_for_is_no_candidate(problem):
     effects = [library()[name] for name in ("real_geometry", "force_offset")]
     step, *_ = select(problem, effects, LoopSettings().selection).steps
     assert "real_geometry" not in {candidate.name for candidate in step.candidates}
+
+
+@pytest.mark.parametrize(
+    ("gain", "best", "special", "expected"),
+    [(60.0, 500.0, False, True), (40.0, 500.0, False, False), (40.0, 500.0, True, True),
+     (10.0, 500.0, True, False), (2.0, 2.0, False, True), (1.0, 2.0, False, False)],
+)  # fmt: skip
+@pytest.mark.parametrize("name", ["elastic_law", "real_geometry"])
+def test_the_discrepancy_is_estimated_about_fits_that_may_be_chosen(
+    name, gain, best, special, expected
+):
+    """A tenth of the best or of the threshold; the threshold of what opens a search of its own."""
+
+    def fit(gain, effect="force_drift"):
+        return SimpleNamespace(cost=1000.0 - gain, model=Model((library()[effect],)))
+
+    here = Round(fit(0.0), fit(0.0), threshold=12.0)
+    one = fit(gain, name if special else "force_drift")
+    assert _may_be_chosen(here, one, [fit(best), one]) == expected
 
 
 def test_an_effect_that_explains_nothing_is_like_no_other(problem):

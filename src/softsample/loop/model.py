@@ -69,7 +69,7 @@ class Model:
         return Model(tuple(effect for effect in self.effects if effect.is_law))
 
     @cached_property
-    def without_law(self) -> "Model":
+    def _lawless(self) -> "Model":
         """The model with the study's law."""
         return Model(tuple(effect for effect in self.effects if not effect.is_law))
 
@@ -160,8 +160,10 @@ class Model:
             if effect.elastic and not effect.is_law:
                 change = effect.elastic(specimen, fraction, travel, state.values[effect.name])
                 if specimen.channel == FORCE:
-                    of = self.without_law._of_law if effect.beside else lambda *_: force
-                    change = change * _part(of(specimen, state, travel, model), model)
+                    whole = force
+                    if effect.beside:
+                        whole = self._lawless._of_law(specimen, state, travel, model)
+                    change = change * _part(whole, model)
                 added = added + change
         return np.asarray(state.material.mu * specimen.stiffness * added)
 

@@ -32,7 +32,7 @@ CLOSE = 1e-11
 STEP = 1e-4
 """Strain over which energies are differentiated."""
 
-FLATTEST = (-3.0, 0.0, 3.0)
+FLATTEST = (-5.0, 0.0, 5.0)
 """Logarithmic stretches between which a section is flattened by fibres."""
 
 

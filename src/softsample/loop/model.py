@@ -9,6 +9,7 @@ import numpy as np
 
 from softsample.loop.effects.base import MODES, Effect, Parameter, Values
 from softsample.loop.specimen import FORCE, Array, Mask, Specimen
+from softsample.response.changes import part_of
 
 ITERATIONS, CLOSE = 20, 1e-9
 """Of the travel under a machine that yields: how many, and the part of the reach that is exact."""
@@ -163,7 +164,7 @@ class Model:
                     whole = force
                     if effect.beside:
                         whole = self._lawless._of_law(specimen, state, travel, model)
-                    change = change * _part(whole, model)
+                    change = change * part_of(model, whole)
                 added = added + change
         return np.asarray(state.material.mu * specimen.stiffness * added)
 
@@ -297,11 +298,6 @@ class Packing:
         for (effect, p), x in zip(self.model.parameters, packed, strict=True):
             values[effect.name][p.name] = x * _unit(p)
         return State(Material(math.exp(log_mu), fraction), values, contact_zero)
-
-
-def _part(force: Array, whole: Array) -> Array:
-    """A force (n,) as a part of another one, all of it where there is none."""
-    return np.divide(force, whole, out=np.ones_like(whole), where=whole != 0.0)
 
 
 def _unit(parameter: Parameter) -> float:

@@ -112,9 +112,9 @@ def for_all_fractions(
     """
     r, there = curves.fractions, curves.curve(fraction)
     forces = np.stack([curves.curve(x) for x in r])
-    follows = {**{name: np.tile(there, (len(r), 1)) for name in changes if name.startswith(FIBRES)}}
+    follows = {name: np.tile(there, (len(r), 1)) for name in changes if name.startswith(FIBRES)}
     parts = {
-        name: _part(change, there) if exact else _smooth_part(curves.displacement, change, there)
+        name: part_of(there, change) if exact else _smooth_part(curves.displacement, change, there)
         for name, change in changes.items()
         if name != PRESSED_ELSEWHERE
     }
@@ -145,9 +145,9 @@ def between_fractions(
     return changes
 
 
-def _part(change: Array, force: Array) -> Array:
-    """A change as a part (n,) of the force, none where there is no force."""
-    return np.divide(change, force, out=np.zeros_like(change), where=force != 0.0)
+def part_of(whole: Array, force: Array) -> Array:
+    """A force or a change of one as a part (n,) of a force; all of it where there is none."""
+    return np.divide(force, whole, out=np.ones_like(whole), where=whole != 0.0)
 
 
 def _smooth_part(travel: Array, change: Array, force: Array) -> Array:

@@ -11,9 +11,7 @@ ALL = {"tension", "compression", "shear"}
 HEAD = """# Effects that the diagnosis can name
 
 Written by `benchmarks/effects_page.py` from `src/softsample/loop/effects`; edit the files there.
-Selection: [loop.md](loop.md); how to add one: [CONTRIBUTING.md](../CONTRIBUTING.md). A section has
-the signature of an effect, what it is confounded with, the discriminating experiment, and the
-source of form and range.
+Selection: [loop.md](loop.md); how to add one: [CONTRIBUTING.md](../CONTRIBUTING.md).
 
 An effect is absent at the null values of its amplitudes, 0 unless stated. Its sensitivity is
 computed at the reference values. Parameters marked *shape* (times, onsets) enter nonlinearly and

@@ -172,7 +172,7 @@ def _tell(result: "Inspection", folder: str) -> int:
         return 1
     outcome = "Nothing is refused, but look at the doubts" if result.doubts else "No fault found"
     print(f"\n{outcome}; samples: {len(result.seen)}. Please compare units, signs and zero with")
-    print("what the machine does. Next, for a look in minutes (without the last word in full):")
+    print("what the machine does. Next, for a first look in minutes (mesh of 1 mm):")
     where = shlex.quote(folder)
     make = f"make study DIR={where} CONFIG=config/quick.yaml"
     print(_spoken(make, f"softsample run {where} --quick"))

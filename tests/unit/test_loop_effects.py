@@ -236,8 +236,11 @@ def test_play_is_used_up_at_each_reversal():
     travel = np.array([0.0, 1.0, 3.0, 2.9, 2.0, 0.0, 0.05, 1.0, 3.0, 4.0, 3.95])
     expected = [0.0, 1.0, 3.0, 3.0, 2.1, 0.1, 0.1, 1.0, 3.0, 4.0, 4.0]
     np.testing.assert_allclose(followed(travel, 0.1), expected)
-    reached = EFFECTS["backlash"].travel(None, 1e-3 * travel, {"play_mm": 0.1})
-    np.testing.assert_allclose(reached, 1e-3 * np.array(expected))
+    later = [0.0, 0.9, 2.9, 2.9, 2.0, 0.0, 0.0, 0.9, 2.9, 3.9, 3.9]
+    for ahead, found in ((0.0, expected), (1.0, later)):
+        values = {"play_mm": 0.1, "ahead": ahead}
+        reached = EFFECTS["backlash"].travel(None, 1e-3 * travel, values)
+        np.testing.assert_allclose(reached, 1e-3 * np.array(found), atol=1e-12)
 
 
 def test_an_effect_does_not_depend_on_when_the_clock_was_started(specimens, known):

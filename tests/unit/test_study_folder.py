@@ -114,12 +114,26 @@ def test_an_added_sample_overwrites_nothing(study, capsys):
     assert add(study, record="other") == 1
     assert "'C7' stands in row" in capsys.readouterr().err
     elsewhere = study.parent / "from the scanner"
+    (elsewhere / "C7.nii.gz").write_bytes(b"of another piece")
     again = ["--mode", "compression", "--image", str(elsewhere / "C7.nii.gz"), "--sample", "D7"]
     assert main(["add", str(study), *again, "--record", str(elsewhere / "C7.csv")]) == 1
     assert "C7.nii.gz is there already" in capsys.readouterr().err
     assert (study / "C7.csv").read_bytes() == kept
     assert main(["add", str(study), "--mode", "shear", "--image", "no", "--record", "no"]) == 1
     assert "no: no such image; correct its path" in capsys.readouterr().err
+
+
+def test_a_piece_that_is_tested_again_has_its_image_already(study):
+    """The same image from elsewhere is no other one; its tests are named by their records."""
+    assert add(study) == 0
+    elsewhere = study.parent / "from the scanner"
+    (elsewhere / "C7 again").mkdir()
+    image = shutil.copy(elsewhere / "C7.nii.gz", elsewhere / "C7 again")
+    record = shutil.copy(elsewhere / "C7.csv", elsewhere / "C7 again" / "E7.csv")
+    again = ["--mode", "shear", "--image", str(image), "--record", str(record), "--specimen", "C7"]
+    assert main(["add", str(study), *again]) == 0
+    row = (study / "samples.tsv").read_text().splitlines()[-1].split("\t")
+    assert row[:6] == ["E7", "C7", "shear", "C7.nii.gz", "E7.csv", "C7"]
 
 
 def test_units_signs_and_zero_are_told(study, capsys):

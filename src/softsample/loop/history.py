@@ -70,11 +70,14 @@ def turned(travel: Array) -> Array:
 
 
 @njit(cache=True)
-def followed(travel: Array, play: float) -> Array:
-    """Travel of what is driven with play [as `travel`]: it stays until the play is used up."""
+def followed(travel: Array, play: float, ahead: float = 0.0) -> Array:
+    """Travel of what is driven with play [as `travel`]: it stays until the play is used up.
+
+    At the start a part `ahead` of the play lies in the direction of loading.
+    """
     found = np.empty_like(travel)
     place = travel[0]
     for k in range(len(travel)):
-        place = min(max(place, travel[k]), travel[k] + play)
+        place = min(max(place, travel[k] - ahead * play), travel[k] + (1.0 - ahead) * play)
         found[k] = place
     return found

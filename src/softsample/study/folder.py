@@ -1,5 +1,6 @@
 """A new study folder with a worked sample, and samples added to it."""
 
+import filecmp
 import re
 import shutil
 from collections.abc import Mapping
@@ -49,9 +50,10 @@ def add_sample(folder: PathLike, cells: Mapping[str, str]) -> str:
         Of the study.
     cells
         Of the row by column, empty ones may be absent; columns that the table lacks are added to
-        it. Files are named from where they are; the image may be a
-        folder of DICOM files. `sample` is by default the name of the first of image, surface and
-        record, `group` is the sample.
+        it. Files are named from where they are; the image may be a folder of DICOM files, and
+        one that the study has, of a piece that is tested again. `sample` is by default the name of
+        the first of image, surface and record, beside a `specimen` that of the record; `group` is
+        by default the specimen, or the sample.
 
     Returns
     -------
@@ -69,8 +71,9 @@ def add_sample(folder: PathLike, cells: Mapping[str, str]) -> str:
     row = {name: cell for name, cell in cells.items() if cell}
     if "record" not in files:
         raise InputError(f"{table}: a sample needs a record; name its file")
-    row.setdefault("sample", _name_of(next(files[c] for c in NAMING if c in files)))
-    row.setdefault("group", row["sample"])
+    naming = ("record",) if "specimen" in row else NAMING
+    row.setdefault("sample", _name_of(next(files[c] for c in naming if c in files)))
+    row.setdefault("group", row.get("specimen", row["sample"]))
     targets = {column: table.parent / source.name for column, source in files.items()}
     taken: dict[Path, str] = {}
     for column, source in files.items():
@@ -138,6 +141,8 @@ def _check_source(column: str, source: Path) -> None:
 
 
 def _check_free(source: Path, target: Path) -> None:
-    """Refuse a file whose name is taken in the study."""
-    if target.exists() and source.resolve() != target.resolve():
+    """Refuse a file whose name is taken in the study by another one."""
+    if not target.exists() or source.resolve() == target.resolve():
+        return
+    if source.is_dir() or target.is_dir() or not filecmp.cmp(source, target, shallow=False):
         raise InputError(f"{target} is there already; rename {source}, or add the row yourself")

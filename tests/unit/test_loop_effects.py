@@ -198,6 +198,20 @@ def strip(nu, time, strain):
     return Specimen("strip", "tension", time, strain, np.zeros_like(time), phase, elastic)
 
 
+def test_a_glued_platen_pulls_on_what_has_relaxed():
+    time = np.arange(0.0, 40.0, 0.02)
+    strain = np.interp(time, [0.0, 10.0, 30.0, 40.0], [0.0, 1.0, 1.0, 0.0])
+    free = strip(0.42, time, strain)
+    values = {"g1": 0.4, "tau1_s": 8.0, "g2": 0.0, "g3": 0.0, "tau3_s": 60.0, "bulk": 0.0}
+    model = Model((EFFECTS["viscoelastic_relaxation"],))
+    state = State(Material(1.0, 0.5), {"viscoelastic_relaxation": values})
+    wanted = model.predict(free, state)
+    assert wanted.min() < -0.1 * wanted.max()
+    for glued, least in ((True, -np.inf), (False, 0.0)):
+        pressed = replace(free, elastic=replace(free.elastic, contact=True, glued=glued))
+        np.testing.assert_array_equal(model.predict(pressed, state), np.maximum(wanted, least))
+
+
 @pytest.mark.parametrize("g", [0.3, 0.6])
 @pytest.mark.parametrize("bulk", [0.0, 1.0])
 def test_a_bulk_modulus_that_stays_is_felt_as_in_a_strip_between_walls(bulk, g):

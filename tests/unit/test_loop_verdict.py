@@ -71,6 +71,21 @@ def test_an_effect_that_makes_what_folds_leave_out_less_likely_is_withheld(monke
     )
 
 
+def test_an_effect_that_spoils_the_rest_before_loading_is_no_explanation():
+    found, settings = judged(15.0), LoopSettings()
+    rules = settings.selection, settings.noise
+    objections = []
+    for more in (0.009, 0.011):
+        fitted = {test: dict(phases) for test, phases in found.selected.fitted.items()}
+        was = found.before.fitted["shear"]["baseline"]
+        left = was.structured + more * was.peak
+        fitted["shear"]["baseline"] = replace(was, structured=left)
+        spoilt = replace(found.selected, fitted=fitted)
+        objections.append(objection_to(found.selection, found.before, spoilt, *rules))
+    assert objections[0] == ""
+    assert objections[1].startswith("with the effects the rest before shear is off by")
+
+
 def test_what_is_left_far_above_the_floor_is_more_than_floor():
     """No effect makes a wave along the travel; of which floor it is three times is a setting.
 

@@ -223,5 +223,6 @@ def test_spike_in_the_distance_is_meshed_with_a_warning_that_names_its_place(cap
     assert scaled_jacobian(mesh).min() > 0.2
     assert "times as fast as a distance" in caplog.text
     caplog.clear()
+    distance[30:44, 28, round((-1.0 * MM - origin[2]) / spacing)] = 0.2 * MM  # below the base
     mesh_solid(distance, origin, spacing, 0.8 * MM)
     assert caplog.text == ""

@@ -238,6 +238,24 @@ def test_files_of_one_name_are_not_added_over_each_other(study, capsys):
     assert sorted(study.iterdir()) == before
 
 
+def test_a_platen_that_pulls_on_its_way_back_is_doubted(study):
+    """The modelled one lets go of the sample, unless the settings say that it is glued."""
+    time, travel, force = machines.compression()
+    back = (2.0 * time[-1] - time[::-1], travel[::-1])
+    for name, pull in (("D1", 0.02), ("D2", 0.2)):
+        way = force[::-1] + pull * (1.0 - travel[::-1] / travel.min())
+        record = machines.univert(
+            np.append(time, back[0][1:]), np.append(travel, back[1][1:]), np.append(force, way[1:])
+        )
+        assert add_stated(study, name, *ROUND, record=record) == 0
+    (doubt,) = (line for line in check_study(study).doubts if "platen pulls" in line)
+    pulled = re.search(r"D2.csv: on the way back the platen pulls with (\S+) N", doubt)
+    assert pulled and float(pulled[1]) == pytest.approx(0.2, rel=0.05)
+    assert "set `contact: {release: false}`" in doubt
+    (study / "study.yaml").write_text("contact: {release: false}\n")
+    assert "platen pulls" not in "\n".join(check_study(study).doubts)
+
+
 def test_a_table_may_end_its_titles_with_a_tab(study):
     table = study / "samples.tsv"
     table.write_text(re.sub("(?m)^(sample\t.*)$", "\\1\t", table.read_text()))

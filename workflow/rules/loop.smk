@@ -19,6 +19,7 @@ OF_DIAGNOSES = {
     "folds": of(PLAN.folds),
     "leave_out": LEAVE_OUT,
     "others": {},
+    "release": config["contact"]["release"],
     "loop": config["loop"],
 }
 BY_ITSELF = {**OF_DIAGNOSES, "leave_out": None}

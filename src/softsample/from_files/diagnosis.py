@@ -47,7 +47,7 @@ def assumed_ends(
         real: Sequence[pd.DataFrame | None] = known or [None] * len(bonds)
         curves, changes = files[f"{ends}curves"], map(read_table, files[f"{ends}perturbations"])
         of_curves = {
-            path: Tables(read_table(path), [change], solid, table, bond)
+            path: Tables(read_table(path), [change], solid, table, bond, given.release)
             for path, change, table, bond in zip(curves, changes, real, bonds, strict=True)
         }
         tables = [of_curves[path] for path in curves]

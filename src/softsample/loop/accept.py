@@ -77,7 +77,8 @@ def objection_to(
     - the scales of the tests are as well known as the settings say; beside effects, whose evidence
       counts with free scales, they are not at the end of their range;
     - no size was driven to the end of its range, and the modulus stays known;
-    - what folds leave out of the fitted records is not far less likely (`EARNED`) with the effects.
+    - what folds leave out of the fitted records is not far less likely (`EARNED`) with the effects;
+    - the rest before loading is not missed by more than the floor because of them.
 
     Parameters
     ----------
@@ -111,4 +112,18 @@ def objection_to(
     without, beside = (log_density(fit, cross_validated(fit)) for fit in fits)
     if (less := without - beside) > EARNED:
         return f"what folds leave out is exp({less:.3g}) times less likely with the effects"
+    return _spoilt_rest(before.fitted, after.fitted, noise.floor_percent)
+
+
+def _spoilt_rest(before: Errors, after: Errors, most: float) -> str:
+    """A test whose rest before loading is missed by `most` more [% of peak] in the second.
+
+    There the instrument alone acts, and no error of the model excuses it.
+    """
+    for test, phases in after.items():
+        if error := phases.get("baseline"):
+            was = before[test]["baseline"]
+            off = 100.0 * error.structured / error.peak
+            if off > 100.0 * was.structured / was.peak + most:
+                return f"with the effects the rest before {test} is off by {off:.2g} % of the peak"
     return ""

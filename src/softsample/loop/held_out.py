@@ -37,6 +37,8 @@ class Tables:
         Response of the real geometry, if the model is the ideal one.
     bond : mapping, optional
         What either rule of the bond makes of it (`softsample.response.bond.by_rule`).
+    release : bool
+        Whether a platen leaves a sample that would pull on it.
     """
 
     curves: pd.DataFrame
@@ -44,12 +46,13 @@ class Tables:
     solid: Material
     real: pd.DataFrame | None = None
     bond: Mapping[str, Any] | None = None
+    release: bool = True
 
 
 @lru_cache(KEPT)
 def _elastic(tables: Tables, mode: str, channel: str, shape: IdealShape) -> Elastic:
     parts = tables.curves, tables.changes, tables.solid, tables.real
-    return Elastic.of_tables(mode, *parts, channel=channel, shape=shape)
+    return Elastic.of_tables(mode, *parts, channel, shape, tables.release)
 
 
 def specimens_of(

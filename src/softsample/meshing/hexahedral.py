@@ -85,7 +85,7 @@ def _warn_of_spikes(surface: LevelSet) -> None:
         x, y, z = 1e3 * place
         LOGGER.warning(
             "signed distance changes %.1f times as fast as a distance at (%.1f, %.1f, %.1f) mm: "
-            "look at the segmentation there",
+            "look at the image or surface there",
             slope, x, y, z,
         )  # fmt: skip
 

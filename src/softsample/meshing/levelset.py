@@ -118,13 +118,15 @@ class LevelSet:
 
     @cached_property
     def steepest(self) -> tuple[float, Array]:
-        """Largest gradient of the grid within 4 spacings of the surface, and its place (3,) [m].
+        """Largest gradient within 4 spacings of the surface above the base; its place (3,) [m].
 
         About 1 for a distance; much more where something torn or misplaced is in the grid.
         """
         slopes = np.gradient(self.distance, self.spacing)
         slope = np.sqrt(slopes[0] ** 2 + slopes[1] ** 2 + slopes[2] ** 2)
         slope[np.abs(self.distance) > 4.0 * self.spacing] = 0.0
+        height = self.origin[2] + self.spacing * np.arange(slope.shape[2])
+        slope[:, :, height < 0.0] = 0.0  # walls go on below it, as straight as they can
         place = np.unravel_index(int(np.argmax(slope)), slope.shape)
         return float(slope[place]), self.origin + self.spacing * np.array(place)
 

@@ -321,7 +321,8 @@ def _takes(found: Mapping[str, Any]) -> str:
     before, after = found["left_out_before_percent"], found["left_out_after_percent"]
     left = "less than the noise" if after < NO_ERROR else f"{significant(after)} % of the peak"
     return (
-        "takes the error of parts that were left out, noise taken out, from "
+        "takes the error of what was left out of a kind of test whose rest was fitted, noise taken "
+        "out, from "
         f"{significant(before)} % of the peak to {left}"
     )
 

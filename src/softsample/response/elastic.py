@@ -42,7 +42,7 @@ class Elastic:
         perturbation is named after, for all fractions; one curve on the displacements of `curves`
         if it is the same for all.
     contact : bool
-        Whether the platen can leave the sample: no force before zero displacement.
+        Whether a platen meets the sample: no force before zero displacement.
     poisson_ratio : float
         Of the model; changes of it go from there.
     laws : LawResponse, optional
@@ -51,6 +51,8 @@ class Elastic:
         Push per modulus [m2] at which a sample that was pulled buckles on unloading.
     height : float, optional
         Of the idealised shape [m].
+    glued : bool
+        Whether a platen that has met the sample may pull on it; otherwise it leaves then.
     """
 
     curves: ResponseCurves
@@ -60,6 +62,7 @@ class Elastic:
     laws: LawResponse | None = None
     most_push: float = np.inf
     height: float | None = None
+    glued: bool = False
 
     @classmethod
     def of_tables(
@@ -71,6 +74,7 @@ class Elastic:
         real: pd.DataFrame | None = None,
         channel: str = "force",
         shape: IdealShape | None = None,
+        release: bool = True,
     ) -> Self:
         """From the files of the workflow.
 
@@ -90,6 +94,8 @@ class Elastic:
             `force`, along the displacement, or `force_normal`.
         shape : IdealShape, optional
             Idealised shape, for the response to other laws, and for how slender it is.
+        release : bool
+            Whether a platen leaves a sample that would pull on it.
         """
         found = ResponseCurves.of_table(curves, mode, channel)
         perturbations: dict[str, ResponseCurves | Array] = {}
@@ -114,7 +120,7 @@ class Elastic:
         if shape and mode == "tension" and not across:  # ASSUME: Euler's load of clamped ends.
             push = 12.0 * shape.area * (np.pi * shape.gyration / shape.height) ** 2
         height = shape.height if shape else None
-        return cls(found, perturbations, pressed, nu, laws, push, height)
+        return cls(found, perturbations, pressed, nu, laws, push, height, not release)
 
     @cached_property
     def grain(self) -> float:

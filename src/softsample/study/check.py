@@ -11,7 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from softsample.arrays import Mask
-from softsample.errors import InputError, SoftsampleError
+from softsample.errors import InputError, SoftsampleError, as_setting
 from softsample.formats import Volume, header_doubts
 from softsample.formats.machine import described, read
 from softsample.holdout import check_hold_out, folds, held_out, selecting
@@ -43,6 +43,9 @@ from softsample.validation import (
 
 SLIDING_MODES = ("tension", "compression", "shear", "pure_shear")
 """Modes of a stated shape whose ends may slide."""
+
+PULLED = 0.05
+"""Part of the largest push from which on a pull on the way back is more than some adhesion."""
 
 ROW = re.compile(r"row \d+ \([^)]*\)")
 """Where a fault or a doubt is in the table."""
@@ -386,9 +389,11 @@ def _record(
     cells = {name: row[name] for name in ANY_DIMENSION if name in row} if stated else {}
     limits = Limits(**settings["plausibility"]).of(row["mode"])
     own = [*doubts(facts, known, limits, cells, given.block)]
+    record, hold_out = Record.of_table(table), settings["hold_out"]
+    if row["mode"] == "compression" and settings["contact"]["release"]:
+        own += _pulling(record, facts)
     result.doubts += [f"{where}: {path}: {doubt}" for doubt in (*facts["warnings"], *own)]
     height = known.height if known else None
-    record, hold_out = Record.of_table(table), settings["hold_out"]
     held = selecting(record, row, height, hold_out)
     free = ~held_out(record, row, height or np.inf, "force", hold_out)
     unused = (
@@ -396,6 +401,19 @@ def _record(
     )
     result.doubts += [f"{where}: {path}: {doubt}" for doubt in unused]
     return record, facts | {"doubted": bool(own), "held_out_by": held}
+
+
+def _pulling(record: Record, facts: Mapping[str, Any]) -> Iterator[str]:
+    """What to say of a platen that pulls on its way back, as the modelled one cannot."""
+    rest = facts["force_offset_N"] or 0.0
+    pull = float(np.max(record.force - rest, initial=0.0, where=record.phase == "unloading"))
+    most = abs(facts["peak_force_N"] - rest)
+    if pull > PULLED * most:
+        yield (
+            f"on the way back the platen pulls with {pull:.3g} N, {100.0 * pull / most:.2g} % of "
+            "the largest force, and the modelled one lets go of the sample; if it is glued, set "
+            f"{as_setting({'contact': {'release': False}})}; if not, look at the zero of the force"
+        )
 
 
 def _unused(facts: Mapping[str, Any], row: Mapping[str, str]) -> Iterator[str]:

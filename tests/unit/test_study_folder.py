@@ -250,7 +250,8 @@ def test_a_platen_that_pulls_on_its_way_back_is_doubted(study):
         assert add_stated(study, name, *ROUND, record=record) == 0
     (doubt,) = (line for line in check_study(study).doubts if "platen pulls" in line)
     pulled = re.search(r"D2.csv: on the way back the platen pulls with (\S+) N", doubt)
-    assert pulled and float(pulled[1]) == pytest.approx(0.2, rel=0.05)
+    assert pulled
+    assert float(pulled[1]) == pytest.approx(0.2, rel=0.05)
     assert "set `contact: {release: false}`" in doubt
     (study / "study.yaml").write_text("contact: {release: false}\n")
     assert "platen pulls" not in "\n".join(check_study(study).doubts)

@@ -110,8 +110,8 @@ FULL_SCORE = """
 
 Written from [data/blind-full/score.json](data/blind-full/score.json): {judged} of {planned}
 experiments, {seeds} of each effect, design, size and floor. Percentages at {sizes} times the
-nominal size: effects noticed, of these in the right class, of all wrongly named. Then false alarms;
-those out of the library, at any size, called unknown or none; pairs at 1x with both classes named.
+nominal size: effects noticed, of these in the right class, of all wrongly named. Last those out
+of the library, called unknown or none, and pairs at 1x with both classes named.
 Of 22 November 2026; the diagnosis has changed since.
 
 | design | floor [%] | noticed [%] | class right | wrong | false alarms | out of library | pairs |

@@ -238,8 +238,8 @@ def test_files_of_one_name_are_not_added_over_each_other(study, capsys):
     assert sorted(study.iterdir()) == before
 
 
-def test_a_platen_that_pulls_on_its_way_back_is_doubted(study):
-    """The modelled one lets go of the sample, unless the settings say that it is glued."""
+def test_a_platen_that_pulls_during_unloading_is_doubted(study):
+    """The modelled one releases the sample, unless the settings say that it is bonded."""
     time, travel, force = machines.compression()
     back = (2.0 * time[-1] - time[::-1], travel[::-1])
     for name, pull in (("D1", 0.02), ("D2", 0.2)):
@@ -249,7 +249,7 @@ def test_a_platen_that_pulls_on_its_way_back_is_doubted(study):
         )
         assert add_stated(study, name, *ROUND, record=record) == 0
     (doubt,) = (line for line in check_study(study).doubts if "platen pulls" in line)
-    pulled = re.search(r"D2.csv: on the way back the platen pulls with (\S+) N", doubt)
+    pulled = re.search(r"D2.csv: during unloading the platen pulls with (\S+) N", doubt)
     assert pulled
     assert float(pulled[1]) == pytest.approx(0.2, rel=0.05)
     assert "set `contact: {release: false}`" in doubt

@@ -45,7 +45,7 @@ SLIDING_MODES = ("tension", "compression", "shear", "pure_shear")
 """Modes of a stated shape whose ends may slide."""
 
 PULLED = 0.05
-"""Part of the largest push from which on a pull on the way back is more than some adhesion."""
+"""Part of the largest push from which on a pull during unloading is more than some adhesion."""
 
 ROW = re.compile(r"row \d+ \([^)]*\)")
 """Where a fault or a doubt is in the table."""
@@ -404,14 +404,14 @@ def _record(
 
 
 def _pulling(record: Record, facts: Mapping[str, Any]) -> Iterator[str]:
-    """What to say of a platen that pulls on its way back, as the modelled one cannot."""
+    """What to say of a platen that pulls during unloading, as the modelled one cannot."""
     rest = facts["force_offset_N"] or 0.0
     pull = float(np.max(record.force - rest, initial=0.0, where=record.phase == "unloading"))
     most = abs(facts["peak_force_N"] - rest)
     if pull > PULLED * most:
         yield (
-            f"on the way back the platen pulls with {pull:.3g} N, {100.0 * pull / most:.2g} % of "
-            "the largest force, and the modelled one lets go of the sample; if it is glued, set "
+            f"during unloading the platen pulls with {pull:.3g} N, {100.0 * pull / most:.2g} % of "
+            "the largest force, and the modelled one releases the sample; if it is bonded, set "
             f"{as_setting({'contact': {'release': False}})}; if not, look at the zero of the force"
         )
 

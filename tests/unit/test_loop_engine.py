@@ -15,7 +15,6 @@ import laboratory
 from laboratory import elastic
 from softsample.blindlab.resample import confidence, resampled
 from softsample.loop import choose
-from softsample.loop import select as selecting
 from softsample.loop.average import weighed
 from softsample.loop.choose import (
     FARTHER,
@@ -1349,31 +1348,6 @@ def test_nothing_is_chosen_beside_a_refused_effect_of_more_than_twice_the_eviden
     step = one_more(here, [])
     assert (step.chosen, step.why) == (None, why)
     assert step.refused.name == ("uneven_contact" if why == "at an end" else "late_contact")
-
-
-def test_a_search_sets_out_from_what_errors_may_imitate_alone(monkeypatch):
-    """It may be more than they are beside what else is missing, and holds only if it is."""
-    law = SimpleNamespace(
-        name="law", effect=library()["ogden_exponents"], evidence=40.0, gain=50.0, settled=None
-    )
-    monkeypatch.setattr(selecting, "unusable", lambda _: "")
-    monkeypatch.setattr(selecting, "class_of", lambda *_: ["law"])
-    here = SimpleNamespace(threshold=12.0, settings=SimpleNamespace(class_gain=12.0))
-    step = Step(12.0, [law], None, refused=law, why=WITHIN_DOUBT, here=here)
-    (begin,) = selecting.first_steps(step)
-    assert begin.chosen is law
-    names: list[str] = []
-    beside: dict[str, Step] = {}
-    best = SimpleNamespace(fit=SimpleNamespace(model=SimpleNamespace(names=names)), beside=beside)
-    monkeypatch.setattr(_Search, "likeliest", best)
-    search = _Search(None, [], None, None, None, steps=[begin])
-    assert search.holds(law)  # it was exchanged for another
-    names += ["law", "compliance"]
-    assert not search.holds(law)
-    assert search.holds(None)
-    assert replace(search, steps=[begin, begin]).holds(law)  # again, beside the other
-    beside["law"] = begin
-    assert search.holds(law)
 
 
 def test_a_tissue_that_loses_on_return_is_no_other_law():

@@ -99,10 +99,7 @@ def select(problem: Problem, effects: Sequence[Effect], settings: SelectionSetti
     search = fresh.completed()
     step, plain = search.steps[0], search.visited[0]
     rivals = [fresh.completed(other) for other in first_steps(step)]
-    asked = [
-        one for one in rivals
-        if one.likeliest.left < plain.left - threshold and one.holds(step.refused)
-    ]  # fmt: skip
+    asked = [one for one in rivals if one.likeliest.left < plain.left - threshold]
     visited = [model for one in (search, *rivals) for model in one.visited]
     if asked:
         search = min([search, *asked], key=lambda one: one.likeliest.doubted)
@@ -202,7 +199,7 @@ def first_steps(step: Step) -> list[Step]:
         steps.append(chosen_of(here, laws))
     if known and not (chosen and chosen.effect.idealised):
         steps.append(replace(step, chosen=known[0], members=[known[0].name]))
-    refused = [] if chosen else [c for c in (step.refused,) if c]
+    refused = [c for c in (step.refused,) if c and unusable(c.settled)]
     most = max(usable if chosen else refused, key=lambda c: c.gain, default=None)
     if most and most.name not in step.members:
         near = most.evidence + here.settings.class_gain
@@ -328,14 +325,6 @@ class _Search:
             if frozenset(model.classes) == here:
                 model.classes[name] = [n for n in model.classes[name] if n in step.members]
                 model.beside[name] = step
-
-    def holds(self, refused: Candidate | None) -> bool:
-        """Whether what was refused alone was chosen beside others, if the likeliest has it."""
-        best = self.likeliest
-        if refused is None or refused.name not in best.fit.model.names:
-            return True
-        later = {step.chosen.name for step in self.steps[1:] if step.chosen}
-        return refused.name in {*best.beside, *later}
 
     @property
     def likeliest(self) -> _Visited:

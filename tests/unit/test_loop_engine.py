@@ -566,7 +566,9 @@ def test_what_a_fold_leaves_out_stays_unknown_to_it():
     play = laboratory.Lab(play=0.1).specimens(["tension", "shear"])
     problem, _ = pose(play, SETTINGS)
     effect = library()["backlash"]
-    start = replace(problem.fit_material().state, values={effect.name: {"play_mm": 0.05, "ahead": 0.0}})
+    start = replace(
+        problem.fit_material().state, values={effect.name: {"play_mm": 0.05, "ahead": 0.0}}
+    )
     fit = problem.fit(Model((effect,)), start)
     assert fit.state.values["backlash"]["play_mm"] == pytest.approx(0.1, abs=0.01)
     before, after = (

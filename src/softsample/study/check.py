@@ -390,9 +390,10 @@ def _record(
     limits = Limits(**settings["plausibility"]).of(row["mode"])
     own = [*doubts(facts, known, limits, cells, given.block)]
     record, hold_out = Record.of_table(table), settings["hold_out"]
-    if row["mode"] == "compression" and settings["contact"]["release"]:
-        own += _pulling(record, facts)
-    result.doubts += [f"{where}: {path}: {doubt}" for doubt in (*facts["warnings"], *own)]
+    leaves = row["mode"] == "compression" and settings["contact"]["release"]
+    pulled = _pulling(record, facts) if leaves else ()
+    found = (*facts["warnings"], *own, *pulled)
+    result.doubts += [f"{where}: {path}: {doubt}" for doubt in found]
     height = known.height if known else None
     held = selecting(record, row, height, hold_out)
     free = ~held_out(record, row, height or np.inf, "force", hold_out)

@@ -512,8 +512,15 @@ def test_tests_of_a_sample_have_the_samples_that_the_study_holds_out():
         assert out == force.held_out[k * 7 : (k + 1) * 7].any()
 
 
-def response_tables():
-    """Response of a cuboid in shear in closed form, without changes."""
+@pytest.mark.parametrize("release", [True, False])
+def test_a_platen_that_does_not_release_the_sample_may_pull_on_it(release):
+    tables = replace(response_tables("compression"), release=release)
+    (test,) = specimens_of({**ROW, "mode": "compression"}, record("compression"), tables, SHAPE, [])
+    assert (test.elastic.contact, test.elastic.glued) == (True, not release)
+
+
+def response_tables(mode="shear"):
+    """Response of a cuboid in closed form, without changes."""
     law = (np.array([0.0, 0.5, 1.0]), SOLID.alpha, SOLID.poisson_ratio)
-    curves, _ = homogeneous_response(SHAPE, "shear", 0.5 * HEIGHT, *law, 30)
-    return Tables(pd.DataFrame(response_table(curves, "shear")), [], SOLID)
+    curves, _ = homogeneous_response(SHAPE, mode, 0.5 * HEIGHT, *law, 30)
+    return Tables(pd.DataFrame(response_table(curves, mode)), [], SOLID)

@@ -1,10 +1,11 @@
 """Writes docs/effects.md from the library of effects: python benchmarks/effects_page.py."""
 
 from collections.abc import Iterator
+from itertools import groupby
 from pathlib import Path
 
 from softsample.loop.effects import library
-from softsample.loop.effects.base import Effect
+from softsample.loop.effects.base import Effect, Parameter
 
 PAGE = Path(__file__).parents[1] / "docs/effects.md"
 ALL = {"tension", "compression", "shear"}
@@ -58,20 +59,25 @@ def _section(effect: Effect) -> list[str]:
 
 
 def _rows(effect: Effect) -> Iterator[str]:
-    """Its lines of the table, one for each parameter."""
+    """Its lines of the table, one for each parameter, or for those of one range."""
     tests = "all" if set(effect.modes) == ALL else ", ".join(effect.modes)
     about = [f"[`{effect.name}`](#{effect.name})", f"{tests}, time" if effect.of_time else tests]
     if not effect.parameters:
         yield f"| {' | '.join([*about, '–', '–', '–'])} |"
-    for p in effect.parameters:
-        unit = "" if p.unit == "1" else f" {p.unit}"
-        null = f", null {p.neutral:g}" if p.neutral else ""
-        kind = null if p.is_size else ", shape"
-        if p.known:
-            kind += f"; known: {p.known[0]:g} ± {p.known[1]:g}"
-        about += [f"`{p.name}`", f"{p.low:g} to {p.high:g}{unit}{kind}", f"{p.nominal:g}"]
-        yield f"| {' | '.join(about)} |"
+    for range_of, alike in groupby(effect.parameters, _range):
+        names = ", ".join(f"`{p.name}`" for p in alike)
+        yield f"| {' | '.join([*about, names, *range_of])} |"
         about = ["", ""]
+
+
+def _range(p: Parameter) -> tuple[str, str]:
+    """Range of a parameter, with what is known of it, and its reference value."""
+    unit = "" if p.unit == "1" else f" {p.unit}"
+    null = f", null {p.neutral:g}" if p.neutral else ""
+    kind = null if p.is_size else ", shape"
+    if p.known:
+        kind += f"; known: {p.known[0]:g} ± {p.known[1]:g}"
+    return f"{p.low:g} to {p.high:g}{unit}{kind}", f"{p.nominal:g}"
 
 
 if __name__ == "__main__":

@@ -9,8 +9,9 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
+from case import MATERIAL
 from softsample.constitutive.material import Relaxation
-from softsample.constitutive.ogden import Fibres, OgdenMaterial
+from softsample.constitutive.ogden import Fibres
 from softsample.fem.boundary import Boundary, ContactSettings, glued_boundary, platen_boundary
 from softsample.fem.explicit import ExplicitModel, Gravity, Run, SolverSettings
 from softsample.figures.style import DASHES, PALETTE, label_panel, page_figure, save, styled
@@ -21,7 +22,6 @@ from softsample.protocol import History
 MESH = mesh_cuboid(23e-3, 20e-3, 13e-3, 1e-3)
 SETTINGS = SolverSettings(loading_time_s=0.12)
 MODEL = ExplicitModel(MESH, SETTINGS)
-MATERIAL = OgdenMaterial((1196.8, 113.1), (-8.0, 16.0), 0.49)
 STICKY = ContactSettings()
 TOP = MESH.glued(0.0)
 CYCLE = History(np.array([0.0, 11.0, 71.0, 82.0]), 1e-3 * np.array([0.0, 3.25, 3.25, 0.0]))

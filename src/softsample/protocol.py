@@ -36,6 +36,13 @@ SHEARED_MODES = ("shear", "torsion")
 NEVER_UNIFORM = ("indentation", "torsion")
 """Modes in which no sample deforms uniformly."""
 
+
+def is_homogeneous(mode: str, ends: object) -> bool:
+    """Whether an ideal shape deforms uniformly: ends (`shapes.BONDED` ...) without friction."""
+    uniform = ends == "sliding" or mode == "confined_compression"
+    return uniform and mode not in NEVER_UNIFORM
+
+
 REACHED = 0.95
 """A ramp reaches the largest displacement of a record if it comes to this part of it."""
 

@@ -64,7 +64,7 @@ ALLOWED = {
     "figures": {"files", "loop", "meshing", "protocol", "report", "shapes", "wording"},
     "study": {
         "errors", "formats", "holdout", "images", "imaging", "io", "meshing", "plausibility",
-        "presence", "protocol", "records", "response", "shapes", "validation",
+        "presence", "protocol", "records", "shapes", "validation",
     },
     "measured": {"errors", "figures", "files", "io", "report", "study"},
     "from_files": {

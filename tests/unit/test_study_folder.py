@@ -10,6 +10,7 @@ import nibabel
 import numpy as np
 import openpyxl
 import pytest
+from snakemake.cli import parse_config
 
 import machines
 from softsample.__main__ import main
@@ -523,8 +524,22 @@ def test_after_a_run_with_failures_the_finished_groups_are_reported(own, tmp_pat
     assert "reported" in second
     assert "reported" not in first
     settings = second[second.index("--config") + 1 :]
-    given = [f"samples={tmp_path}/samples.tsv", f"results={tmp_path}/results"] if own else []
+    given = (
+        [f'samples= "{tmp_path}/samples.tsv" ', f'results= "{tmp_path}/results" '] if own else []
+    )
     assert settings == [*given, "report={groups: finished}"]
+
+
+def test_names_of_folders_are_no_yaml(tmp_path, monkeypatch):
+    """Snakemake parses what follows `--config`: a sign for a comment, a colon, a number."""
+    folder = tmp_path / "Mouse #3: a"
+    folder.mkdir()
+    (folder / "samples.tsv").touch()
+    called = []
+    monkeypatch.setattr(run, "_call", lambda words: called.append(words) or 0)
+    run.run_study(folder, results="2026")
+    words = called[0][called[0].index("--config") + 1 :]
+    assert parse_config(words) == {"samples": f"{folder}/samples.tsv", "results": "2026"}
 
 
 @pytest.mark.parametrize("of_others", [True, False])

@@ -145,11 +145,6 @@ class Browser:
                     clickCount=1,
                 )
 
-    def screenshot(self, path: Path) -> None:
-        """Write what is seen as a PNG."""
-        data = self.call("Page.captureScreenshot", format="png")["data"]
-        path.write_bytes(base64.b64decode(data))
-
     def printed(self) -> bytes:
         """The page as a PDF, on paper as the page asks for it."""
         options = {"printBackground": True, "preferCSSPageSize": True}

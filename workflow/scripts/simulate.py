@@ -2,6 +2,7 @@
 
 from softsample.fem.setup import set_up
 from softsample.io import read_json, read_mesh_with_data, read_record, write_json, write_table
+from softsample.protocol import is_homogeneous
 from softsample.records import reach
 from softsample.response import unit
 from softsample.shapes import IdealShape
@@ -12,7 +13,7 @@ with logged_to(snakemake):
     travel = reach(map(read_record, files.records), given.mode)
     law = given.material["alpha"], given.material["poisson_ratio"]
     points, bar = given.solver["curve_points"], progress_bar()
-    if snakemake.wildcards.geometry == "ideal" and unit.is_homogeneous(given.mode, given.ends):
+    if snakemake.wildcards.geometry == "ideal" and is_homogeneous(given.mode, given.ends):
         shape = IdealShape.of_report(read_json(files.cuboid))
         found = unit.homogeneous_response(shape, given.mode, travel, unit.EXACT, *law, points)
     else:

@@ -8,7 +8,7 @@ import pandas as pd
 
 from softsample.calibration.measured import MeasuredCurve, fitted_curves
 from softsample.calibration.slsqp import AreaObjective, Fit
-from softsample.protocol import travel_sign
+from softsample.protocol import PRESSED_MODES, travel_sign
 from softsample.records import Record
 from softsample.response.curves import ResponseCurves
 
@@ -76,7 +76,7 @@ class GroupCurves:
 
         On the ideal shape contact begins at its top, by definition.
         """
-        pressed = [name for name in self.measured if self.modes[name] == "compression"]
+        pressed = [name for name in self.measured if self.modes[name] in PRESSED_MODES]
         return dict.fromkeys(pressed, shift) if geometry == "real" else {}
 
     def report(

@@ -59,7 +59,7 @@ class Profile:
 
 
 class AreaLikelihood:
-    """Deviance 2 n ln(A / A_min) of a fit, as a function of the variables of its `Search`.
+    """How likely variables of the `Search` of a fit are: their deviance is 2 n ln(A / A_min).
 
     Parameters
     ----------
@@ -78,7 +78,7 @@ class AreaLikelihood:
         self._least = search(self.best)
 
     def __call__(self, x: Array) -> float:
-        """Deviance of a point, ln(A / A_min), at variables `x`."""
+        """ln(A / A_min) at variables `x`: the deviance of one point."""
         return float(np.log(self.search(x) / self._least))
 
     def profile(self, name: str, step: float, confidence: float) -> Profile:

@@ -155,7 +155,7 @@ class AreaObjective:
     Raises
     ------
     CalibrationError
-        If a sample lacks its partner, a record carries no force, or the curves share no mixture.
+        If a sample lacks its partner, a record carries no force, or the curves share no fraction.
     """
 
     def __init__(
@@ -287,7 +287,7 @@ def fit_ogden(
     Raises
     ------
     CalibrationError
-        If a record carries no force, the families share no mixture, or no start ends finite.
+        If a record carries no force, the families share no fraction, or no start ends finite.
 
     References
     ----------

@@ -24,8 +24,6 @@ from softsample.report.scene import Shape, scene
 from softsample.report.tables import intervals_shown, table_shown
 from softsample.wording import verdict_words
 
-"""Content of a result file in JSON."""
-
 Run = tuple[str, str]
 """Piece and geometry."""
 

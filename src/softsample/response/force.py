@@ -10,12 +10,8 @@ from softsample.fem.boundary import BONDED, Boundary, ContactSettings, Ends, mod
 from softsample.fem.explicit import ExplicitModel, Run, SolverSettings
 from softsample.meshing.mesh import HexMesh
 from softsample.meshing.sample import ideal_hexes, indented_hexes
-from softsample.response.unit import (
-    find_pace,
-    homogeneous_area,
-    is_homogeneous,
-    shortest_loading_time,
-)
+from softsample.protocol import is_homogeneous
+from softsample.response.unit import find_pace, homogeneous_area, shortest_loading_time
 from softsample.shapes import IdealShape, Indenter
 
 

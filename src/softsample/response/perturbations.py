@@ -17,7 +17,7 @@ from softsample.errors import SimulationError, TooFarError
 from softsample.fem.boundary import Boundary, mode_boundary, platen_boundary
 from softsample.fem.explicit import ExplicitModel, Run
 from softsample.meshing.bond import partial_bond
-from softsample.protocol import DIRECTIONS, History
+from softsample.protocol import DIRECTIONS, History, is_homogeneous
 from softsample.response.changes import (
     LAW,
     LESS,
@@ -39,7 +39,6 @@ from softsample.response.unit import (
     check_stands,
     find_pace,
     homogeneous_area,
-    is_homogeneous,
     shortest_loading_time,
 )
 from softsample.shapes import IdealShape

@@ -17,9 +17,9 @@ from softsample.constitutive.homogeneous import homogeneous_force, homogeneous_n
 from softsample.constitutive.material import Material
 from softsample.constitutive.ogden import unit_modulus
 from softsample.errors import SimulationError, TooFarError
-from softsample.fem.boundary import Boundary, Ends
+from softsample.fem.boundary import Boundary
 from softsample.fem.explicit import ExplicitModel, Run
-from softsample.protocol import NEVER_UNIFORM, travel_sign
+from softsample.protocol import travel_sign
 from softsample.shapes import IdealShape
 
 Test = tuple[ExplicitModel, Boundary]
@@ -372,12 +372,6 @@ def homogeneous_response(
     }
 
 
-def is_homogeneous(mode: str, ends: Ends) -> bool:
-    """Whether an ideal shape deforms uniformly: ends or walls without friction."""
-    uniform = ends == "sliding" or mode == "confined_compression"
-    return uniform and mode not in NEVER_UNIFORM
-
-
 def response_table(curves: dict[str, Array], mode: str) -> dict[str, Array]:
     """Columns of the file of a response, in mm and mm2, from those of a builder."""
     sign = travel_sign(mode)
@@ -434,6 +428,5 @@ def run_report(run: Run) -> dict[str, Any]:
         "smallest_step_us": 1e6 * run.smallest_step_s,
         "energy_imbalance": run.energy["imbalance"],
         "hourglass_ratio": run.energy["hourglass_ratio"],
-        "kinetic_ratio": run.energy["kinetic"] / run.energy["strain"],
         "platen_against_base_percent": 100.0 * float(difference / peak),
     }

@@ -7,8 +7,7 @@ from typing import Any
 
 from softsample.errors import InputError
 from softsample.holdout import Row, folds, in_turn, wholly_held_out
-from softsample.protocol import PRESSED_MODES
-from softsample.response.unit import is_homogeneous
+from softsample.protocol import PRESSED_MODES, is_homogeneous
 from softsample.shapes import BONDED
 from softsample.validation import DEFAULT_AXES, ends_of, has_open_ends, modelled_ends, resolved
 

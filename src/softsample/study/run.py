@@ -1,5 +1,6 @@
 """A study from its table to its report, by Snakemake: one run at a time in its results."""
 
+import json
 import signal
 import subprocess
 import sys
@@ -63,7 +64,7 @@ def run_study(
         entries = {"results": results}
     options = [
         *(["--configfile", *files] if files else []),
-        *(["--config", *(f"{key}={value}" for key, value in entries.items())] if entries else []),
+        *(["--config", *(_entry(key, value) for key, value in entries.items())] if entries else []),
     ]
     snakemake = [
         *(sys.executable, "-m", "snakemake", "--snakefile", str(ROOT / "Snakefile")),
@@ -83,6 +84,11 @@ def run_study(
                 return settled if of_all else status
     print(f"Report: {place}/report.html" if of_all else f"Results: {place}")
     return status
+
+
+def _entry(key: str, path: PathLike) -> str:
+    """Of `--config`. Snakemake takes quotes off its ends and reads YAML, where # is a comment."""
+    return f"{key}= {json.dumps(str(path), ensure_ascii=False)} "
 
 
 def _for_the_others(snakemake: Sequence[str], targets: Sequence[str], options: list[str]) -> int:

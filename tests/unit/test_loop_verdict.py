@@ -301,6 +301,15 @@ def test_the_page_says_first_what_is_not_predicted():
     assert "**Not predicted:** `leave_out_tension`, `leave_out_compression`" in opening
 
 
+def test_the_page_says_that_tests_differ_far_more_in_scale_than_is_usual():
+    verdict = report(judged(15.0), LoopSettings())
+    assert verdict["verdict"] == "explained"
+    for scale, told in ((5.9, False), (8.9, True)):
+        sizes = {"discrepancy_percent": {"after": {"scale": scale}}}
+        opening = page("A7", {**verdict, **sizes}).split("##")[0]
+        assert (f"the scale of the tests differs by {scale} %** (usual: 2 %)" in opening) == told
+
+
 def test_the_page_has_what_folds_leave_out_beside_what_the_study_holds_out():
     verdict = report(judged(15.0), LoopSettings())
     error = {"ramp": {"rms_percent": 46.0, "rms_N": 0.1}}

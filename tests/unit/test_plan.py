@@ -178,7 +178,8 @@ def test_sliding_ideal_shapes_need_no_run_and_other_pieces_do():
     assert plan.has_closed_form("A1", "ideal", "sliding")
     assert not plan.has_closed_form("A4", "real")
     assert plan.simulated("A") == ["A1", "A3"]
-    assert (plan.coarsening(2, "A4", "ideal"), plan.coarsening(2, "A1", "ideal")) == (4, 2)
+    assert (plan.coarsening(2, "A4", "ideal"), plan.coarsening(2, "A1", "ideal")) == (2, 2)
+    assert (plan.coarsening(1, "A4", "ideal"), plan.coarsening(1, "A1", "ideal")) == (2, 1)
 
 
 def test_a_diagnosis_is_told_whose_top_is_bonded_by_a_rule():

@@ -94,13 +94,14 @@ class Fit:
     @property
     def finding(self) -> str | None:
         """What an optimum on a bound, or far off the records, says of data and model; else None."""
-        ends = {"mu1_fraction at its maximum": 1, "mu1_fraction at its minimum": 0}
-        parts = [
-            f"these data do not support a second term (mu1/mu = {ends[bound]})"
-            if bound in ends
-            else f"these data drive {bound}"
-            for bound in self.active_bounds
-        ]
+        single = "these data do not support a second term (mu1/mu = {})"
+        ends = {
+            "mu1_fraction at its maximum": single.format(1),
+            "mu1_fraction at its minimum": single.format(0),
+            "mu at its maximum": "these data drive mu at its maximum, calibration: mu_pa_max",
+            "mu at its minimum": "these data drive mu at its minimum, calibration: mu_pa_min",
+        }
+        parts = [ends.get(bound, f"these data drive {bound}") for bound in self.active_bounds]
         worst, error = max(self.area_error.items(), key=lambda item: item[1])
         if error > MISSED:
             missed = f"{100.0 * error:.0f} % of its area is missed"

@@ -15,7 +15,7 @@ import numpy as np
 from scipy.optimize import brentq
 from scipy.special import ndtr
 
-from softsample.loop.deviation import bond_deviation, log_modulus_deviation
+from softsample.loop.deviation import bond_deviation, log_modulus_deviation, relaxed_modulus
 from softsample.loop.fit import Fit
 from softsample.loop.select import Selection
 from softsample.loop.specimen import Array
@@ -41,18 +41,33 @@ class Weighed:
         chosen, or refused ones may hold; those of all models add up to 1.
     deviation : float
         Standard deviation of ln(mu), with what the bonded area leaves open.
+    left : tuple of float
+        The same modulus at the end of the longest record [Pa], and the deviation of its logarithm.
     """
 
     fit: Fit
     weight: float
     alike: float
     deviation: float
+    left: tuple[float, float]
+
+    @property
+    def mu(self) -> float:
+        """Its modulus [Pa]."""
+        return self.fit.state.material.mu
 
     @classmethod
     def of(cls, fit: Fit, weight: float, alike: float, stiffness: Mapping[str, float]) -> "Weighed":
         """A fit with the sizes of its discrepancy, and the stiffness of specimens."""
-        alone = log_modulus_deviation(fit, stiffness)
-        return cls(fit, weight, alike, float(np.hypot(alone, bond_deviation(fit))))
+        bond = bond_deviation(fit)
+        deviation = float(np.hypot(log_modulus_deviation(fit, stiffness), bond))
+        relaxed = relaxed_modulus(fit, stiffness)
+        left = (
+            (relaxed[0], float(np.hypot(relaxed[1], bond)))
+            if relaxed
+            else (fit.state.material.mu, deviation)
+        )
+        return cls(fit, weight, alike, deviation, left)
 
 
 def weighed(selection: Selection, stiffness: Mapping[str, float]) -> list[Weighed]:
@@ -60,26 +75,32 @@ def weighed(selection: Selection, stiffness: Mapping[str, float]) -> list[Weighe
 
     Each set of effects counts once. Each effect makes a model less probable beforehand by the
     number of effects in the library, so that no effect is as probable as any one of them. If what
-    the plain model is known to leave out was selected, no model without it counts.
+    the plain model is known to leave out was selected, no model without it counts. What explains
+    nothing does not count either, but for what was selected: records may be far from all others.
     """
     known = {effect.name for effect in selection.final.model.effects if effect.idealised}
-    likeliest: dict[frozenset[str], tuple[float, float, Fit]] = {}
     price = 2.0 * np.log(len(selection.library) or 1)
-    tried = [(fit, fit) for fit in (selection.base, selection.final, *selection.visited)]
+
+    def counts(fit: Fit) -> bool:
+        usable = fit is selection.final or not fit.model.effects or not unusable(fit)
+        return usable and known <= set(fit.model.names)
+
+    tried = [[fit] for fit in (selection.base, selection.final, *selection.visited)]
     for step in (*selection.steps, *selection.beside):
-        for c in step.candidates:
-            best = step.chosen if step.chosen and c.name in step.members else c
-            tried.append((c.settled, best.settled))
-    for fit, chosen in tried:
-        effects, names = fit.model.effects, frozenset(fit.model.names)
-        if (effects and unusable(fit)) or not known <= names:
-            continue
-        left, least = (misfit_with_penalties(f) + price * len(effects) for f in (fit, chosen))
-        was = likeliest.get(names, (np.inf, np.inf, fit))
-        better = fit if left < was[0] else was[2]
-        likeliest[names] = min(left, was[0]), min(left, least, was[1]), better
-    lefts = np.array([of[:2] for of in likeliest.values()])
-    odds = np.exp(-0.5 * (lefts - lefts.min(axis=0)))
+        members = step.members if step.chosen else []
+        tried += [[c.settled] for c in step.candidates if c.name not in members]
+        tried.append([c.settled for c in step.candidates if c.name in members])
+    likeliest: dict[frozenset[str], tuple[float, float, Fit]] = {}
+    for alike in tried:
+        fits = [fit for fit in alike if counts(fit)]
+        lefts = [misfit_with_penalties(fit) + price * len(fit.model.effects) for fit in fits]
+        for fit, left in zip(fits, lefts, strict=True):
+            names = frozenset(fit.model.names)
+            was = likeliest.get(names, (np.inf, np.inf, fit))
+            better = fit if left < was[0] else was[2]
+            likeliest[names] = min(left, was[0]), min(*lefts, was[1]), better
+    least = np.array([of[:2] for of in likeliest.values()])
+    odds = np.exp(-0.5 * (least - least.min(axis=0)))
     found = [
         Weighed.of(fit, float(one), float(equal), stiffness)
         for (*_, fit), (one, equal) in zip(likeliest.values(), odds / odds.sum(axis=0), strict=True)
@@ -87,13 +108,14 @@ def weighed(selection: Selection, stiffness: Mapping[str, float]) -> list[Weighe
     return sorted(found, key=lambda one: -one.weight)
 
 
-def averaged(models: Sequence[Weighed]) -> tuple[float, float, float]:
+def averaged(models: Sequence[Weighed], relaxed: bool = False) -> tuple[float, float, float]:
     """Modulus and the ends of its 90 % interval [Pa]: log-normal in each model, weighted.
 
     It holds the interval with all members of a class as probable: records do not tell them apart.
+    With `relaxed` of what is left of the modulus at the end of the longest record.
     """
-    means = np.log([one.fit.state.material.mu for one in models])
-    deviations = np.array([one.deviation for one in models])
+    of_each = [one.left if relaxed else (one.mu, one.deviation) for one in models]
+    means, deviations = np.log([mu for mu, _ in of_each]), np.array([sd for _, sd in of_each])
     reach = FURTHEST * float(deviations.max())
     within = float(means.min()) - reach, float(means.max()) + reach
     weights = np.array([(one.weight, one.alike) for one in models]).T

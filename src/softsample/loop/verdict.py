@@ -14,7 +14,6 @@ from softsample.loop.deviation import (
     birge_ratio,
     deviations,
     log_modulus_deviation,
-    relaxed_modulus,
 )
 from softsample.loop.diagnose import STIFFNESS, Diagnosis
 from softsample.loop.effects import ends, library, specimen_stiffness
@@ -140,10 +139,17 @@ def recommended(diagnosis: Diagnosis) -> dict[str, Any]:
     rest, several = diagnosis.rest, not (diagnosis.objection or diagnosis.told)
     tried = [(one, model) for one, part in diagnosis.of_ends for model in _weighed(one, part)]
     tried.sort(key=lambda pair: -pair[1].weight)
-    mu, low, high = averaged([model for _, model in tried])
+    models = [model for _, model in tried]
+
+    def quoted(relaxed: bool) -> dict[str, float | str]:
+        mu, low, high = averaged(models, relaxed)
+        factors = [1.0, *rest.values()]
+        return _sized(mu, "Pa", low * min(factors), high * max(factors))
+
+    relaxes = any(e.of_time and e.whole for e in diagnosis.final.model.effects)
     return {
-        "mu": _sized(mu, "Pa", low * min([1.0, *rest.values()]), high * max([1.0, *rest.values()])),
-        "mu_relaxed": _relaxed(diagnosis),
+        "mu": quoted(relaxed=False),
+        "mu_relaxed": quoted(relaxed=True) if relaxes else None,
         "estimate": "averaged over the models fitted" if several else "of the model reported",
         "models": [
             {
@@ -157,12 +163,6 @@ def recommended(diagnosis: Diagnosis) -> dict[str, Any]:
         "widened_by_models": any(one.alike > one.weight + SHOWN for _, one in tried),
         "widened_by_rest": any(abs(factor - 1.0) > SHOWN for factor in rest.values()),
     }
-
-
-def _relaxed(diagnosis: Diagnosis) -> dict[str, float | str] | None:
-    """Modulus that is left at the end of the longest record, if what is reported relaxes."""
-    found = relaxed_modulus(diagnosis.final, diagnosis.posed.stiffness)
-    return _of_log(*found) if found else None
 
 
 def _weighed(diagnosis: Diagnosis, part: float) -> list[Weighed]:

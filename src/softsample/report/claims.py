@@ -175,7 +175,7 @@ def _above(other: str) -> Callable[[Tables], Finding]:
         return Finding(
             f"so over {100.0 * share:.0f} % of the strains up to 0.25",
             _verdict(share > MOST),
-            "" if share > MOST else "incomplete contact lowers the nominal stress in compression",
+            "–" if share > MOST else "incomplete contact lowers the nominal stress in compression",
         )
 
     return judge

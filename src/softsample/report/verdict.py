@@ -100,6 +100,7 @@ def _opening(verdict: Mapping[str, Any]) -> Iterator[str]:
     yield _saying(verdict)
     yield _recommended(verdict["recommended"])
     yield _predicted(verdict)
+    yield _scales(verdict)
     yield _unseen(*unseen[0]) if unseen else ""
     if verdict["specimen_stiffness"] and not named:
         yield _specimens(verdict["specimen_stiffness"])
@@ -152,10 +153,7 @@ def _recommended(found: Mapping[str, Any]) -> str:
         )
     if relaxed := found.get("mu_relaxed"):
         value, low, high = (significant(relaxed[key]) for key in ("value", "low", "high"))
-        text += (
-            f" The model reported keeps {value} Pa ({low} to {high}) of it to the end of the "
-            "longest record."
-        )
+        text += f" Of it {value} Pa ({low} to {high}) are left at the end of the longest record."
     return text
 
 
@@ -166,7 +164,8 @@ HALF = 50.0
 """Error [% of peak] from which on it is not, whatever it was without effects."""
 
 FAR = 3.0
-"""Multiple of the stated floor up to which it is predicted all the same."""
+"""Multiple of the stated floor up to which it is predicted all the same; of the stated scale up to
+which tests differ no more than usual."""
 
 
 def _predicted(verdict: Mapping[str, Any]) -> str:
@@ -193,6 +192,18 @@ def _predicted(verdict: Mapping[str, Any]) -> str:
         names = ", ".join(failed)
         text += f" **Not predicted:** {names}; what is quoted holds for what was fitted."
     return text
+
+
+def _scales(verdict: Mapping[str, Any]) -> str:
+    """That tests differ in scale by far more than stated, where effects explain the rest."""
+    found, usual = verdict["discrepancy_percent"]["after"], verdict["floor"]["scale_percent"]
+    if verdict["verdict"] != "explained" or found.get("scale", 0.0) <= FAR * usual:
+        return ""
+    size = f"{significant(found['scale'])} %** (usual: {significant(usual)} %)"
+    return (
+        f"**Beside these effects the scale of the tests differs by {size}, as specimens of unequal "
+        "stiffness do."
+    )
 
 
 def _unseen(name: str, worst: Mapping[str, Any]) -> str:

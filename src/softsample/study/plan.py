@@ -213,8 +213,11 @@ class Plan:
         return geometry == "ideal" and is_homogeneous(row["mode"], ends or modelled_ends(row))
 
     def coarsening(self, times: float, sample: str, geometry: str) -> float:
-        """Size of elements over that of the settings; any mesh holds a uniform field."""
-        return times * (2 if self.has_closed_form(sample, geometry) else 1)
+        """Size of elements over that of the settings, asked for as `times`.
+
+        Any mesh holds a uniform field, but for one that is too coarse for a thin cylinder.
+        """
+        return 2 if self.has_closed_form(sample, geometry) else times
 
     def simulated(self, group: str) -> list[str]:
         """Pieces of a group whose response to a law is simulated."""

@@ -191,7 +191,9 @@ def test_an_effect_that_is_withheld_counts_for_the_modulus_to_quote(withheld):
     off, before = (abs(mu["value"] / laboratory.MU - 1.0) for mu in (quoted["mu"], plain))
     assert off < 0.5 * before
     assert quoted["mu"]["low"] < laboratory.MU < quoted["mu"]["high"]
-    assert "90 %), of the model with `poisson_ratio`." in page("A1", verdict)
+    text = page("A1", verdict)
+    assert "90 %), of the model with `poisson_ratio`." in text
+    assert "could hide is `force_drift`" in text  # the modulus allows for the other one
 
 
 def test_what_does_not_hold_has_no_weight():

@@ -94,7 +94,9 @@ def page(group: str, verdict: Mapping[str, Any]) -> str:
 def _opening(verdict: Mapping[str, Any]) -> Iterator[str]:
     """Paragraphs before the effects; empty where there is nothing to say."""
     named = [effect["name"] for effect in verdict["effects"]]
-    unseen = [x for x in _worst_first(verdict["detection_limits"]) if x[0] not in named]
+    models = [one for one in verdict["recommended"]["models"] if one["weight"] >= WORTH_A_NAME]
+    counted = {*named, *(name for one in models for name in one["effects"])}
+    unseen = [x for x in _worst_first(verdict["detection_limits"]) if x[0] not in counted]
     if overloaded := verdict["overloaded_N"]:
         yield f"**{OVERLOADED}:** {overload_told(overloaded)}"
     yield _saying(verdict)

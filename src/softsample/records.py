@@ -28,9 +28,7 @@ SMALLEST_TRAVEL, SMALLEST_STRAIN = 0.1 * MM, 0.005
 """A platen moves so far at least; of a sample of known height so much of it is enough, as metres
 taken for millimetres would be a thousandth of the strain."""
 FEWEST_IN_RAMP = 5
-"""A published curve may have few points, all of them good."""
-FEWEST_WITH_TIME = 20
-"""Samples that the schema asks for at least, so that as many are enough to ask it."""
+"""A published curve may have few points, all of them good; the schema asks for as many."""
 MANY_IN_RAMP = 20
 """Fewer samples in a ramp go with a warning."""
 MISSING = 5.0
@@ -498,7 +496,7 @@ def _out_of_bounds(table: pd.DataFrame, schema: Mapping[str, Any], source: str) 
     """The first refusal of each column, with the number of all."""
     values = table.to_numpy(np.float64)
     ends = {*values.argmin(axis=0), *values.argmax(axis=0)} if len(values) else set()
-    few = table.iloc[sorted({*range(min(len(table), FEWEST_WITH_TIME)), *ends})]
+    few = table.iloc[sorted({*range(min(len(table), FEWEST_IN_RAMP)), *ends})]
     if not any(refusals(_cells(few), schema)):  # bounds hold for all if they hold for the ends
         return
     found: dict[str, list[tuple[str, str]]] = {}

@@ -548,6 +548,8 @@ def _reason(error: ValidationError) -> str:
         return f"{value!r} is not allowed"
     if error.validator in ("anyOf", "oneOf"):
         return f"{value!r} is none of what is allowed"
+    if error.validator == "minItems":
+        return f"a list of {len(value)} is too short"
     if error.validator == "enum":
         return f"{value!r} is not one of {', '.join(map(str, wanted))}"
     assert isinstance(error.schema, Mapping)

@@ -112,8 +112,8 @@ REFUSED = {
         "column 'displacement_mm': .*there is no loading ramp",
     ),
     "few samples": (
-        lambda t: t.iloc[:15],
-        "column 'time_s': .*expected: time \\[s\\], at least 20 rows",
+        lambda t: t.iloc[:4],
+        "column 'time_s': a list of 4 is too short; expected: time \\[s\\], at least 5 rows",
     ),
     "coarse ramp": (
         lambda t: pd.concat([t.iloc[:50], t.iloc[50::500]]),
@@ -436,9 +436,8 @@ def test_a_published_curve_of_few_points_is_enough_without_time():
     assert table["calibrated"].tolist() == [0] * 16 + [1] * 17
     assert facts["ramp_start_mm"] == 0.0
     half = sweep.iloc[16:].iloc[::2].reset_index(drop=True)
-    assert aligned(half, "shear")[1]["samples"] == 9
-    with pytest.raises(InputError, match="column 'time_s': .*at least 20 rows"):
-        aligned(half.assign(time_s=np.arange(9.0)), "shear")
+    for few in (half, half.assign(time_s=np.arange(9.0))):
+        assert aligned(few, "shear")[1]["samples"] == 9
 
 
 def cycles(*peaks, rest=1.0, step=0.02):

@@ -168,7 +168,10 @@ def recommended(diagnosis: Diagnosis) -> dict[str, Any]:
 def _weighed(diagnosis: Diagnosis, part: float) -> list[Weighed]:
     """Models of a diagnosis, whose weights add up to a part."""
     reported = Weighed.of(diagnosis.final, 1.0, 1.0, diagnosis.posed.stiffness)
-    found = [] if diagnosis.told else weighed(diagnosis.selection, diagnosis.posed.stiffness)
+    selection = diagnosis.selection
+    if diagnosis.correction:  # of a model that may have been refused
+        selection = replace(selection, final=diagnosis.final)
+    found = [] if diagnosis.told else weighed(selection, diagnosis.posed.stiffness)
     if diagnosis.objection or diagnosis.told:  # what does not hold may still be there
         rest = [replace(one, weight=0.0, alike=one.weight) for one in found]
         found = [replace(reported, alike=0.0 if rest else 1.0), *rest]

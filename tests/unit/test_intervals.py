@@ -7,7 +7,8 @@ import numpy as np
 import pytest
 
 from softsample.io import read_yaml
-from softsample.report.intervals import FLOOR, force_terms, interval_table
+from softsample.report.intervals import FLOOR, force_terms, interval_rows, interval_table
+from softsample.report.page import with_interval
 from softsample.response.floor import FloorSettings
 
 ROOT = Path(__file__).resolve().parents[2]
@@ -59,7 +60,7 @@ def fit(model="ogden2"):
     percent = {"mu_pa": -6.0, "mu1_pa": -8.0, "mu2_pa": 2.0}
     return {
         "group": "G", "geometry": "real", "model": model, "samples": ["T", "C"],
-        "mu_pa": 1000.0, "mu1_pa": 800.0, "mu2_pa": 200.0,
+        "mu_pa": 1000.0, "mu1_pa": 800.0, "mu2_pa": 200.0, "active_bounds": [],
         "uncertainty": {
             "confidence": 0.9,
             "bootstrap": scatter,
@@ -172,3 +173,15 @@ def test_the_floor_is_what_the_verification_found():
             found = re.search(rf"\| {size:g} mm \| {mode} \| [^|]* \| -([\d.]+) \|", page)
             assert found, (size, mode)
             assert percent == float(found[1])
+
+
+def test_a_modulus_at_its_largest_has_no_upper_limit():
+    forces = {name: terms() for name in ("T", "C")}
+    pieces = {"T": "T", "C": "C"}
+    at_bound = {**fit(), "active_bounds": ["mu at its maximum"]}
+    (free,), (held,) = (interval_rows(one, forces, pieces)[:1] for one in (fit(), at_bound))
+    assert held["low_pa"] == free["low_pa"]
+    assert np.isnan([held["high_pa"], held["high_without_floor_pa"]]).all()
+    shown = with_interval(held["value_pa"], held["low_pa"], held["high_pa"])
+    assert re.fullmatch(r"1000 \(\d+ or more\)", shown)
+    assert with_interval(1000.0, None, None) == "1000"

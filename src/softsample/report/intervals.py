@@ -28,6 +28,9 @@ FLOOR = ("mesh", "hourglass", "element")
 ADD_UP = (*FLOOR, "bond")
 """Terms that are wrong in the same sense in all samples, so that their forces keep the sign."""
 
+MOST = "mu at its maximum"
+"""Bound on which a calibration ends whose modulus may be larger."""
+
 
 def force_terms(
     mode: str,
@@ -96,9 +99,11 @@ def interval_rows(
     list of dict
         Value [Pa], standard deviation of every term [% of it], limits [Pa] of the interval of all
         terms (`low_pa`, `high_pa`), without the floor, and without the bond. A term that is known
-        of no piece is NaN, and not in the interval.
+        of no piece is NaN, and not in the interval; so are upper limits where the calibration
+        ended at the largest modulus that it may have.
     """
     given, rows = fit["uncertainty"], []
+    open_above = np.nan if MOST in fit["active_bounds"] else 0.0
     z = float(ndtri(0.5 + 0.5 * given["confidence"]))
     for name in ("mu",) if fit["model"] == "ogden1" else ("mu", "mu1", "mu2"):
         key = f"{name}_pa"
@@ -125,7 +130,7 @@ def interval_rows(
                 "modulus": name,
                 "value_pa": value,
                 **{f"low_{which}pa": max(value - part, 0.0) for which, part in half.items()},
-                **{f"high_{which}pa": value + part for which, part in half.items()},
+                **{f"high_{which}pa": value + part + open_above for which, part in half.items()},
                 **{f"{term}_percent": _percent(terms[term], value) for term in MEASURED + FLOOR},
             }
         )

@@ -53,10 +53,12 @@ def signed(value: Any, digits: int = 1) -> str:
 
 
 def with_interval(value: float, low: float | None, high: float | None) -> str:
-    """A number and, if they are known, the ends of its interval."""
+    """A number and, if they are known, the ends of its interval; it may have no upper one."""
     text = significant(value)
-    if low is None or high is None or not np.isfinite([low, high]).all():
+    if low is None or not np.isfinite(low):
         return text
+    if high is None or not np.isfinite(high):
+        return f"{text} ({significant(low)} or more)"
     return f"{text} ({significant(low)} to {significant(high)})"
 
 

@@ -62,7 +62,7 @@ def test_all_checks_passed(study):
     results, _ = study
     passed = load(results, "checks/passed.json")
     assert passed["passed"] is True
-    assert passed["checks"] == 8 * 9 + 4 + 2 + 2
+    assert passed["checks"] == 8 * 7 + 4 + 2 + 2
 
 
 def test_the_cuboid_has_the_size_that_was_drawn(study):

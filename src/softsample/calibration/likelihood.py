@@ -78,7 +78,7 @@ class AreaLikelihood:
         self._least = search(self.best)
 
     def __call__(self, x: Array) -> float:
-        """ln(A / A_min) at variables `x`: the deviance of one point."""
+        """ln(A / A_min) at variables `x`: the deviance over twice the number of points."""
         return float(np.log(self.search(x) / self._least))
 
     def profile(self, name: str, step: float, confidence: float) -> Profile:

@@ -38,7 +38,7 @@ NEVER_UNIFORM = ("indentation", "torsion")
 
 
 def is_homogeneous(mode: str, ends: object) -> bool:
-    """Whether an ideal shape deforms uniformly: ends (`shapes.BONDED` ...) without friction."""
+    """Whether an ideal shape deforms uniformly: between ends or walls without friction."""
     uniform = ends == "sliding" or mode == "confined_compression"
     return uniform and mode not in NEVER_UNIFORM
 

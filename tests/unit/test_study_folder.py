@@ -532,6 +532,7 @@ def test_after_a_run_with_failures_the_finished_groups_are_reported(own, tmp_pat
 
 def test_names_of_folders_are_no_yaml(tmp_path, monkeypatch):
     """Snakemake parses what follows `--config`: a sign for a comment, a colon, a number."""
+    monkeypatch.chdir(tmp_path)
     folder = tmp_path / "Mouse #3: a"
     folder.mkdir()
     (folder / "samples.tsv").touch()

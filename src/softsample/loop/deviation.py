@@ -9,6 +9,7 @@ from collections.abc import Mapping
 
 import numpy as np
 
+from softsample.loop.effects.base import Effect
 from softsample.loop.fit import DIFFERENCE, Fit
 from softsample.loop.model import Packing
 from softsample.loop.scale import scatter
@@ -51,19 +52,24 @@ def log_modulus_deviation(fit: Fit, stiffness: Mapping[str, float]) -> float:
     return _with_shared(float(deviations(fit)[0]), fit, stiffness)
 
 
+def relaxing(fit: Fit) -> list[Effect]:
+    """Effects of a model with which the modulus falls in the course of time."""
+    return [effect for effect in fit.model.effects if effect.of_time and effect.whole]
+
+
 def relaxed_modulus(fit: Fit, stiffness: Mapping[str, float]) -> tuple[float, float] | None:
     """Modulus [Pa] that is left at the end of the longest record, and deviation of its logarithm.
 
     None if nothing in the model relaxes.
     """
-    relaxing = [effect for effect in fit.model.effects if effect.of_time and effect.whole]
-    if not relaxing:
+    effects = relaxing(fit)
+    if not effects:
         return None
     packing = Packing(fit.model, fit.problem.fractions)
 
     def log_left(vector: Array) -> float:
         state = packing.unpack(vector)
-        lost = sum(e.whole(state.values[e.name]) for e in relaxing if e.whole)
+        lost = sum(e.whole(state.values[e.name]) for e in effects if e.whole)
         return float(np.log(state.material.mu * max(1.0 - lost, NOTHING)))
 
     vector = packing.pack(fit.state)

@@ -14,6 +14,7 @@ from softsample.loop.deviation import (
     birge_ratio,
     deviations,
     log_modulus_deviation,
+    relaxing,
 )
 from softsample.loop.diagnose import STIFFNESS, Diagnosis
 from softsample.loop.effects import ends, library, specimen_stiffness
@@ -146,10 +147,9 @@ def recommended(diagnosis: Diagnosis) -> dict[str, Any]:
         factors = [1.0, *rest.values()]
         return _sized(mu, "Pa", low * min(factors), high * max(factors))
 
-    relaxes = any(e.of_time and e.whole for e in diagnosis.final.model.effects)
     return {
         "mu": quoted(relaxed=False),
-        "mu_relaxed": quoted(relaxed=True) if relaxes else None,
+        "mu_relaxed": quoted(relaxed=True) if relaxing(diagnosis.final) else None,
         "estimate": "averaged over the models fitted" if several else "of the model reported",
         "models": [
             {

@@ -28,7 +28,7 @@ FLOOR = ("mesh", "hourglass", "element")
 ADD_UP = (*FLOOR, "bond")
 """Terms that are wrong in the same sense in all samples, so that their forces keep the sign."""
 
-MOST = "mu at its maximum"
+LARGEST = "mu at its maximum"
 """Bound on which a calibration ends whose modulus may be larger."""
 
 
@@ -103,7 +103,7 @@ def interval_rows(
         ended at the largest modulus that it may have.
     """
     given, rows = fit["uncertainty"], []
-    open_above = np.nan if MOST in fit["active_bounds"] else 0.0
+    open_above = LARGEST in fit["active_bounds"]
     z = float(ndtri(0.5 + 0.5 * given["confidence"]))
     for name in ("mu",) if fit["model"] == "ogden1" else ("mu", "mu1", "mu2"):
         key = f"{name}_pa"
@@ -130,7 +130,10 @@ def interval_rows(
                 "modulus": name,
                 "value_pa": value,
                 **{f"low_{which}pa": max(value - part, 0.0) for which, part in half.items()},
-                **{f"high_{which}pa": value + part + open_above for which, part in half.items()},
+                **{
+                    f"high_{which}pa": np.nan if open_above else value + part
+                    for which, part in half.items()
+                },
                 **{f"{term}_percent": _percent(terms[term], value) for term in MEASURED + FLOOR},
             }
         )

@@ -219,7 +219,7 @@ def corners(time: Array | None, displacement: Array) -> list[int]:
         If the platen does not move beyond the noise of its reading.
     """
     reach = float(np.ptp(displacement))
-    if reach <= 5.0 * max(10.0 * white_noise(time, displacement), _tread(displacement)):
+    if reach <= 5.0 * max(10.0 * reading_noise(time, displacement), _tread(displacement)):
         raise InputError(
             f"displacement stays within {1e3 * reach:.3g} mm, its noise: there is no loading ramp"
         )
@@ -237,7 +237,7 @@ def _tolerance(time: Array | None, displacement: Array) -> float:
     Noise that makes a coarse reading flicker between two digits is up to that of rounding.
     """
     tread = _tread(displacement)
-    noise = white_noise(time, displacement)
+    noise = reading_noise(time, displacement)
     if len(_back_steps(displacement)):
         noise = max(noise, tread / np.sqrt(12.0))
     return max(10.0 * noise, 1e-3 * float(np.ptp(displacement)), 1.5 * tread)
@@ -515,7 +515,7 @@ def _loading(ramps: Sequence[slice], away: Array) -> Loading:
     return Loading(tuple(ramps[: until + 1]), max(ends))
 
 
-def white_noise(time: Array | None, reading: Array) -> float:
+def reading_noise(time: Array | None, reading: Array) -> float:
     """Standard deviation of white noise on a piecewise linear reading (n,), in its unit.
 
     Each sample is compared with the chord of its neighbours. Without time, uneven steps look like

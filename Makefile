@@ -132,9 +132,9 @@ test-long: $(stamp)
 check: $(stamp)
 	$(bin)/ruff check .
 	$(bin)/ruff format --check .
-	$(bin)/snakefmt --check Snakefile workflow/rules
+	$(bin)/snakefmt --check Snakefile workflow/Snakefile workflow/rules
 	$(bin)/mypy
-	$(bin)/python tests/workflow/lint.py
+	$(bin)/snakemake --lint
 
 bench: bench-solver bench-imaging
 
@@ -214,7 +214,7 @@ bench-scale: $(stamp)
 format: $(stamp)
 	$(bin)/ruff check --fix .
 	$(bin)/ruff format .
-	$(bin)/snakefmt Snakefile workflow/rules
+	$(bin)/snakefmt Snakefile workflow/Snakefile workflow/rules
 
 clean:
 	rm -rf results results-quick logs .snakemake .numba

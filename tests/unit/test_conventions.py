@@ -5,6 +5,7 @@ import json
 import re
 import subprocess
 import sys
+import tomllib
 from pathlib import Path
 
 import pytest
@@ -67,6 +68,14 @@ def test_the_container_builds_the_environment_of_the_lock_and_runs_the_program()
     ):
         assert needed not in ignored
         assert (ROOT / needed).exists()
+
+
+def test_the_conda_environment_of_all_rules_has_the_dependencies_of_the_project():
+    """`snakemake --lint` asks each rule for one."""
+    project = tomllib.loads((ROOT / "pyproject.toml").read_text(encoding="utf-8"))["project"]
+    wanted = [name for name in project["dependencies"] if not name.startswith("snakemake")]
+    given = yaml.safe_load((ROOT / "workflow/envs/softsample.yaml").read_text(encoding="utf-8"))
+    assert given["dependencies"] == [f"python{project['requires-python']}", *wanted]
 
 
 def test_the_program_tells_its_version(capsys):

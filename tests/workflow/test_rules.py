@@ -531,6 +531,30 @@ def test_undeclared_records_go_from_image_to_verdict(tmp_path):
     assert planned["diagnose"] == planned["diagnose_ideal"] == 10
 
 
+@pytest.mark.parametrize("snakefile", ["Snakefile", "workflow/Snakefile"])
+def test_either_file_is_the_workflow_in_any_folder(snakefile, tmp_path):
+    status, text = dry_run("--snakefile", snakefile, "--directory", str(tmp_path))
+    assert status == 0, text
+    assert jobs(text)["all"] == 1
+
+
+def test_as_a_module_it_is_given_what_differs_from_the_defaults(tmp_path):
+    table = ROOT / "resources/cohort/samples.tsv"
+    own = tmp_path / "Snakefile"
+    own.write_text(
+        f"module softsample:\n    snakefile: {str(ROOT / 'Snakefile')!r}\n"
+        f"    config: {{'results': 'moduli', 'samples': {str(table)!r}}}\n"
+        "use rule * from softsample as softsample_*\n"
+    )
+    place = ("--snakefile", str(own), "--directory", str(tmp_path))
+    status, text = dry_run(*place, "--", "moduli/calibration/TC1/real/ogden2.json")
+    assert status == 0, text
+    assert jobs(text)["softsample_calibrate"] == 1
+    assert "mesh" not in jobs(text)
+    status, text = dry_run(*place, "--", "softsample_all")
+    assert status == 0, text
+
+
 def test_a_new_sample_takes_its_row_from_the_command_line_alone():
     """Shells set GROUP to the group of the user."""
     command = ["make", "-n", "add-sample", "DIR=lab", "RECORD=a.csv", "MODE=tension"]

@@ -25,6 +25,8 @@ rule blind_curves:
         curves="<results>/{lab}/curves/{body}.csv",
     log:
         "<logs>/{lab}/curves_{body}.log",
+    conda:
+        "../envs/softsample.yaml"
     params:
         bank=BLIND["bank"],
         sizes=lambda wildcards: BLIND["extents"][wildcards.lab]["sizes"],
@@ -41,6 +43,8 @@ rule blind_model:
         curves="<results>/blind/models/{body}.csv",
     log:
         "<logs>/blind/model_{body}.log",
+    conda:
+        "../envs/softsample.yaml"
     params:
         bank=BLIND["bank"],
         perturbations=config["loop"]["perturbations"],
@@ -58,6 +62,8 @@ rule blind_seal:
         seal="<results>/{lab}/seal.json",
     log:
         "<logs>/{lab}/seal.log",
+    conda:
+        "../envs/softsample.yaml"
     params:
         extent=lambda wildcards: BLIND["extents"][wildcards.lab],
         bodies=BLIND["bodies"],
@@ -78,6 +84,8 @@ rule blind_answers:
         answers="<results>/{lab}/answers/{part}.json",
     log:
         "<logs>/{lab}/answers_{part}.log",
+    conda:
+        "../envs/softsample.yaml"
     params:
         names=BODIES,
         part=lambda wildcards: int(wildcards.part),
@@ -106,6 +114,8 @@ rule blind_score:
         figure="<results>/{lab}/confusion.png",
     log:
         "<logs>/{lab}/score.log",
+    conda:
+        "../envs/softsample.yaml"
     message:
         "Blind laboratory: score"
     script:

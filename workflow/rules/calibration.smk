@@ -31,6 +31,8 @@ rule calibrate:
         curve="<results>/calibration/{group}/{geometry}/{model}.csv",
     log:
         "<logs>/calibrate/{group}_{geometry}_{model}.log",
+    conda:
+        "../envs/softsample.yaml"
     resources:
         **OF_MESHES,
     params:

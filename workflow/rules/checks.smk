@@ -12,6 +12,8 @@ rule check_simulation:
         report="<results>/checks/{sample}_{geometry}.json",
     log:
         "<logs>/checks/{sample}_{geometry}.log",
+    conda:
+        "../envs/softsample.yaml"
     params:
         limits=config["checks"],
     message:
@@ -28,6 +30,8 @@ rule check_calibration:
         report="<results>/checks/{group}_calibration.json",
     log:
         "<logs>/checks/{group}_calibration.log",
+    conda:
+        "../envs/softsample.yaml"
     message:
         "Check the calibration: group {wildcards.group}"
     script:
@@ -42,6 +46,8 @@ rule checks_passed:
         report="<results>/checks/passed.json",
     log:
         "<logs>/checks/passed.log",
+    conda:
+        "../envs/softsample.yaml"
     message:
         "Gather the checks of the whole study"
     script:

@@ -9,11 +9,12 @@ from inspect import signature
 from itertools import chain
 from pathlib import Path
 
-ROOT = Path(workflow.basedir)
 # installed from a wheel, the library lies apart from the workflow
 CLONE = (ROOT / "src/softsample").is_dir()
 if CLONE and str(ROOT / "src") not in sys.path:
     sys.path.insert(0, str(ROOT / "src"))
+
+from snakemake.utils import update_config
 
 import softsample
 
@@ -29,7 +30,7 @@ from softsample.costs import mesh_memory_mb, mesh_runtime_min
 from softsample.dependencies import dependencies, state_of_kernels
 from softsample.errors import SoftsampleError
 from softsample.holdout import check_hold_out
-from softsample.io import read_json, read_samples
+from softsample.io import read_json, read_samples, read_yaml
 from softsample.presence import is_led, lead_run, show_presence
 from softsample.progress import show_jobs_in_lines
 from softsample.report.results import words_of_failure, words_of_success
@@ -47,6 +48,12 @@ from softsample.workflow import failed_jobs
 
 if workflow.is_main_process:
     show_jobs_in_lines(dry=lambda: workflow.dryrun)
+
+
+# A module is given what differs from the defaults alone.
+defaults = read_yaml(ROOT / "config/config.yaml")
+update_config(defaults, config)
+config.update(defaults)
 
 
 def checked_study():

@@ -49,6 +49,8 @@ rule table_direct:
         ),
     log:
         "<logs>/table_direct.log",
+    conda:
+        "../envs/softsample.yaml"
     message:
         "Table of both ways to calibrate"
     script:
@@ -118,6 +120,8 @@ rule table_exponents:
         ),
     log:
         "<logs>/table_exponents.log",
+    conda:
+        "../envs/softsample.yaml"
     params:
         groups=list(GROUPS),
         law=FREE,
@@ -141,6 +145,8 @@ rule figure_exponents:
         pdf="<results>/extended/exponents.pdf",
     log:
         "<logs>/figure_exponents.log",
+    conda:
+        "../envs/softsample.yaml"
     params:
         alpha=config["material"]["alpha"],
         ranges=[config["exponents"][name] for name in ("alpha1", "alpha2")],

@@ -18,6 +18,8 @@ rule geometry_curves:
         "<logs>/geometry_curves/{sample}.log",
     benchmark:
         "<benchmarks>/geometry_curves/{sample}.tsv"
+    conda:
+        "../envs/softsample.yaml"
     resources:
         **OF_MESHES,
     params:
@@ -46,6 +48,8 @@ rule geometry_bias:
         table="<results>/geometry_effects/bias/{group}.csv",
     log:
         "<logs>/geometry_bias/{group}.log",
+    conda:
+        "../envs/softsample.yaml"
     params:
         modes=of(lambda group: {name: SAMPLES[name]["mode"] for name in PLAN.samples_of(group)}),
         settings=config["calibration"],
@@ -67,6 +71,8 @@ rule table_geometry_effects:
         needed="<results>/tables/cohort_needed.csv",
     log:
         "<logs>/table_geometry_effects.log",
+    conda:
+        "../envs/softsample.yaml"
     params:
         groups={
             group: [SAMPLES[name]["mode"] for name in members] for group, members in GROUPS.items()
@@ -89,6 +95,8 @@ rule figure_geometry_effects:
         pdf="<results>/figures/geometry_effects.pdf",
     log:
         "<logs>/figure_geometry_effects.log",
+    conda:
+        "../envs/softsample.yaml"
     message:
         "Figure: effects of the geometry on the bias"
     script:
@@ -108,6 +116,8 @@ rule prescribed:
         "<logs>/prescribed/{sample}_{geometry}.log",
     benchmark:
         "<benchmarks>/prescribed/{sample}_{geometry}.tsv"
+    conda:
+        "../envs/softsample.yaml"
     resources:
         **OF_MESHES,
     params:
@@ -133,6 +143,8 @@ rule table_prescribed:
         table="<results>/tables/prescribed.csv",
     log:
         "<logs>/table_prescribed.log",
+    conda:
+        "../envs/softsample.yaml"
     params:
         samples=[sample for sample in COMPRESSED for _ in GEOMETRIES],
         geometries=[geometry for _ in COMPRESSED for geometry in GEOMETRIES],
@@ -152,6 +164,8 @@ rule figure_prescribed:
         pdf="<results>/figures/prescribed.pdf",
     log:
         "<logs>/figure_prescribed.log",
+    conda:
+        "../envs/softsample.yaml"
     params:
         samples=rules.table_prescribed.params.samples,
         geometries=rules.table_prescribed.params.geometries,

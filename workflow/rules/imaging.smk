@@ -21,6 +21,8 @@ rule segment:
         "<logs>/segment/{sample}.log",
     benchmark:
         "<benchmarks>/segment/{sample}.tsv"
+    conda:
+        "../envs/softsample.yaml"
     resources:
         mem_mb=lambda wildcards, attempt: 1500 * attempt,
     params:
@@ -41,6 +43,8 @@ rule measure:
         cuboid="<results>/cuboid/{sample}.json",
     log:
         "<logs>/measure/{sample}.log",
+    conda:
+        "../envs/softsample.yaml"
     params:
         settings=config["measurement"],
         preload_mm=config["protocol"]["preload_mm"],

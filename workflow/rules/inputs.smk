@@ -18,6 +18,8 @@ rule check_inputs:
         record="<results>/records/{sample}.csv",
     log:
         "<logs>/check_inputs/{sample}.log",
+    conda:
+        "../envs/softsample.yaml"
     params:
         missing=of(FILES.missing),
         mode=row_value("mode"),

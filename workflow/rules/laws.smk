@@ -63,6 +63,8 @@ rule laws_of_group:
     # laws/choice.json is no group's
     wildcard_constraints:
         group=r"(?!choice\.)[A-Za-z0-9_-]+",
+    conda:
+        "../envs/softsample.yaml"
     resources:
         **OF_MESHES,
     params:
@@ -90,6 +92,8 @@ rule choose_law:
         figures=expand("<results>/figures/laws.{kind}", kind=PICTURE_FORMATS),
     log:
         "<logs>/choose_law.log",
+    conda:
+        "../envs/softsample.yaml"
     params:
         groups=GROUPS,
         geometries={group: PLAN.best(group) for group in GROUPS},
@@ -124,6 +128,8 @@ rule confirm_law:
         "<logs>/confirm_law/{group}.log",
     benchmark:
         "<benchmarks>/confirm_law/{group}.tsv"
+    conda:
+        "../envs/softsample.yaml"
     resources:
         **OF_MESHES,
     params:

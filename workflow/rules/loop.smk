@@ -56,6 +56,8 @@ rule perturbations:
         "<logs>/perturbations/{sample}_{geometry}.log",
     benchmark:
         "<benchmarks>/perturbations/{sample}_{geometry}.tsv"
+    conda:
+        "../envs/softsample.yaml"
     resources:
         **OF_MESHES,
     params:
@@ -91,6 +93,8 @@ rule diagnose:
         "<logs>/diagnose/{group}.log",
     benchmark:
         "<benchmarks>/diagnose/{group}.tsv"
+    conda:
+        "../envs/softsample.yaml"
     params:
         **OF_DIAGNOSES,
         hold_out=HOLD_OUT,
@@ -199,6 +203,8 @@ rule table_loop:
         errors="<results>/tables/loop_errors.csv",
     log:
         "<logs>/loop.log",
+    conda:
+        "../envs/softsample.yaml"
     params:
         models=list(FILES.verdicts),
     message:
@@ -236,6 +242,8 @@ rule simulate_sizes:
         "<logs>/simulate_sizes/{sample}_{geometry}.log",
     benchmark:
         "<benchmarks>/simulate_sizes/{sample}_{geometry}.tsv"
+    conda:
+        "../envs/softsample.yaml"
     resources:
         **OF_MESHES,
     params:
@@ -260,6 +268,8 @@ rule confirm_verdict:
         table="<results>/loop/confirmation/{group}_{geometry}.csv",
     log:
         "<logs>/confirm_verdict/{group}_{geometry}.log",
+    conda:
+        "../envs/softsample.yaml"
     params:
         rows=rows(PLAN.samples_of),
         hold_out=HOLD_OUT,
@@ -278,6 +288,8 @@ rule table_confirmation:
         table="<results>/tables/confirmation.csv",
     log:
         "<logs>/confirmation.log",
+    conda:
+        "../envs/softsample.yaml"
     message:
         "Table of confirmed effects: {output}"
     script:

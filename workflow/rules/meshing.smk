@@ -28,6 +28,8 @@ rule mesh:
         "<logs>/mesh/{sample}_{geometry}.log",
     benchmark:
         "<benchmarks>/mesh/{sample}_{geometry}.tsv"
+    conda:
+        "../envs/softsample.yaml"
     resources:
         **OF_MESHES,
     params:

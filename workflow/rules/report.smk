@@ -22,6 +22,8 @@ rule table_moduli:
         ),
     log:
         "<logs>/table1.log",
+    conda:
+        "../envs/softsample.yaml"
     params:
         model="ogden2",
         samples=list(SAMPLES),
@@ -64,6 +66,8 @@ rule table_geometry:
         ),
     log:
         "<logs>/geometry.log",
+    conda:
+        "../envs/softsample.yaml"
     params:
         modes={name: SAMPLES[name]["mode"] for name in PIECES},
     message:
@@ -87,6 +91,8 @@ rule table_summary:
         ),
     log:
         "<logs>/summary.log",
+    conda:
+        "../envs/softsample.yaml"
     params:
         models=list(FILES.moduli_tables),
     message:
@@ -108,6 +114,8 @@ rule table_sensitivity:
         ),
     log:
         "<logs>/sensitivity.log",
+    conda:
+        "../envs/softsample.yaml"
     params:
         samples=PIECES,
     message:
@@ -129,6 +137,8 @@ rule table_band:
         ),
     log:
         "<logs>/band.log",
+    conda:
+        "../envs/softsample.yaml"
     params:
         samples=PLAN.banded,
     message:
@@ -153,6 +163,8 @@ rule table_bond:
         ),
     log:
         "<logs>/table_bond.log",
+    conda:
+        "../envs/softsample.yaml"
     params:
         rows={name: SAMPLES[name] for name in PLAN.bonded},
         groups=BONDED_GROUPS,
@@ -180,6 +192,8 @@ rule table_intervals:
         ),
     log:
         "<logs>/intervals.log",
+    conda:
+        "../envs/softsample.yaml"
     params:
         modes={name: SAMPLES[name]["mode"] for name in PIECES},
         piece_of=PLAN.piece_of,
@@ -202,6 +216,8 @@ rule table_stress:
         table="<results>/tables/stress_strain.csv",
     log:
         "<logs>/stress_strain.log",
+    conda:
+        "../envs/softsample.yaml"
     params:
         modes=[row["mode"] for row in SAMPLES.values()],
     message:
@@ -226,6 +242,8 @@ rule numbers:
         numbers="<results>/tables/numbers.rst",
     log:
         "<logs>/numbers.log",
+    conda:
+        "../envs/softsample.yaml"
     params:
         cohort=COHORT,
         shipped=PAPERS,
@@ -259,6 +277,8 @@ rule figure2:
         pdf="<results>/figures/figure2.pdf",
     log:
         "<logs>/figure2.log",
+    conda:
+        "../envs/softsample.yaml"
     message:
         "Figure 2: from image to meshes"
     script:
@@ -280,6 +300,8 @@ rule figure3:
         pdf="<results>/figures/figure3.pdf",
     log:
         "<logs>/figure3.log",
+    conda:
+        "../envs/softsample.yaml"
     params:
         samples={"real": REAL_EXAMPLES, "ideal": list(EXAMPLES.values())},
         rows={name: SAMPLES[name] for name in EXAMPLES.values()},
@@ -306,6 +328,8 @@ rule figure_sample:
         ),
     log:
         "<logs>/figure_sample/{sample}.log",
+    conda:
+        "../envs/softsample.yaml"
     message:
         "Contours, uncertainty and mesh quality: {wildcards.sample}"
     script:
@@ -326,6 +350,8 @@ rule figure4:
         pdf="<results>/figures/figure4.pdf",
     log:
         "<logs>/figure4.log",
+    conda:
+        "../envs/softsample.yaml"
     message:
         "Figure 4: nominal stress against strain"
     script:
@@ -349,6 +375,8 @@ rule figure5:
         pdf="<results>/figures/figure5.pdf",
     log:
         "<logs>/figure5.log",
+    conda:
+        "../envs/softsample.yaml"
     params:
         groups=FILES.fitted_groups("ogden2"),
         model="ogden2",
@@ -403,6 +431,8 @@ rule figure7:
         pdf="<results>/figures/figure7.pdf",
     log:
         "<logs>/figure7.log",
+    conda:
+        "../envs/softsample.yaml"
     params:
         samples=list(EXAMPLES.values()),
         rows=[SAMPLES[sample] for sample in EXAMPLES.values()],
@@ -439,6 +469,8 @@ rule contact_area:
         pdf="<results>/figures/contact.pdf",
     log:
         "<logs>/contact_area.log",
+    conda:
+        "../envs/softsample.yaml"
     params:
         runs=PRESSED,
         ideal=PLAN.ideal_shape,
@@ -461,6 +493,8 @@ rule figure_response:
         ),
     log:
         "<logs>/figure_response/{sample}.log",
+    conda:
+        "../envs/softsample.yaml"
     params:
         mode=row_value("mode"),
         geometries=of(lambda sample: PLAN.geometries(sample)),
@@ -538,6 +572,8 @@ rule page:
         page="<results>/report.html",
     log:
         "<logs>/page.log",
+    conda:
+        "../envs/softsample.yaml"
     resources:
         mem_mb=lambda wildcards, attempt: attempt * (800 + 10 * len(SAMPLES)),
         runtime=lambda wildcards, attempt: attempt * (5 + len(SAMPLES) // 20),
@@ -572,6 +608,8 @@ rule results:
         document="<results>/results.json",
     log:
         "<logs>/results.log",
+    conda:
+        "../envs/softsample.yaml"
     params:
         samples={
             name: {key: row[key] for key in ("group", "mode")} for name, row in SAMPLES.items()
@@ -596,6 +634,8 @@ rule table_costs:
         table="<results>/tables/costs.csv",
     log:
         "<logs>/costs.log",
+    conda:
+        "../envs/softsample.yaml"
     message:
         "Table of what the jobs cost"
     script:

@@ -32,6 +32,8 @@ rule reproduction:
         figures=directory("<results>/docs/figures/reproduction"),
     log:
         "<logs>/reproduction.log",
+    conda:
+        "../envs/softsample.yaml"
     params:
         settings={
             "element_size_mm": config["mesh"]["element_size_mm"],

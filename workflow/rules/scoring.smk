@@ -31,6 +31,8 @@ rule compare_with_truth:
         report="<results>/scoring/score.json",
     log:
         "<logs>/score.log",
+    conda:
+        "../envs/softsample.yaml"
     params:
         samples=list(SAMPLES),
         groups=GROUPS,
@@ -56,6 +58,8 @@ rule recovery:
         table="<results>/scoring/recovery.csv",
     log:
         "<logs>/recovery.log",
+    conda:
+        "../envs/softsample.yaml"
     params:
         samples=list(SAMPLES),
         modes=[row["mode"] for row in SAMPLES.values()],
@@ -81,6 +85,8 @@ rule element_type:
         table="<results>/scoring/element_type.csv",
     log:
         "<logs>/element_type.log",
+    conda:
+        "../envs/softsample.yaml"
     params:
         modes=[name.partition("_")[0] for name in REFERENCE_CASES],
         solver=config["solver"],
@@ -100,6 +106,8 @@ rule score_verdicts:
         table="<results>/scoring/verdicts.csv",
     log:
         "<logs>/score_verdicts.log",
+    conda:
+        "../envs/softsample.yaml"
     params:
         groups=list(GROUPS),
     message:

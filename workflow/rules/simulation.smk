@@ -25,6 +25,8 @@ rule simulate:
         "<logs>/simulate/{sample}_{geometry}_ogden2.log",
     benchmark:
         "<benchmarks>/simulate/{sample}_{geometry}_ogden2.tsv"
+    conda:
+        "../envs/softsample.yaml"
     resources:
         **OF_MESHES,
     params:
@@ -68,6 +70,8 @@ rule one_term:
         report="<results>/curves/{sample}/{geometry}/ogden1.json",
     log:
         "<logs>/one_term/{sample}_{geometry}.log",
+    conda:
+        "../envs/softsample.yaml"
     message:
         "Response of the first term alone: {wildcards.sample}, {wildcards.geometry} geometry"
     script:
@@ -93,6 +97,8 @@ rule confirm:
         "<logs>/confirm/{sample}_{geometry}.log",
     benchmark:
         "<benchmarks>/confirm/{sample}_{geometry}.tsv"
+    conda:
+        "../envs/softsample.yaml"
     resources:
         **OF_MESHES,
     params:
@@ -118,6 +124,8 @@ rule sensitivity:
         "<logs>/sensitivity/{sample}_{geometry}.log",
     benchmark:
         "<benchmarks>/sensitivity/{sample}_{geometry}.tsv"
+    conda:
+        "../envs/softsample.yaml"
     resources:
         **OF_MESHES,
     params:
@@ -146,6 +154,8 @@ rule band:
         "<logs>/band/{sample}.log",
     benchmark:
         "<benchmarks>/band/{sample}.tsv"
+    conda:
+        "../envs/softsample.yaml"
     resources:
         **OF_MESHES,
     params:
@@ -169,6 +179,8 @@ rule bond:
         "<logs>/bond/{sample}.log",
     benchmark:
         "<benchmarks>/bond/{sample}.tsv"
+    conda:
+        "../envs/softsample.yaml"
     resources:
         **OF_MESHES,
     params:
@@ -192,6 +204,8 @@ rule calibrate_bond:
         fit="<results>/bond/moduli/{group}.json",
     log:
         "<logs>/calibrate_bond/{group}.log",
+    conda:
+        "../envs/softsample.yaml"
     params:
         rows=rows(PLAN.samples_of),
         bonded=of(PLAN.bonded_of),
@@ -215,6 +229,8 @@ rule series:
         meshes=directory("<results>/export/{sample}/{geometry}"),
     log:
         "<logs>/series/{sample}_{geometry}.log",
+    conda:
+        "../envs/softsample.yaml"
     resources:
         **OF_MESHES,
     params:
@@ -245,6 +261,8 @@ rule export:
         curve="<results>/export/{sample}/{geometry}_curve.csv",
     log:
         "<logs>/export/{sample}_{geometry}.log",
+    conda:
+        "../envs/softsample.yaml"
     params:
         mode=row_value("mode"),
         ends=ENDS,

@@ -2,6 +2,7 @@
 
 import argparse
 import os
+import re
 import shlex
 import sys
 from collections.abc import Mapping, Sequence
@@ -48,7 +49,7 @@ PIPE_CLOSED = 141
 
 def main(arguments: Sequence[str] | None = None) -> int:
     """Run the command line; returns the exit status."""
-    given = command_line().parse_args(arguments)
+    given = command_line().parse_args(_joined(sys.argv[1:] if arguments is None else arguments))
     try:
         status = int(given.run(given) or 0)
         sys.stdout.flush()
@@ -59,6 +60,15 @@ def main(arguments: Sequence[str] | None = None) -> int:
     except (SoftsampleError, OSError) as error:
         print(error, file=sys.stderr)
         return 1
+
+
+def _joined(words: Sequence[str]) -> list[str]:
+    """Words with an axis that begins with a dash, such as -z or -1, joined to its option."""
+    found: list[str] = []
+    for word in words:
+        joins = found and found[-1].startswith("--") and re.fullmatch("-[xyz123]", word)
+        found = [*found[:-1], f"{found[-1]}={word}"] if joins else [*found, word]
+    return found
 
 
 def command_line() -> argparse.ArgumentParser:

@@ -135,7 +135,12 @@ def test_scripts_are_short():
 
 
 def test_only_scoring_knows_of_the_truth():
-    files = [*SOURCES, *SCRIPTS, ROOT / "workflow/Snakefile", *sorted((ROOT / "workflow/rules").glob("*"))]
+    files = [
+        *SOURCES,
+        *SCRIPTS,
+        ROOT / "workflow/Snakefile",
+        *sorted((ROOT / "workflow/rules").glob("*")),
+    ]
     naming = {p.name for p in files if re.search(r"truth", p.read_text(encoding="utf-8"), re.I)}
     assert naming == {
         "confusion.py",  # a figure of what score.py has found

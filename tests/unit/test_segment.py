@@ -5,7 +5,7 @@ from functools import cache
 
 import numpy as np
 import pytest
-from scipy.ndimage import binary_dilation, map_coordinates
+from scipy.ndimage import binary_dilation, gaussian_filter, map_coordinates
 
 from phantom.draw import turned
 from phantom.scan import Scan
@@ -280,10 +280,43 @@ def test_a_mask_is_of_one_sample():
 @pytest.mark.parametrize(("voxel", "height"), [((0.3, 0.3, 1.0), 3.5), ((0.6, 0.6, 0.6), 2.5)])
 def test_a_thin_sample_is_as_high_as_it_is(voxel, height):
     """Two layers of voxels inside say nothing about the bias along the height."""
-    flat = replace(SHAPE, height=height, walls=(Waves(),) * 4, top=Waves(), slope=(0.0, 0.0))
+    flat = replace(FLAT, height=height)
     result = segment(*replace(PLAIN, voxel=voxel).image(flat), find_film=False)
     assert 1e3 * result.highest_point[2] == pytest.approx(height, abs=0.15)
     assert 1e9 * result.volume == pytest.approx(measured(flat).volume, rel=0.04)
+
+
+FLAT = replace(SHAPE, walls=(Waves(),) * 4, top=Waves(), slope=(0.0, 0.0))
+
+
+@pytest.mark.parametrize("sigma", [0.5, 1.0])
+def test_a_smoothed_image_is_doubted_and_its_edge_is_the_half_maximum(sigma):
+    """Its voxels differ from the scanner's by many times the noise that is left."""
+    image, affine = SCANS["plain"].image(SHAPE)
+    result = segment(gaussian_filter(image.astype(float), sigma), affine)
+    assert any("as if smoothed" in flag for flag in result.summary()["flags"])
+    assert result.film == 0.0
+    assert result.boundary_sigma == pytest.approx(0.5e-3 / np.sqrt(12.0))
+    assert 1e9 * result.volume == pytest.approx(truth().volume, rel=0.02)
+    top = truth().highest
+    assert 1e3 * result.highest_point[2] == pytest.approx(top, abs=0.15)
+
+
+def test_an_image_with_its_background_masked_is_doubted_and_tells_no_film():
+    image, affine = SCANS["plain"].image(SHAPE)
+    inside = binary_dilation(image > 0.5 * np.percentile(image, 98), iterations=3)
+    result = segment(np.where(inside, image, 0), affine)
+    assert any("no noise, as if masked" in flag for flag in result.summary()["flags"])
+    assert (result.film, result.summary()["snr"]) == (0.0, None)
+    assert 1e9 * result.volume == pytest.approx(truth().volume, rel=0.02)
+    assert not segment(image, affine).doubts
+
+
+def test_a_flat_base_in_large_voxels_is_one_but_for_its_rim():
+    small = replace(FLAT, length=10.0, width=10.0, height=8.0, taper=0.0, edge=0.0)
+    image = replace(PLAIN, voxel=(1.0, 1.0, 1.0), margin=3.0).image(small)
+    result = segment(*image, find_film=False)
+    assert 1e9 * result.volume == pytest.approx(measured(small).volume, rel=0.04)
 
 
 def about_the_sample(low, high, level):

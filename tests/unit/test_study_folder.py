@@ -13,7 +13,7 @@ import pytest
 from snakemake.cli import parse_config
 
 import machines
-from softsample.__main__ import main
+from softsample.__main__ import _joined, command_line, main
 from softsample.errors import InputError
 from softsample.io import read_samples, write_surface
 from softsample.meshing.cuboid import mesh_cuboid
@@ -55,6 +55,14 @@ def add(study, name="C7", mode="compression", record=None):
 
 def default_record():
     return machines.univert(*machines.compression())
+
+
+@pytest.mark.parametrize("joined", [False, True])
+def test_an_axis_that_begins_with_a_dash_is_a_value(study, joined):
+    axis = ["--loading-axis=-z"] if joined else ["--loading-axis", "-z"]
+    given = ["--sample", "D1", "--mode", "compression", "--record", "a.csv", *axis]
+    seen = command_line().parse_args(_joined(["add", str(study), *given]))
+    assert seen.loading_axis == "-z"
 
 
 def test_a_new_study_is_sound_and_names_the_next_command(tmp_path, capsys):

@@ -7,6 +7,7 @@ from scipy import ndimage
 from scipy.spatial import ConvexHull
 
 from softsample.arrays import Array, Mask
+from softsample.imaging.boundary import Boundary
 from softsample.units import MM
 
 REACH_MM = 1.0
@@ -32,6 +33,8 @@ cohorts, and 0.13 where a piece of half the width touches a sample."""
 
 NOTCHED_AT = (0.25, 0.5, 0.75)
 """Heights of the sections in which notches are looked for, over that of the sample."""
+
+AS_SCANNED = "give the image as scanned: its boundary is known to about half a voxel only"
 
 CURE = "give an image of the sample alone, or a mask of it in column segmentation"
 
@@ -66,6 +69,25 @@ def bright_beside(
                 f"what lies {where} the sample is {100.0 * level:.0f} % as bright as its tissue, "
                 f"such as a visible platen or fluid, and moves its boundary outward; {CURE}"
             )
+
+
+def unlike_a_scan(noise: float, found: Boundary) -> Iterator[str]:
+    """What to say of an image whose edges or noise are not those of a scan.
+
+    Parameters
+    ----------
+    noise : float
+        Of the surroundings; NaN if they have none.
+    found : Boundary
+        Of the sample.
+    """
+    if not np.isfinite(noise):
+        yield f"the surroundings of the sample have no noise, as if masked; {AS_SCANNED}"
+    elif found.misfit is not None and not found.is_fitted:
+        yield (
+            f"voxels at its boundary differ from those of a scan by {found.misfit:.2g} times the "
+            f"noise, as if smoothed or interpolated; {AS_SCANNED}"
+        )
 
 
 def odd_sections(distance: Array, origin: Array, spacing: float) -> Iterator[str]:

@@ -51,12 +51,15 @@ class Fit:
         Way outward from the given surface to the boundary, and its standard deviation [m].
     film : float
         Mean thickness of the film [m]; zero without one.
+    misfit : float
+        Robust standard deviation of what it leaves of the voxels, over that of the noise.
     """
 
     places: Array
     shift: Array
     sigma: Array
     film: float
+    misfit: float
 
     def at(self, points: Array) -> tuple[Array, Array]:
         """Shift and its standard deviation (n,) at `points` (n, 3) [m]."""
@@ -86,7 +89,7 @@ def fit(voxels: Voxels, brightness: float) -> Fit:
     starts = (wet.below_a_film(state, TYPICAL * share) for share in STARTS)
     start = min(starts, key=lambda start: wet.cost(spread, start))
     with_film = _Peak.at(wet, spread, descended(wet, spread, start, ROUNDS))
-    return (with_film if with_film.evidence > without.evidence + SEEN else without).fit()
+    return (with_film if with_film.evidence > without.evidence + SEEN else without).fit(spread)
 
 
 @dataclass(frozen=True)
@@ -114,20 +117,22 @@ class _Peak:
         occam = float(np.sum(np.log(np.diag(factor)))) - sum(model.volumes)
         return cls(model, state, factor, -0.5 * model.cost(spread, state) - occam)
 
-    def fit(self) -> Fit:
+    def fit(self, spread: Array) -> Fit:
         """Fields in metres."""
         shift, _, *film = self.model.values(self.state)
+        misfit = self.model.misfit(spread, self.state)
         places = self.model.places[0]
         covariance = linalg.lapack.dpotri(self.factor, lower=1)[0]
         variance = SHIFT.local**2 * np.diag(covariance)[: len(places)]
         if not film:
             ratio = self.model.brightness
             unseen = ratio * unseen_film(self.model.voxels.thinnest_film(ratio))
-            return Fit(places, shift, np.sqrt(variance + unseen**2), 0.0)
+            return Fit(places, shift, np.sqrt(variance + unseen**2), 0.0, misfit)
         thickness, (ratio, _) = TYPICAL * np.exp(film[0]), self.model.ratio(self.state)
         carried = Interpolation.between(self.model.places[2], places)
         uneven = ratio * UNEVEN * self.model.voxels.edge * carried(thickness)
-        return Fit(places, shift, np.sqrt(variance + uneven**2), float(thickness.mean()))
+        sigma = np.sqrt(variance + uneven**2)
+        return Fit(places, shift, sigma, float(thickness.mean()), misfit)
 
 
 def unseen_film(thinnest: float) -> float:

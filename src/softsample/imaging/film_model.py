@@ -155,6 +155,11 @@ class Model:
         _add_products(which, jacobian, residual, 1.0 / far, hessian, descent)
         return hessian, descent
 
+    def misfit(self, spread: Array, state: Array) -> float:
+        """Robust standard deviation of what a state leaves, over the expected one."""
+        residual, _ = self._residuals(spread, self.expected(state)[0])
+        return float(1.4826 * np.median(np.abs(residual)))
+
     def _residuals(self, spread: Array, expected: Array) -> tuple[Array, Array]:
         """Residuals in standard deviations, and how far beyond the bound of outliers."""
         residual = (self.voxels.power - expected**2) / spread

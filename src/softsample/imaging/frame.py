@@ -5,6 +5,7 @@ from typing import Literal
 
 import numpy as np
 from scipy import ndimage
+from scipy.spatial import ConvexHull
 from skimage.measure import marching_cubes
 
 from softsample.arrays import Array, Mask
@@ -118,15 +119,20 @@ def fit_base(surface: Surface, up: Array, max_tilt: float) -> tuple[Array, Array
     return point, normal, spread
 
 
-def base_share(surface: Surface, point: Array, normal: Array, reach: float) -> float:
+def base_share(surface: Surface, point: Array, normal: Array, reach: float, rim: float) -> float:
     """Share of the underside that lies within `reach` [m] of a plane, both projected on it.
 
-    The underside is what looks down in the lower half of the surface. On a platen all of it is
-    base but for the rim; a sample without one has an underside as uneven as its top.
+    The underside is what looks down in the lower half of the surface, without its rim [m], which
+    voxels and smoothing round. On a platen all of it is base; a sample without one has an underside
+    as uneven as its top.
     """
     height, down = (surface.centres - point) @ normal, -surface.area_vectors @ normal
     under = (down > 0.0) & (height < 0.5 * height.max())
-    return float(down[under & (np.abs(height) < reach)].sum() / down[under].sum())
+    places = surface.centres @ _across(normal)
+    walls = ConvexHull(places[under]).equations
+    inside = -(places @ walls[:, :2].T + walls[:, 2]).max(axis=1) > rim
+    inner = under & inside if (under & inside).any() else under
+    return float(down[inner & (np.abs(height) < reach)].sum() / down[inner].sum())
 
 
 def _across(axis: Array) -> Array:

@@ -23,14 +23,16 @@ def base(
     point, normal, spread = frame.fit_base(surface, up, np.radians(settings.max_tilt_deg))
     if not on_platen:
         return point, normal, spread
-    reach = max(BASE_REACH[0] * MM, BASE_REACH[1] * float(np.max(spacing)))
-    flat = frame.base_share(surface, point, normal, reach)
+    edge = float(np.max(spacing))
+    reach = max(BASE_REACH[0] * MM, BASE_REACH[1] * edge)
+    flat = frame.base_share(surface, point, normal, reach, rim=edge)
     if flat < settings.min_base_share:
         raise SegmentationError(
             f"no platen found below the sample: {100.0 * flat:.0f} % of its underside lie within"
-            f" {reach / MM:.2g} mm of one plane, at least {100.0 * settings.min_base_share:.0f} %"
-            " are expected; give an image of the sample bonded to its platen, and a loading_axis"
-            " that points from there upward, or lower segmentation.min_base_share"
+            f" {reach / MM:.2g} mm of one plane, rim apart, at least"
+            f" {100.0 * settings.min_base_share:.0f} % are expected; give an image of the sample"
+            " bonded to its platen, and a loading_axis that points from there upward, or lower"
+            " segmentation.min_base_share"
         )
     return point, normal, spread
 

@@ -47,7 +47,8 @@ class Segmentation:
         Robust standard deviation of the base about its plane [m].
     snr, noise, tissue_level, threshold : float
         Signal to noise ratio, standard deviation of the noise, median level of the tissue and
-        median threshold at the boundary, intensities as in the image. NaN for a given mask.
+        median threshold at the boundary, intensities as in the image. NaN for a given mask, the
+        first two also where the surroundings have no noise.
     flags : tuple of str
         Peculiarities a person should look at.
     doubts : tuple of str
@@ -256,7 +257,11 @@ def _from_share(
         tissue_level=share.level,
         threshold=share.threshold,
         flags=(*_flags(share, spread, voxel), *frame.told_turn(x, shear)),
-        doubts=(*beside, *doubts.odd_sections(distance, origin, spacing)),
+        doubts=(
+            *beside,
+            *doubts.odd_sections(distance, origin, spacing),
+            *(doubts.unlike_a_scan(share.noise, found) if on_platen else ()),
+        ),
     )
 
 

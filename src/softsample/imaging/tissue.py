@@ -15,7 +15,8 @@ HALF = 0.5
 """Share of tissue at the boundary: the local half-maximum."""
 
 LEAST_NOISE = 1e-3
-"""Noise relative to the tissue at least: programs that mask the background leave none there."""
+"""Noise relative to the tissue at least: programs that mask the background leave none there, and
+what there is in the sample is not known then."""
 
 MIN_TEXTURE = 0.02
 """Smallest standard deviation of the tissue about its level nearby, relative."""
@@ -61,7 +62,8 @@ class TissueShare:
         Sample, free fluid (drops), and holes of the sample that were filled (bubbles).
     power, relative_noise : (nx, ny, nz) float64, or None
         Square of the intensity over that of the tissue nearby, less the surroundings'; noise over
-        that of the tissue nearby. None for a given mask, or if no film is looked for.
+        that of the tissue nearby. None for a given mask, if no film is looked for, or if the
+        surroundings tell no noise.
     texture : float
         Standard deviation of the tissue about its level nearby, relative.
     snr, noise, level, threshold : float
@@ -104,8 +106,9 @@ def tissue_share(image: Array, spacing: Array, settings: SegmentationSettings) -
             f"the surroundings of the sample are negative ({np.median(around):.4g}); give"
             " magnitudes as scanned, which are zero where there is no signal"
         )
-    noise = intensity.noise_level(image, bright, spacing, 2.0 * margin)
-    noise = max(noise, LEAST_NOISE * level)
+    measured = intensity.noise_level(image, bright, spacing, 2.0 * margin)
+    told = measured > LEAST_NOISE * level
+    noise = max(measured, LEAST_NOISE * level)
     square = image**2 - np.mean(around**2)
     image = intensity.without_noise_floor(image, noise)
     floor = float(np.mean(intensity.surroundings(image, bright, spacing, 2.0 * margin)))
@@ -124,17 +127,16 @@ def tissue_share(image: Array, spacing: Array, settings: SegmentationSettings) -
     texture = 0.25 * (high - low) ** 2 - np.median(grain[interior]) ** 2
     share = intensity.smooth(raw, blur, spacing)
     mask = intensity.largest_component(share > HALF)
-    snr = level / max(noise, 1e-12 * level)
     return TissueShare(
         share=share,
         mask=mask,
         fluid=_free_fluid(raw, spacing),
         hole=mask & (share <= HALF),
-        power=square / (bias * local) ** 2,
+        power=square / (bias * local) ** 2 if told else None,
         texture=float(np.sqrt(max(texture, MIN_TEXTURE**2))),
-        relative_noise=grain,
-        snr=snr,
-        noise=noise,
+        relative_noise=grain if told else None,
+        snr=level / noise if told else np.nan,
+        noise=noise if told else np.nan,
         level=level,
         threshold=floor + HALF * (level - floor),
         left_out=left_out,

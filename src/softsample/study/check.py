@@ -224,10 +224,11 @@ def _check_row(
     mask = attempt("segmentation", lambda path: _mask(path, names, image)) if image else None
     piece = None
     if image and ("segmentation" not in row or mask is not None):
-        piece = attempt("image", lambda path: _glance(path, image, mask, row, settings))
+        at_fault = "image" if mask is None else "segmentation"
+        piece = attempt(at_fault, lambda path: _glance(path, image, mask, row, settings))
         told += _told(piece, row) if piece else ()
         seen = piece.found.doubts if piece else ()
-        doubted += [f"{home / row['image']}: {doubt}" for doubt in seen]
+        doubted += [f"{home / row[at_fault]}: {doubt}" for doubt in seen]
     result.doubts += [f"{where}: {doubt}" for doubt in doubted]
     surface = attempt("surface", lambda path: _surface(path, row, told))
     size = _size(row, told)

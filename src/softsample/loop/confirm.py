@@ -179,7 +179,7 @@ def confirmations(
         penalty for the parameters; whether the latter passes; `mu_pa` and `mu_confirmed_pa`;
         `difference_percent`, the largest one of the predicted forces [% of the peak of the test].
     """
-    own = [s.of_stiffness(stiffness).of_contact(contact) for s in specimens]
+    own = [s.with_own(stiffness=stiffness, contact=contact) for s in specimens]
     problem, _ = pose(own, settings.noise)
     base = problem.fit_material()
     before, rows = settled(problem, base).misfit, []

@@ -121,7 +121,7 @@ def _settled(first: Fit, tests: Sequence[Sequence[int]], prior: _Prior) -> _Sett
         own = _own(found.fit, tests, found.prior)
         found = replace(found, own=own, prior=found.prior.of(own.values()))
         stiffness = {piece: float(np.exp(one.stiffness)) for piece, one in found.own.items()}
-        problem = found.fit.problem.of_stiffness(stiffness).of_contact(found.offsets)
+        problem = found.fit.problem.with_own(stiffness=stiffness, contact=found.offsets)
         fit = settled(problem, problem.fit(found.fit.model, found.fit.state), 1)
         found = replace(found, fit=fit)
     return found

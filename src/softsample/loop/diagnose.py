@@ -240,7 +240,7 @@ def _told(selection: Selection, told: Pooled) -> Selection:
 def _judged(posed: Posed, fit: Fit, found: Mapping[str, Fold], scales: Scales) -> Judged:
     """Errors of a fit to a group's records, with those of the folds of its problem."""
     stiffness = {s.piece: s.stiffness for s in fit.problem.specimens}
-    tests = [specimen.of_stiffness(stiffness) for specimen in posed.specimens]
+    tests = [specimen.with_own(stiffness=stiffness) for specimen in posed.specimens]
     return Judged(
         errors(fit, posed.spread),
         fold_errors(fit.problem, found, posed.spread),

@@ -1,6 +1,6 @@
 """Joint least squares of material and effects on whitened records."""
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from functools import cached_property, lru_cache, partial
 
@@ -228,16 +228,10 @@ class Problem:
         specimens = [replace(s, force=f) for s, f in zip(self.specimens, forces, strict=True)]
         return replace(self, specimens=specimens)
 
-    def of_stiffness(self, known: Mapping[str, float]) -> "Problem":
-        """The same tests of specimens of another stiffness."""
-        return self._of_each(lambda specimen: specimen.of_stiffness(known))
-
-    def of_contact(self, known: Mapping[str, float]) -> "Problem":
-        """The same tests of specimens whose compression begins elsewhere [mm]."""
-        return self._of_each(lambda specimen: specimen.of_contact(known))
-
-    def _of_each(self, change: Callable[[Specimen], Specimen]) -> "Problem":
-        specimens, unseen = ([*map(change, some)] for some in (self.specimens, self.unseen))
+    def with_own(self, **known: Mapping[str, float]) -> "Problem":
+        """The same tests with what is their specimens' own, see `Specimen.with_own`."""
+        tests = self.specimens, self.unseen
+        specimens, unseen = ([s.with_own(**known) for s in some] for some in tests)
         return replace(self, specimens=specimens, unseen=unseen)
 
     def with_open_contact(self) -> "Problem":

@@ -44,11 +44,11 @@ def left_out_errors(
             continue
         found = diagnose_ends(rest, settings, elsewhere)
         plain, judged = (
-            [s.of_contact(found.posed.contact) for s in _only(models[ends].every, samples)]
+            [s.with_own(contact=found.posed.contact) for s in _only(models[ends].every, samples)]
             for ends in (0, found.slides)
         )
         white, origin = white_of(found.posed.problem, found.posed.noises), found.origin
-        alike = [specimen.of_stiffness(found.posed.stiffness) for specimen in judged]
+        alike = [specimen.with_own(stiffness=found.posed.stiffness) for specimen in judged]
         before[name] = held_out_errors(origin.posed.first, plain, white, origin.scales_before)
         after[name] = held_out_errors(found.predicting, alike, white, found.scales)
     return before, after

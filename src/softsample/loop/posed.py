@@ -91,12 +91,12 @@ class Posed:
         usual = 0.01 * settings.noise.scale_percent * settings.selection.unknown_ratio
         contact = own_contact(first, usual, settings.selection.least_gain)
         if contact:
-            specimens = [specimen.of_contact(contact) for specimen in specimens]
+            specimens = [specimen.with_own(contact=contact) for specimen in specimens]
             problem, noises = pose(specimens, settings.noise)
             first = plain_model(problem)
         found = relative_stiffness(first)
         stiffness = found if scatter(found) > usual else {}  # no more than scales may be
-        alike = [specimen.of_stiffness(stiffness) for specimen in specimens]
+        alike = [specimen.with_own(stiffness=stiffness) for specimen in specimens]
         if stiffness:
             problem, noises = pose(alike, settings.noise)
         return cls(alike, problem, noises, first, stiffness, contact)

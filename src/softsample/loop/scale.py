@@ -52,7 +52,7 @@ def relative_stiffness(fit: Fit) -> dict[str, float]:
     """
     found: dict[str, float] = {}
     for _ in range(ROUNDS):
-        found = _relative(fit.problem.of_stiffness(found).fit(fit.model, fit.state))
+        found = _relative(fit.problem.with_own(stiffness=found).fit(fit.model, fit.state))
         if not found:
             break
     return found

@@ -132,20 +132,11 @@ class Specimen:
         """Mode, and the directions of the material in which it loads, either sign."""
         return self.mode, abs(self.material_z), abs(self.material_x)
 
-    def of_stiffness(self, known: Mapping[str, float]) -> Self:
-        """The same with the stiffness of its specimen, if that is known."""
-        return self._of("stiffness", known)
-
-    def of_contact(self, known: Mapping[str, float]) -> Self:
-        """The same with the offset of its specimen, if that is known [mm]."""
-        return self._of("contact", known)
-
-    def _of(self, name: str, known: Mapping[str, float]) -> Self:
-        if self.piece not in known:
-            return self
-        partner = self.partner and self.partner._of(name, known)
-        changed: dict[str, Any] = {"partner": partner, name: known[self.piece]}
-        return replace(self, **changed)
+    def with_own(self, **known: Mapping[str, float]) -> Self:
+        """The same with what is its specimen's own, `stiffness` or `contact`, if that is known."""
+        own: dict[str, Any] = {k: of[self.piece] for k, of in known.items() if self.piece in of}
+        partner = self.partner and self.partner.with_own(**known)
+        return replace(self, **own, partner=partner) if own else self
 
     def reduced(self, size: int) -> Self:
         """The same with groups of `size` samples replaced by their means; the rest is left out.

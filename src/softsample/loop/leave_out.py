@@ -3,8 +3,6 @@
 from collections.abc import Callable, Collection, Mapping, Sequence
 from dataclasses import replace
 
-import numpy as np
-
 from softsample.loop.ends import AssumedEnds, diagnose_ends
 from softsample.loop.errors import Error, Errors, held_out_errors, white_of
 from softsample.loop.posed import LoopSettings
@@ -43,12 +41,12 @@ def left_out_errors(
         if all(s.held_out.all() for s in rest[0].specimens):
             continue
         found = diagnose_ends(rest, settings, elsewhere)
-        plain, judged = (
-            [s.with_own(contact=found.posed.contact) for s in _only(models[ends].every, samples)]
-            for ends in (0, found.slides)
+        posed, origin = found.posed, found.origin
+        white = white_of(posed.problem, posed.noises)
+        plain, alike = (
+            [s.with_own(contact=posed.contact, **own) for s in _only(models[k].every, samples)]
+            for k, own in ((0, {}), (found.slides, {"stiffness": posed.stiffness}))
         )
-        white, origin = white_of(found.posed.problem, found.posed.noises), found.origin
-        alike = [specimen.with_own(stiffness=found.posed.stiffness) for specimen in judged]
         before[name] = held_out_errors(origin.posed.first, plain, white, origin.scales_before)
         after[name] = held_out_errors(found.predicting, alike, white, found.scales)
     return before, after
@@ -56,13 +54,9 @@ def left_out_errors(
 
 def _without(specimens: Sequence[Specimen], samples: Collection[str]) -> list[Specimen]:
     """Tests of which those of some samples are held out."""
-    return [replace(s, held_out=_all(s)) if s.name in samples else s for s in specimens]
+    return [replace(s, held_out=s.held_out | (s.name in samples)) for s in specimens]
 
 
 def _only(specimens: Sequence[Specimen], samples: Collection[str]) -> list[Specimen]:
     """Tests of which all else is, but for what the study holds out of these."""
-    return [replace(s, held_out=~s.held_out if s.name in samples else ~_all(s)) for s in specimens]
-
-
-def _all(specimen: Specimen) -> np.ndarray:
-    return np.ones(len(specimen.force), bool)
+    return [replace(s, held_out=~s.held_out & (s.name in samples)) for s in specimens]

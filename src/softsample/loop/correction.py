@@ -379,43 +379,29 @@ def _conditional(tests: list[_Test]) -> tuple[Array, float, Array]:
     apart = block_diag(*(t.noise for t in tests)) + scale
     local = block_diag(*(t.local for t in tests))
 
-    ends, best = tuple(2.0 * np.log(SIZES)), (np.inf, 0.0, residual)
-    for part in LOCAL:
-        likelihood = _Likelihood.of(shared, apart + part * local, residual)
-        found = minimize_scalar(likelihood.unlikely, bounds=ends, method="bounded")
-        if found.fun < best[0]:
-            best = float(found.fun), float(np.exp(found.x)), likelihood.weights(found.x)
-    return x, *best[1:]
+    tried = (_most_likely(shared, apart + part * local, residual) for part in LOCAL)
+    _, variance, weights = min(tried, key=lambda found: found[0])
+    return x, variance, weights
 
 
-@dataclass(frozen=True)
-class _Likelihood:
-    """Of a residual whose covariance has a shared part of unknown variance.
+def _most_likely(shared: Array, apart: Array, residual: Array) -> tuple[float, float, Array]:
+    """Minus twice the log likelihood at the best variance of the shared part, that, and weights.
 
-    With both parts diagonal at once it costs nothing to try a variance.
+    With both covariances (n, n) diagonal at once it costs nothing to try a variance. Weights (n,)
+    are the residual over its covariance.
     """
+    apart = apart + 1e-9 * np.trace(apart + shared) / len(apart) * np.eye(len(apart))
+    values, vectors = eigh(shared, apart)
+    values, projected = values.clip(0.0), vectors.T @ residual
+    constant = np.linalg.slogdet(apart)[1]
 
-    values: Array
-    vectors: Array
-    projected: Array
-    constant: float
+    def unlikely(log_variance: float) -> float:
+        grown = 1.0 + np.exp(log_variance) * values
+        return float(constant + np.log(grown).sum() + (projected**2 / grown).sum())
 
-    @classmethod
-    def of(cls, shared: Array, apart: Array, residual: Array) -> Self:
-        """From the covariances (n, n) of both parts."""
-        apart = apart + 1e-9 * np.trace(apart + shared) / len(apart) * np.eye(len(apart))
-        values, vectors = eigh(shared, apart)
-        return cls(values.clip(0.0), vectors, vectors.T @ residual, np.linalg.slogdet(apart)[1])
-
-    def unlikely(self, log_variance: float) -> float:
-        """Minus twice the log likelihood, but for a constant."""
-        grown = 1.0 + np.exp(log_variance) * self.values
-        return float(self.constant + np.log(grown).sum() + (self.projected**2 / grown).sum())
-
-    def weights(self, log_variance: float) -> Array:
-        """Residual (n,) over its covariance with the shared part."""
-        grown = 1.0 + np.exp(log_variance) * self.values
-        return np.asarray(self.vectors @ (self.projected / grown))
+    found = minimize_scalar(unlikely, bounds=tuple(2.0 * np.log(SIZES)), method="bounded")
+    grown = 1.0 + np.exp(found.x) * values
+    return float(found.fun), float(np.exp(found.x)), np.asarray(vectors @ (projected / grown))
 
 
 def _strain(specimen: Specimen, travel: Array) -> Array:

@@ -163,10 +163,9 @@ def test_a_period_at_the_end_of_its_range_is_no_explanation():
     assert driven_to_an_end(fit) == ""
     *sizes, period = hum.parameters
     period = replace(period, high=fit.state.values["mains_pickup"]["period_s"])
-    ending = replace(fit, at_bound=("mains_pickup.period_s",))
     for inside, name in ((True, "mains_pickup.period_s"), (False, "")):
         effect = replace(hum, parameters=(*sizes, replace(period, inside=inside)))
-        assert driven_to_an_end(replace(ending, model=Model((effect,)))) == name
+        assert driven_to_an_end(replace(fit, model=Model((effect,)))) == name
 
 
 def test_what_was_found_before_stands_beside_what_is_at_the_end_of_its_range():

@@ -18,7 +18,6 @@ from scipy.optimize import minimize
 from scipy.sparse import csr_array
 
 from softsample.loop.fit import Fit, Problem
-from softsample.loop.model import Packing
 from softsample.loop.noise import AT_MOST_STATED, FURTHEST, Whitener
 from softsample.loop.specimen import Array, Specimen, blocks
 
@@ -69,7 +68,7 @@ def estimated(problem: Problem, fit: Fit) -> Problem:
         shared[names.index(name)] = slice(end, end := end + columns.shape[1])
     prior, score = np.ones(end), np.zeros(end)  # 1 is that of what all tests share
     prior[:count] = fit.flat + np.sum(of_priors**2, axis=0)
-    prior[:count][Packing(fit.model, problem.fractions).at_end(fit.state)] = FIXED_THERE
+    prior[:count][fit.at_end] = FIXED_THERE
     score[:count] = of_priors.T @ fit.white[problem.count :]
     width = np.log(problem.settings.spread)
     here = problem.whiteners[0].variances

@@ -18,7 +18,7 @@ from softsample.loop.model import (
     State,
 )
 from softsample.loop.noise import SIMILARITY, NoiseSettings, Whitener, memory
-from softsample.loop.specimen import AHEAD, FORCE, Array, Specimen, blocks
+from softsample.loop.specimen import AHEAD, FORCE, Array, Mask, Specimen, blocks
 
 BRIEF = 0.03
 """Part of the time over which what an effect adds is alike, over which its corners are rounded: a
@@ -59,8 +59,6 @@ class Fit:
         White residual of all tests, one after the other, then that of what has a prior.
     jacobian : (n, p) float64
         Its derivative by the packed parameters.
-    at_bound : tuple of str
-        Parameters of effects that lie on the end of their range.
     problem : Problem
         Records, and the noise that makes residual and derivative white.
     folds : dict of Fit
@@ -72,7 +70,6 @@ class Fit:
     cost: float
     white: Array
     jacobian: Array
-    at_bound: tuple[str, ...]
     problem: "Problem" = field(repr=False)
     folds: "dict[str, Fit]" = field(default_factory=dict, init=False, repr=False, compare=False)
 
@@ -98,6 +95,11 @@ class Fit:
         prior = np.full(self.jacobian.shape[1], FLAT)
         prior[: len(RANGES)] /= np.square(RANGES)
         return prior
+
+    @property
+    def at_end(self) -> Mask:
+        """Which packed parameters (p,) lie at an end of their range."""
+        return Packing(self.model, self.problem.fractions).at_end(self.state)
 
     @property
     def misfit(self) -> float:
@@ -445,16 +447,12 @@ class Problem:
             ftol=1e-5, xtol=1e-5, gtol=1e-6, max_nfev=evaluations,
             callback=_Ended(wanted, evaluations),
         )  # fmt: skip
-        state = packing.unpack(found.x)
-        ends = packing.at_end(state)[FIXED:]
-        names = [f"{effect.name}.{p.name}" for effect, p in model.parameters]
         return Fit(
             model,
-            state,
+            packing.unpack(found.x),
             float(2.0 * found.cost),
             np.asarray(found.fun),
             np.asarray(found.jac),
-            tuple(name for name, end in zip(names, ends, strict=True) if end),
             self,
         )
 

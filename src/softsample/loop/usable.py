@@ -33,11 +33,12 @@ def driven_to_an_end(fit: Fit) -> str:
     One that the records do not show, as an exponent of no modulus, may lie anywhere.
     """
     shown = np.linalg.norm(fit.jacobian[:, FIXED:], axis=0) >= LEAST_SIGNATURE
-    for (effect, p), seen in zip(fit.model.parameters, shown, strict=True):
-        value, name = fit.state.values[effect.name][p.name], f"{effect.name}.{p.name}"
+    of_effects = zip(fit.model.parameters, shown, fit.at_end[FIXED:], strict=True)
+    for (effect, p), seen, at_end in of_effects:
+        value = fit.state.values[effect.name][p.name]
         allowed = any(abs(value - end) < 0.01 * (p.high - p.low) for end in (p.neutral, *p.limits))
-        if seen and (p.is_size or p.inside) and not allowed and name in fit.at_bound:
-            return name
+        if seen and (p.is_size or p.inside) and not allowed and at_end:
+            return f"{effect.name}.{p.name}"
     return ""
 
 

@@ -38,7 +38,7 @@ from softsample.loop.errors import (
     errors,
     fold_errors,
     folds,
-    log_density,
+    log_densities,
 )
 from softsample.loop.fit import Problem, labels
 from softsample.loop.joint import _either_way, _least_left, joint_fit, nearest
@@ -948,7 +948,7 @@ def test_what_folds_leave_out_is_as_likely_as_the_normal_distribution_says(probl
     """Of a linear model: the conditional density of one part given the other, one fold by hand."""
     fit = problem.fit_material()
     fold = {"after_ramp": cross_validated(fit)["after_ramp"]}
-    found = log_density(fit, fold)
+    found = log_densities(fit, fold).sum()
     masks, jitter = fold["after_ramp"].masks, 1e-3
     slopes = problem.coloured(fit.jacobian[:-1])
     covariance = block_diag(*[
@@ -981,7 +981,7 @@ def test_the_height_of_the_sample_tells_of_a_gap_what_no_part_of_the_records_doe
     start = replace(plain.state, values={effect.name: {"gap_mm": 0.3}})
     fit = problem.fit(Model((effect,)), start)
     assert fit.state.values[effect.name]["gap_mm"] == pytest.approx(0.5, abs=0.1)
-    before, after = (log_density(of, {}) for of in (plain, fit))
+    before, after = (log_densities(of, {}).sum() for of in (plain, fit))
     assert after > before + 20.0
 
 

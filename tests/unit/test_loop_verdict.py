@@ -50,7 +50,9 @@ def test_an_effect_that_makes_what_folds_leave_out_less_likely_is_withheld(monke
     objections = []
     for less in (2.0, 4.0):
         monkeypatch.setattr(
-            accept, "log_density", lambda fit, folds, less=less: -less * len(fit.model.effects)
+            accept,
+            "log_densities",
+            lambda fit, folds, less=less: np.array([-less * len(fit.model.effects)]),
         )
         objections.append(objection_to(found.selection, found.before, found.selected, *rules))
     objection = "what folds leave out is exp(4) times less likely with the effects"

@@ -10,7 +10,7 @@ import laboratory
 from laboratory import PLANTED, Lab
 from softsample.loop import effects
 from softsample.loop.diagnose import diagnose
-from softsample.loop.errors import cross_validated, log_density
+from softsample.loop.errors import cross_validated, log_densities
 from softsample.loop.noise import NoiseSettings
 from softsample.loop.posed import LoopSettings
 from softsample.loop.rounds import SelectionSettings
@@ -102,7 +102,7 @@ def test_the_error_falls_also_where_it_was_left_out(name):
     found = diagnosed(name)
     assert overall(found.after.folds) < overall(found.before.folds)
     fits = found.selection.base, found.selection.final
-    before, after = (log_density(fit, cross_validated(fit)) for fit in fits)
+    before, after = (log_densities(fit, cross_validated(fit)).sum() for fit in fits)
     assert after > before + 10.0
     assert overall(found.after.fitted) < overall(found.before.fitted)
 

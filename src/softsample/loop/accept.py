@@ -6,7 +6,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from softsample.loop.choose import EARNED, WITHIN_DOUBT
-from softsample.loop.errors import Error, Errors, cross_validated, log_density
+from softsample.loop.errors import Error, Errors, cross_validated, log_densities
 from softsample.loop.noise import NoiseSettings
 from softsample.loop.rounds import SelectionSettings
 from softsample.loop.select import Selection
@@ -109,7 +109,7 @@ def objection_to(
     if why := unusable(selection.final):
         return why
     fits = selection.base, selection.final
-    without, beside = (log_density(fit, cross_validated(fit)) for fit in fits)
+    without, beside = (log_densities(fit, cross_validated(fit)).sum() for fit in fits)
     if (less := without - beside) > EARNED:
         return f"what folds leave out is exp({less:.3g}) times less likely with the effects"
     return _spoilt_rest(before.fitted, after.fitted, noise.floor_percent)

@@ -6,7 +6,7 @@ from dataclasses import dataclass, field, replace
 import numpy as np
 
 from softsample.loop.effects.base import Effect
-from softsample.loop.errors import cross_validated, log_densities, log_density, touched
+from softsample.loop.errors import cross_validated, log_densities, touched
 from softsample.loop.fit import Fit
 from softsample.loop.joint import nearest
 from softsample.loop.rounds import Candidate, Round, SelectionSettings, fitted, without
@@ -181,9 +181,10 @@ def _earned(here: Round, candidate: Candidate) -> bool:
         return True
     names = touched(candidate.settled, candidate.name)
     before, after = (
-        log_density(fit, cross_validated(fit, names)) for fit in (here.base, candidate.settled)
+        log_densities(fit, cross_validated(fit, names)).sum()
+        for fit in (here.base, candidate.settled)
     )
-    return bool(names) and after > before + EARNED
+    return bool(names and after > before + EARNED)
 
 
 def _nearest_law(here: Round, best: Candidate, inside: Sequence[Candidate]) -> Candidate:

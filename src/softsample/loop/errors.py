@@ -228,11 +228,6 @@ def log_densities(fit: Fit, found: Mapping[str, Fold]) -> Array:
     return np.array([every - _evidence(rest) for rest in rests])
 
 
-def log_density(fit: Fit, found: Mapping[str, Fold]) -> float:
-    """Sum of `log_densities`."""
-    return float(log_densities(fit, found).sum())
-
-
 def _evidence(fit: Fit) -> float:
     """Logarithm of the evidence of a model, up to a constant of the model."""
     _, determinant = np.linalg.slogdet(fit.information)

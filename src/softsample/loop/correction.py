@@ -161,11 +161,7 @@ class Confirmed:
             "smooth_part": self.learned is not None,
             "with": list(self.fit.model.names),
             "parameters": {
-                e.name: {
-                    p.name: {"value": self.fit.state.values[e.name][p.name], "unit": p.unit}
-                    for p in e.parameters
-                }
-                for e in self.fit.model.effects
+                e.name: e.report(self.fit.state.values[e.name]) for e in self.fit.model.effects
             },
             "domain_mm": {
                 label: float(1e3 * np.abs(s.travel[~s.held_out]).max(initial=0.0))

@@ -1,6 +1,6 @@
 """Sizes from which on effects would have been seen."""
 
-from dataclasses import dataclass, replace
+from dataclasses import replace
 
 import numpy as np
 
@@ -20,23 +20,7 @@ ZEROS = (-2.0, -1.0, 1.0, 2.0, 4.0)
 """Contact-point offsets from which fits to a shifted travel set out too, in standard deviations."""
 
 
-@dataclass(frozen=True)
-class Limit:
-    """An effect that would just pass the first threshold.
-
-    Parameters
-    ----------
-    multiple : float
-        Its size, as a multiple of the nominal one.
-    modulus : float
-        Shear modulus that the plain model finds beside it, over the true one.
-    """
-
-    multiple: float
-    modulus: float
-
-
-def detection_limits(selection: Selection, final: Fit) -> dict[str, Limit]:
+def detection_limits(selection: Selection, final: Fit) -> dict[str, tuple[float, float]]:
     """Sizes at which an effect alone would just pass the first threshold.
 
     What the material and the effect predict is taken for a record and fitted by the material alone:
@@ -54,9 +38,10 @@ def detection_limits(selection: Selection, final: Fit) -> dict[str, Limit]:
 
     Returns
     -------
-    dict of Limit
-        By effect, without weak ones and those that no size within the range would show; without
-        other laws where one was found.
+    dict of tuple
+        By effect, its size as a multiple of the nominal one, and the modulus that the plain model
+        finds beside it, over the true one. Without weak effects and those that no size within the
+        range would show; without other laws where one was found.
     """
     law, found = final.model.law, final.state
     plain = State(found.material, {name: found.values[name] for name in law.names})
@@ -82,13 +67,13 @@ def detection_limits(selection: Selection, final: Fit) -> dict[str, Limit]:
 
 def _limit(
     problem: Problem, law: Model, plain: State, signature: Signature, need: float
-) -> Limit | None:
+) -> tuple[float, float] | None:
     """Where as much is left as is needed, None beyond the range."""
     highest = _highest(signature)
     size = min(float(np.sqrt(need)) / signature.strength, highest)
     for _ in range(ROUNDS):
         fit = _plain_fit(problem, law, plain, signature.effect, _sized(signature, size))
-        limit = Limit(size, fit.state.material.mu / plain.material.mu)
+        limit = size, fit.state.material.mu / plain.material.mu
         further = size * float(np.sqrt(need / max(fit.cost, 1e-12)))
         if abs(further / size - 1.0) < CLOSE:
             break

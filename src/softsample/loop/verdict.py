@@ -121,12 +121,11 @@ def report(diagnosis: Diagnosis, settings: LoopSettings) -> dict[str, Any]:
         "recommended": recommended(diagnosis),
         "not_identifiable": sorted({*found["not_identifiable"], *unseen} - seen),
         "detection_limits": {
-            e.name: {
-                **_first_size(e, limits[e.name].multiple),
-                "modulus_percent": 100.0 * (limits[e.name].modulus - 1.0),
+            name: {
+                **_first_size(diagnosis.selection.strongest[name].effect, multiple),
+                "modulus_percent": 100.0 * (modulus - 1.0),
             }
-            for e in diagnosis.selection.library
-            if e.name in limits
+            for name, (multiple, modulus) in limits.items()
         },
     }
 
@@ -300,13 +299,10 @@ def _withheld(diagnosis: Diagnosis, settings: LoopSettings) -> list[dict[str, An
     last = selection.steps[-1]
     if (refused := last.refused) and diagnosis.refused:
         effect = refused.settled.model.effects[-1]
-        values = refused.settled.state.values[effect.name]
         found.append(
             {
                 "name": effect.name,
-                "parameters": {
-                    p.name: {"value": values[p.name], "unit": p.unit} for p in effect.parameters
-                },
+                "parameters": effect.report(refused.settled.state.values[effect.name]),
                 "evidence": refused.evidence,
                 "reason": last.why,
                 "held_out_if_given": _declared(diagnosis.refused),
@@ -328,12 +324,6 @@ def _sized(value: float, unit: str, low: float, high: float) -> dict[str, float 
     return {"value": value, "unit": unit, "low": low, "high": high}
 
 
-def _of_log(mu: float, deviation: float) -> dict[str, float | str]:
-    """A modulus [Pa] with its 90 % interval, from the standard deviation of its logarithm."""
-    factor = float(np.exp(NINETY * deviation))
-    return _sized(mu, "Pa", mu / factor, mu * factor)
-
-
 def _named(
     effect: Effect, members: list[str], parameters: Mapping[str, Any], evidence: float
 ) -> dict[str, Any]:
@@ -350,11 +340,11 @@ def _named(
 def _theta(fit: Fit, stiffness: Mapping[str, float]) -> dict[str, dict[str, float | str]]:
     """Material with 90 % intervals."""
     of_log, of_fraction = log_modulus_deviation(fit, stiffness), float(deviations(fit)[1])
-    near = NINETY * of_fraction
+    near, factor = NINETY * of_fraction, float(np.exp(NINETY * of_log))
     mu, r = fit.state.material.mu, fit.state.material.mu1_fraction
     least, most = fit.problem.fractions
     return {
-        "mu": _of_log(mu, of_log),
+        "mu": _sized(mu, "Pa", mu / factor, mu * factor),
         "mu1_fraction": _sized(r, "1", max(least, r - near), min(most, r + near)),
     }
 

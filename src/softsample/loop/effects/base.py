@@ -3,6 +3,7 @@
 from collections.abc import Callable, Collection
 from dataclasses import dataclass, replace
 from itertools import product
+from typing import Any
 
 from softsample.constitutive.ogden import unit_modulus
 from softsample.loop.specimen import Array, Specimen
@@ -191,6 +192,10 @@ class Effect:
     def exceeds_the_whole(self, values: Values) -> bool:
         """Whether sizes that are parts of one whole take more than one of them may."""
         return self.whole is not None and self.whole(values) > max(p.high for p in self.sizes)
+
+    def report(self, values: Values) -> dict[str, dict[str, Any]]:
+        """Values of the parameters with their units."""
+        return {p.name: {"value": values[p.name], "unit": p.unit} for p in self.parameters}
 
     def neutral(self) -> Values:
         """Values without effect; the others at the first of their grid."""

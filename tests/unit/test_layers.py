@@ -52,8 +52,7 @@ ALLOWED = {
         "response", "shapes", "record_noise",
     },
     "loop": {
-        "constitutive", "fem", "holdout", "protocol", "records", "response", "shapes",
-        "record_noise",
+        "constitutive", "holdout", "protocol", "records", "response", "shapes", "record_noise",
     },
     "geometry_effects": {"calibration", "protocol", "response"} | MECHANICS,
     "checks": {"errors", "fem", "meshing"},

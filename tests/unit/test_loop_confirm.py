@@ -10,10 +10,11 @@ from softsample.constitutive.material import Material, Term
 from softsample.constitutive.ogden import OgdenMaterial
 from softsample.fem.boundary import ContactSettings
 from softsample.fem.explicit import SolverSettings
-from softsample.loop.confirm import at_size, confirmations, simulate_sizes, sizes_to_confirm
+from softsample.loop.confirm import confirmations, of_mode, sizes_to_confirm
 from softsample.loop.effects import library
 from softsample.loop.posed import LoopSettings
 from softsample.meshing.sample import mesh_ideal
+from softsample.response.at_size import at_size, simulate_sizes
 from softsample.response.perturbations import paced, simulate_perturbations
 from softsample.response.pieces import MechanicalTest, MeshedSample, PerturbationSettings
 from softsample.shapes import IdealShape
@@ -42,7 +43,7 @@ def test_an_effect_at_the_step_of_a_variant_is_that_variant(mode):
     test = MechanicalTest(mode, solid, MM, ContactSettings(), solver, PerturbationSettings())
     travel, variants = simulate_perturbations(mesh_shifted, test)
     sizes = {name: values for name, (values, _) in STEPS.items()}
-    there, changes = simulate_sizes(mesh_shifted, test, sizes)
+    there, changes = simulate_sizes(mesh_shifted, test, of_mode(sizes, mode))
     np.testing.assert_array_equal(there, travel)
     left_out = {"compression": "partial_bond", "tension": "platen_tilt"}[mode]
     assert set(changes) == set(STEPS) - {left_out}

@@ -105,7 +105,6 @@ def test_runs_of_the_solver_are_those_of_the_response_and_of_few_others():
         "calibration/direct.py",
         "figures/offscreen.py",  # a program
         "geometry_effects/prescribed.py",
-        "loop/confirm.py",  # effects at the sizes that were found
         "scripts/series.py",
     }
 

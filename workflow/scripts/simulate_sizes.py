@@ -4,8 +4,9 @@ from functools import partial
 
 from softsample.constitutive.ogden import of_fit
 from softsample.io import read_distance, read_json, read_marks, read_record, write_table
-from softsample.loop.confirm import at_size, simulate_sizes, sizes_to_confirm
+from softsample.loop.confirm import of_mode, sizes_to_confirm
 from softsample.records import reach
+from softsample.response.at_size import at_size, simulate_sizes
 from softsample.response.changes import table_of_changes
 from softsample.response.pieces import MechanicalTest, mesher
 from softsample.shapes import IdealShape
@@ -20,7 +21,7 @@ with logged_to(snakemake):
     material = of_fit(read_json(files.fit))
     travel = reach([read_record(path) for path in files.records], given["mode"])
     test = MechanicalTest.of(material, travel, given)
-    sizes = sizes_to_confirm(read_json(files.verdict))
+    sizes = of_mode(sizes_to_confirm(read_json(files.verdict)), test.mode)
     displacement, changes = simulate_sizes(mesh_shifted, test, sizes)
     changes = {at_size(name): change for name, change in changes.items()}
     table = table_of_changes(test.mode, test.material.mu1_fraction, displacement, changes)

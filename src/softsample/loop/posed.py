@@ -46,13 +46,10 @@ class LoopSettings:
     absent: tuple[str, ...] = ()
 
     @classmethod
-    def of_config(cls, loop: Mapping[str, Any], noise: Mapping[str, Any] | None = None) -> Self:
-        """From the config's section `loop`; `noise` has what differs there."""
-        return cls(
-            NoiseSettings(**{**loop["noise"], **(noise or {})}),
-            SelectionSettings(**loop["selection"]),
-            tuple(loop["absent"]),
-        )
+    def of_config(cls, loop: Mapping[str, Any]) -> Self:
+        """From the config's section `loop`."""
+        noise, selection = NoiseSettings(**loop["noise"]), SelectionSettings(**loop["selection"])
+        return cls(noise, selection, tuple(loop["absent"]))
 
 
 @dataclass(frozen=True)

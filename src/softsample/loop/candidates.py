@@ -1,6 +1,6 @@
 """Effects that a group's records may show, with ranges that suit their size, force and clock."""
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import replace
 
 import numpy as np
@@ -53,7 +53,7 @@ def candidates(specimens: Sequence[Specimen], height: float, solid: Material) ->
     }
     known = max((low for low, _ in laws), default=0.0), min((high for _, high in laws), default=0.0)
     return [
-        _known(_scaled(effect, scales), known)
+        _suited(effect, scales, known)
         for effect in library(solid, specimens).values()
         if (timed or not effect.of_time)
         and (followed or not effect.of_past)
@@ -71,32 +71,26 @@ def _beyond(value: float, ends: tuple[float, float]) -> float:
     return float(value / np.clip(value, *ends))
 
 
-def _scaled(effect: Effect, scales: dict[str, float]) -> Effect:
-    return replace(
-        effect, parameters=tuple(_stretched(p, scales.get(p.unit, 1.0)) for p in effect.parameters)
-    )
+def _suited(effect: Effect, scales: Mapping[str, float], exponents: tuple[float, float]) -> Effect:
+    """An effect with ranges that are scaled by their unit.
 
+    Exponents of a law lie between those whose response was simulated.
+    """
+    least, most = exponents
 
-def _known(effect: Effect, exponents: tuple[float, float]) -> Effect:
-    """A law with exponents between those whose response was simulated; others as they are."""
-    low, high = exponents
+    def suited(p: Parameter) -> Parameter:
+        if effect.is_law and p.name.startswith("alpha"):
+            grid = tuple(value for value in p.grid if least <= value <= most)
+            return replace(p, low=max(p.low, least), high=min(p.high, most), grid=grid)
+        by = scales.get(p.unit, 1.0)
+        return replace(
+            p,
+            low=by * p.low,
+            high=by * p.high,
+            nominal=by * p.nominal,
+            neutral=by * p.neutral,
+            grid=tuple(by * value for value in p.grid),
+            limits=tuple(by * value for value in p.limits),
+        )
 
-    def known(p: Parameter) -> Parameter:
-        if not (effect.is_law and p.name.startswith("alpha")):
-            return p
-        grid = tuple(value for value in p.grid if low <= value <= high)
-        return replace(p, low=max(p.low, low), high=min(p.high, high), grid=grid)
-
-    return replace(effect, parameters=tuple(map(known, effect.parameters)))
-
-
-def _stretched(parameter: Parameter, by: float) -> Parameter:
-    return replace(
-        parameter,
-        low=by * parameter.low,
-        high=by * parameter.high,
-        nominal=by * parameter.nominal,
-        neutral=by * parameter.neutral,
-        grid=tuple(by * value for value in parameter.grid),
-        limits=tuple(by * value for value in parameter.limits),
-    )
+    return replace(effect, parameters=tuple(map(suited, effect.parameters)))

@@ -300,7 +300,7 @@ def learned(fit: Fit) -> Correction:
     """The most likely correction of a fit: a conditional mean of Gaussian processes."""
     problem = fit.problem
     kinds: dict[Kind, list[int]] = {}
-    for k, (s, w) in enumerate(zip(problem.specimens, problem.whiteners, strict=True)):
+    for k, (s, w) in enumerate(problem.each()):
         if w.keep.any():
             kinds.setdefault(_kind(s), []).append(k)
     strain, weight = {}, {}

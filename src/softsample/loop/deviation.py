@@ -28,9 +28,8 @@ def birge_ratio(fit: Fit) -> float:
     test counts in parts of its peak.
     """
     problem, found, expected, stated = fit.problem, 0.0, 0.0, 0.0
-    of_tests = zip(fit.residual, fit.slopes, problem.variance, strict=True)
-    of_records = zip(problem.specimens, problem.whiteners, of_tests, strict=True)
-    for specimen, w, (left, slope, variance) in of_records:
+    of_tests = problem.each(fit.residual, fit.slopes, problem.variance)
+    for specimen, w, left, slope, variance in of_tests:
         if w.keep.any():
             taken = np.einsum("ij,jk,ik->i", slope, fit.covariance, slope)
             found += float(np.mean(left**2)) / specimen.peak**2

@@ -110,9 +110,7 @@ def settled(problem: Problem, fit: Fit, rounds: int = ROUNDS) -> Fit:
 def _tests(problem: Problem, fit: Fit, names: Sequence[str]) -> list[_Test]:
     """Means of groups of blocks of every test."""
     found = []
-    for specimen, r, j, common, w in zip(
-        problem.specimens, fit.residual, fit.slopes, problem.common, problem.whiteners, strict=True
-    ):
+    for specimen, w, r, j, common in problem.each(fit.residual, fit.slopes, problem.common):
         if not len(r):
             continue
         to = averaging(specimen, w)

@@ -85,9 +85,7 @@ def form_error(fit: Fit, noises: Sequence[float]) -> float:
     """Error of the form of the records [% of peak]: without noise, and whatever their scale."""
     problem, squares = fit.problem, []
     forces = problem.predicted(fit.model, fit.state)
-    for specimen, w, force, noise in zip(
-        problem.specimens, problem.whiteners, forces, noises, strict=True
-    ):
+    for specimen, w, force, noise in problem.each(forces, noises):
         left, model = w.blocks(specimen.force - force), w.blocks(force)
         left = left - model * (left @ model) / max(float(model @ model), 1e-300)
         squares.append(error_of(left, noise, specimen.peak).structured ** 2 / specimen.peak**2)
@@ -97,12 +95,9 @@ def form_error(fit: Fit, noises: Sequence[float]) -> float:
 def repeat_error(fit: Fit) -> float:
     """Difference in scale of tests of one piece [%]: RMS about their means, 0 without repeats."""
     problem = fit.problem
-    pieces = same_piece(problem.specimens)
     factors: dict[int | None, list[float]] = {}
     forces = problem.predicted(fit.model, fit.state)
-    for specimen, w, force, piece in zip(
-        problem.specimens, problem.whiteners, forces, pieces, strict=True
-    ):
+    for specimen, w, force, piece in problem.each(forces, same_piece(problem.specimens)):
         model, measured = w.blocks(force), w.blocks(specimen.force)
         factor = float(measured @ model) / max(float(model @ model), 1e-300)
         factors.setdefault(piece, []).append(factor)
@@ -159,7 +154,7 @@ class Fold:
 def touched(fit: Fit, name: str) -> list[str]:
     """Folds that leave out what an effect of a fit changes, on the whole or more."""
     problem, without, parts = fit.problem, fit.model.without(name), []
-    for specimen, w in zip(problem.specimens, problem.whiteners, strict=True):
+    for specimen, w in problem.each():
         change = fit.model.predict(specimen, fit.state) - without.predict(specimen, fit.state)
         parts.append(blocks(change, w.size) / specimen.peak)
     kept = [part[w.keep] for part, w in zip(parts, problem.whiteners, strict=True)]
@@ -200,14 +195,8 @@ def fold_errors(
         parts = residuals(fold.fit.model, problem.specimens, informed(fold.fit))
         report[name] = {
             label: error_of(blocks(part, w.size)[mask], noise, specimen.peak)
-            for label, specimen, part, w, mask, noise in zip(
-                problem.labels,
-                problem.specimens,
-                parts,
-                problem.whiteners,
-                fold.masks,
-                noises,
-                strict=True,
+            for specimen, w, label, part, mask, noise in problem.each(
+                problem.labels, parts, fold.masks, noises
             )
             if mask.any()
         }

@@ -1,8 +1,9 @@
 """Joint least squares of material and effects on whitened records."""
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from functools import cached_property, lru_cache, partial
+from typing import Any
 
 import numpy as np
 from scipy.optimize import OptimizeResult, least_squares
@@ -214,6 +215,10 @@ class Problem:
         variance = 1.0 + sizes**2
         return directions, variance, (1.0 - 1.0 / np.sqrt(variance)) * directions
 
+    def each(self, *more: Sequence[Any]) -> Iterator[tuple[Specimen, Whitener, *tuple[Any, ...]]]:
+        """Every test with its whitener, and what more there is of each."""
+        return zip(self.specimens, self.whiteners, *more, strict=True)
+
     @property
     def labels(self) -> list[str]:
         """Names of the tests."""
@@ -285,7 +290,7 @@ class Problem:
     def _fitted(self) -> list[Specimen]:
         """Every test as far as what comes later changes nothing in its blocks that count."""
         found = []
-        for s, w in zip(self.specimens, self.whiteners, strict=True):
+        for s, w in self.each():
             n = w.size * (int(np.flatnonzero(w.keep).max(initial=-1)) + 1)
             end = s.time[n - 1] + AHEAD if n else -np.inf
             found.append(s.until(int(np.searchsorted(s.time, end, side="right"))))
@@ -373,7 +378,7 @@ class Problem:
         """
         without = fit.model.without(fit.model.names[-1])
         whiteners = []
-        for specimen, whitener in zip(self.specimens, self.whiteners, strict=True):
+        for specimen, whitener in self.each():
             added = fit.model.predict(specimen, fit.state) - without.predict(specimen, fit.state)
             part = blocks(added, whitener.size)
             long, brief = _alike(specimen, whitener.size)

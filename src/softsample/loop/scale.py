@@ -63,9 +63,7 @@ def _relative(fit: Fit) -> dict[str, float]:
     problem = fit.problem
     asked: dict[int, dict[str, Array]] = {}
     forces = problem.predicted(fit.model, fit.state)
-    for specimen, w, force, test in zip(
-        problem.specimens, problem.whiteners, forces, same_tests(problem.specimens), strict=True
-    ):
+    for specimen, w, force, test in problem.each(forces, same_tests(problem.specimens)):
         apart = w.without_scale
         one, measured = apart(force), apart(specimen.force)
         more = np.array([one @ measured, one @ one / specimen.stiffness])

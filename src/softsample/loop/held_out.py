@@ -1,7 +1,7 @@
 """The channels of a record as tests of the diagnosis, with what the study holds out of them."""
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from functools import lru_cache
 from typing import Any
 
@@ -86,17 +86,14 @@ def specimens_of(
             record,
             _elastic(tables, row["mode"], channel, shape),
             channel,
-            np.asarray(held_out(record, row, shape.height, channel, hold_out)),
-        )
-        stated = replace(
-            test,
+            held_out=np.asarray(held_out(record, row, shape.height, channel, hold_out)),
             partner=tests[0] if tests else None,
             piece=row["specimen"],
             bond=float(np.nan_to_num(log_force(tables.bond))) if tables.bond else 0.0,
             material_z=int(row.get("material_z", 0)),
             material_x=int(row.get("material_x", 0)),
         )
-        tests.append(stated)
+        tests.append(test)
     return tests
 
 

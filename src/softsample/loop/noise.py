@@ -470,7 +470,7 @@ class Whitener:
     def with_form(self, covariance: Covariance) -> "Whitener":
         """The same with more error in the form of effects [N2], as part `FORM`."""
         before = self.discrepancy.get(FORM)
-        form = covariance if before is None else partial(_sum, before, covariance)
+        form = covariance if before is None else lambda: _made(before) + _made(covariance)
         return replace(self, discrepancy={**self.discrepancy, FORM: form})
 
     def with_scale(self, error: Array) -> "Whitener":
@@ -489,10 +489,6 @@ class Whitener:
 
 def _made(covariance: Covariance) -> Array:
     return covariance() if callable(covariance) else covariance
-
-
-def _sum(one: Covariance, other: Covariance) -> Array:
-    return _made(one) + _made(other)
 
 
 def _drop(most: int) -> None:

@@ -109,22 +109,22 @@ class Specimen:
         record: Record,
         elastic: Elastic,
         channel: str = FORCE,
-        held_out: Mask | None = None,
+        **stated: Any,
     ) -> Self:
-        """One channel of a record, beside the response that predicts it."""
-        sign, time = travel_sign(mode), record.clock
+        """One channel of a record, beside the response that predicts it, and what else is known."""
+        sign = travel_sign(mode)
         force = record.force if channel == FORCE else np.asarray(record.force_normal)
         return cls(
             name,
             mode,
-            time,
+            record.clock,
             denoised(record.time, sign * record.displacement),
             np.asarray(sign * force if channel == FORCE else force),
             record.phase,
             elastic,
             channel,
             record.timed,
-            np.zeros(len(time), bool) if held_out is None else held_out,
+            **stated,
         )
 
     @property

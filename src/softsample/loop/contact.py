@@ -1,8 +1,7 @@
 """Where compression begins in each of several specimens, which need not touch at one height."""
 
-from collections.abc import Iterable, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
-from typing import Self
 
 import numpy as np
 from scipy.optimize import minimize_scalar
@@ -43,28 +42,10 @@ def own_contact(first: Fit, usual: float, least_gain: float) -> dict[str, float]
         return {}
     free = replace(first, problem=first.problem.with_open_contact())
     settings = first.problem.settings
-    alike = _settled(free, tests, _Prior(usual, usual, 0.0))
+    alike = _settled(_Settled(free, {}, usual, 0.0), tests, usual)
     wide = settings.spread * settings.contact_zero_mm
-    own = _settled(free, tests, replace(alike.prior, offset=wide))
+    own = _settled(_Settled(free, {}, alike.stiffness, wide), tests, usual)
     return own.offsets if alike.left - own.left > least_gain else {}
-
-
-@dataclass(frozen=True)
-class _Prior:
-    """Standard deviations of what is a specimen's own: log of its stiffness, its offset [mm].
-
-    That of stiffness is what specimens show, `usual` at least. Offsets are known less well than
-    where compression begins as a whole.
-    """
-
-    usual: float
-    stiffness: float
-    offset: float
-
-    def of(self, own: Iterable["_Own"]) -> Self:
-        """The same with what specimens show."""
-        shown = float(np.sqrt(np.mean([one.stiffness**2 for one in own])))
-        return replace(self, stiffness=max(self.usual, shown))
 
 
 @dataclass(frozen=True)
@@ -78,16 +59,21 @@ class _Own:
 
 @dataclass(frozen=True)
 class _Settled:
-    """A fit with what is each specimen's own."""
+    """A fit with what is each specimen's own, and standard deviations of its priors.
+
+    Of the log of its stiffness what specimens show, `usual` at least; its offset [mm] is known less
+    well than where compression begins as a whole.
+    """
 
     fit: Fit
     own: dict[str, _Own]
-    prior: _Prior
+    stiffness: float
+    offset: float
 
     @property
     def offsets(self) -> dict[str, float]:
         """By specimen [mm]; none if their prior has no width."""
-        return {piece: one.offset for piece, one in self.own.items()} if self.prior.offset else {}
+        return {piece: one.offset for piece, one in self.own.items()} if self.offset else {}
 
     @property
     def left(self) -> float:
@@ -95,7 +81,7 @@ class _Settled:
 
         One stiffness and one offset are those of the mean, which is free.
         """
-        width, wide = self.prior.stiffness, self.prior.offset
+        width, wide = self.stiffness, self.offset
         prices = [(one.stiffness / width) ** 2 + 2.0 * np.log(width) for one in self.own.values()]
         if wide:
             prices += [
@@ -114,12 +100,12 @@ def _comparable(specimens: Sequence[Specimen]) -> list[list[int]]:
     return [of for of in found.values() if len({specimens[k].piece for k in of}) > 1]
 
 
-def _settled(first: Fit, tests: Sequence[Sequence[int]], prior: _Prior) -> _Settled:
+def _settled(found: _Settled, tests: Sequence[Sequence[int]], usual: float) -> _Settled:
     """Fit of the group, and what is each specimen's own, in turn."""
-    found = _Settled(first, {}, prior)
     for _ in range(ROUNDS):
-        own = _own(found.fit, tests, found.prior)
-        found = replace(found, own=own, prior=found.prior.of(own.values()))
+        own = _own(found, tests)
+        shown = float(np.sqrt(np.mean([one.stiffness**2 for one in own.values()])))
+        found = replace(found, own=own, stiffness=max(usual, shown))
         stiffness = {piece: float(np.exp(one.stiffness)) for piece, one in found.own.items()}
         problem = found.fit.problem.with_own(stiffness=stiffness, contact=found.offsets)
         fit = settled(problem, problem.fit(found.fit.model, found.fit.state), 1)
@@ -127,22 +113,22 @@ def _settled(first: Fit, tests: Sequence[Sequence[int]], prior: _Prior) -> _Sett
     return found
 
 
-def _own(fit: Fit, tests: Sequence[Sequence[int]], prior: _Prior) -> dict[str, _Own]:
+def _own(before: _Settled, tests: Sequence[Sequence[int]]) -> dict[str, _Own]:
     """What each specimen asks for, less the means over those that had the same test."""
     asked: dict[str, list[Array]] = {}
     for places in tests:
-        found = np.array([_of_test(fit, k, prior) for k in places])
+        found = np.array([_of_test(before, k) for k in places])
         found[:, :2] -= found[:, :2].mean(axis=0)
         for k, own in zip(places, found, strict=True):
-            asked.setdefault(fit.problem.specimens[k].piece, []).append(own)
+            asked.setdefault(before.fit.problem.specimens[k].piece, []).append(own)
     return {piece: _Own(*np.mean(of, axis=0).tolist()) for piece, of in asked.items()}
 
 
-def _of_test(fit: Fit, k: int, prior: _Prior) -> tuple[float, float, float]:
+def _of_test(before: _Settled, k: int) -> tuple[float, float, float]:
     """Log of the stiffness, offset [mm], what is known of it [1/mm2], all else as it is."""
+    fit, wide, pulled = before.fit, before.offset, before.stiffness**-2
     specimen, apart = fit.problem.specimens[k], fit.problem.whiteners[k].without_scale
-    measured, wide = apart(specimen.force), prior.offset
-    pulled = prior.stiffness**-2
+    measured = apart(specimen.force)
 
     def asked(offset: float) -> tuple[float, float]:
         """Sum of squares with priors, and stiffness, with an offset."""

@@ -115,7 +115,8 @@ def pose(every: Sequence[Specimen], settings: NoiseSettings) -> tuple[Problem, l
     The problem works with `PER_BLOCK` means of samples in a block, which say as much. What is held
     out of the records is no part of it.
     """
-    specimens = _fitted(every, settings)
+    most = most_blocks(len(every))
+    specimens = [s for s in every if not s.out(block_size(s, settings, most)).all()]
     most = most_blocks(len(specimens))
     cells = [specimen.cell for specimen in specimens]
     noises = shared([measure_noise(specimen, settings, most) for specimen in specimens], cells)
@@ -161,9 +162,3 @@ def _whiteners(
         known, discrepancy = covariances(s, noise, blocks(model, size), settings, size, longest)
         found.append(Whitener(known, size, ~s.out(size), discrepancy))
     return in_common(specimens, found, settings)
-
-
-def _fitted(specimens: Sequence[Specimen], settings: NoiseSettings) -> list[Specimen]:
-    """Tests of which a block is left that is not held out."""
-    most = most_blocks(len(specimens))
-    return [s for s in specimens if not s.out(block_size(s, settings, most)).all()]

@@ -4,7 +4,7 @@ from softsample import io
 from softsample.constitutive.ogden import of_fit
 from softsample.loop.candidates import candidates
 from softsample.loop.confirm import confirmations, sizes_to_confirm
-from softsample.loop.held_out import Tables, tests_of
+from softsample.loop.held_out import Tables, specimens_of
 from softsample.loop.posed import LoopSettings
 from softsample.shapes import IdealShape
 from softsample.workflow import logged_to
@@ -18,7 +18,8 @@ with logged_to(snakemake):
     ]
     records = [io.read_record(path) for path in files.records]
     shapes = [IdealShape.of_report(io.read_json(path)) for path in files.cuboids]
-    tests = tests_of(given.rows, records, responses, shapes, given.hold_out)
+    samples = zip(given.rows, records, responses, shapes, strict=True)
+    tests = [test for sample in samples for test in specimens_of(*sample, given.hold_out)]
     effects = {effect.name: effect for effect in candidates(tests, shapes[0].height, solid)}
     told = sizes_to_confirm(verdict), verdict["path"][0]["threshold"]
     settings = LoopSettings.of_config(given.loop)

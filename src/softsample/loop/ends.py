@@ -11,7 +11,7 @@ from softsample.constitutive.material import Material
 from softsample.loop.candidates import candidates
 from softsample.loop.diagnose import Diagnosis, diagnose
 from softsample.loop.effects.base import Effect
-from softsample.loop.held_out import Tables, tests_of
+from softsample.loop.held_out import Tables, specimens_of
 from softsample.loop.pool import Others, Pooled, lower
 from softsample.loop.posed import LoopSettings
 from softsample.loop.specimen import Specimen
@@ -71,14 +71,17 @@ class Recorded:
         self, slides: bool, tables: Sequence[Tables], settings: LoopSettings, solid: Material
     ) -> AssumedEnds:
         """Beside the responses of all samples, whose open ends are taken to slide or not."""
-        every = self.rows, self.records, tables, self.shapes
-        tests = tests_of(*every, []), tests_of(*every, self.hold_out)
+        samples = [*zip(self.rows, self.records, tables, self.shapes, strict=True)]
+        whole, part = (
+            [test for sample in samples for test in specimens_of(*sample, held)]
+            for held in ([], self.hold_out)
+        )
         heights = {r["sample"]: s.height for r, s in zip(self.rows, self.shapes, strict=True)}
-        own = [test for test in tests[1] if test.name in self.names]
+        own = [test for test in part if test.name in self.names]
         effects = candidates(own, heights[own[0].name], solid)
         told = [_with_ends(verdict, slides) for verdict in self.verdicts[0]], self.verdicts[1]
-        others = Others.of(self.groups, tests, heights, told, settings, solid)
-        return AssumedEnds(own, tests[1], effects, others)
+        others = Others.of(self.groups, (whole, part), heights, told, settings, solid)
+        return AssumedEnds(own, part, effects, others)
 
 
 def diagnose_ends(

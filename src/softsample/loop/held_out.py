@@ -95,15 +95,3 @@ def specimens_of(
         )
         tests.append(test)
     return tests
-
-
-def tests_of(
-    rows: Sequence[Mapping[str, str]],
-    records: Sequence[Record],
-    tables: Sequence[Tables],
-    shapes: Sequence[IdealShape],
-    hold_out: Sequence[Mapping[str, Any]],
-) -> list[Specimen]:
-    """Tests of several samples, see `specimens_of`."""
-    every = zip(rows, records, tables, shapes, strict=True)
-    return [test for sample in every for test in specimens_of(*sample, hold_out)]

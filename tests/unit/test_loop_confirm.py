@@ -15,8 +15,9 @@ from softsample.loop.effects import library
 from softsample.loop.posed import LoopSettings
 from softsample.meshing.sample import mesh_ideal
 from softsample.response.at_size import at_size, simulate_sizes
-from softsample.response.perturbations import paced, simulate_perturbations
+from softsample.response.perturbations import simulate_perturbations
 from softsample.response.pieces import MechanicalTest, MeshedSample, PerturbationSettings
+from softsample.response.unit import paced
 from softsample.shapes import IdealShape
 
 MM = 1e-3

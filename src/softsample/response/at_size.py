@@ -9,8 +9,9 @@ from softsample.arrays import Array
 from softsample.constitutive.material import Material, Term
 from softsample.constitutive.ogden import Fibres, OgdenMaterial
 from softsample.fem.boundary import Boundary, platen_boundary
-from softsample.response.perturbations import MARGIN, changed_boundaries, paced
+from softsample.response.perturbations import MARGIN, changed_boundaries
 from softsample.response.pieces import MechanicalTest, MeshedSample
+from softsample.response.unit import paced
 
 Values = Mapping[str, float]
 Runs = list[tuple[float, Material, Boundary]]

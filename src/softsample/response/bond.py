@@ -12,14 +12,14 @@ from softsample.constitutive.material import Material
 from softsample.constitutive.ogden import unit_modulus
 from softsample.errors import InputError, SoftsampleError
 from softsample.fem.boundary import ContactSettings, mode_boundary, platen_boundary
-from softsample.fem.explicit import ExplicitModel, Run, SolverSettings
+from softsample.fem.explicit import ExplicitModel, SolverSettings
 from softsample.fem.motion import PLATEN
 from softsample.fem.setup import Sample, set_up
 from softsample.meshing.bond import bonded_area
 from softsample.meshing.regions import relative_stiffness
 from softsample.meshing.sample import SampleMesh
 from softsample.response.curves import Curves, Scaled
-from softsample.response.unit import find_pace, shortest_loading_time
+from softsample.response.unit import paced
 from softsample.units import MM
 
 LOG = logging.getLogger(__name__)
@@ -92,17 +92,13 @@ def touched_nodes(
     SimulationError
         If the pre-load cannot be simulated.
     """
-    mesh, solver = model.mesh, model.settings
-    material = unit_modulus(EVEN, alpha, poisson_ratio, solver.reference_modulus_pa)
+    mesh = model.mesh
+    material = unit_modulus(EVEN, alpha, poisson_ratio, model.settings.reference_modulus_pa)
     boundary = platen_boundary(mesh, replace(contact, friction=None, base_friction=None))
-
-    def press(duration: float) -> Run:
-        return model.run(material, boundary, preload, loading_time=duration)
-
     run = (
-        press(loading_time)
+        model.run(material, boundary, preload, loading_time=loading_time)
         if loading_time
-        else find_pace(press, shortest_loading_time(model), solver.curve_error_percent).run
+        else paced(model, material, boundary, preload).run
     )
     surface = mesh.boundary
     gap = mesh.highest - preload - (mesh.points + run.displacement_field)[surface, 2]

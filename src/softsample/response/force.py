@@ -1,17 +1,15 @@
 """The force on a sample by one call, for scripts: any shape, test and elastic law."""
 
-from collections.abc import Callable
-
 import numpy as np
 
 from softsample.arrays import Array
 from softsample.constitutive.material import Material
-from softsample.fem.boundary import BONDED, Boundary, ContactSettings, Ends, mode_boundary
-from softsample.fem.explicit import ExplicitModel, Run, SolverSettings
+from softsample.fem.boundary import BONDED, ContactSettings, Ends, mode_boundary
+from softsample.fem.explicit import ExplicitModel, SolverSettings
 from softsample.meshing.mesh import HexMesh
 from softsample.meshing.sample import ideal_hexes, indented_hexes
 from softsample.protocol import is_homogeneous
-from softsample.response.unit import find_pace, homogeneous_area, shortest_loading_time
+from softsample.response.unit import homogeneous_area, paced
 from softsample.shapes import IdealShape, Indenter
 
 
@@ -75,15 +73,5 @@ def force_curve(
         )
     model = ExplicitModel(mesh, given)
     held = mode_boundary(mesh, mode, mesh.glued(0.0), ContactSettings(), ends)
-    pace = find_pace(
-        _simulation(model, held, material, travel),
-        shortest_loading_time(model),
-        given.curve_error_percent,
-    )
-    return pace.run.displacement, pace.run.force
-
-
-def _simulation(
-    model: ExplicitModel, held: Boundary, material: Material, travel: float
-) -> Callable[[float], Run]:
-    return lambda duration: model.run(material, held, travel, loading_time=duration)
+    run = paced(model, material, held, travel).run
+    return run.displacement, run.force

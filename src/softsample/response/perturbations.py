@@ -37,9 +37,8 @@ from softsample.response.unit import (
     Pace,
     Progress,
     check_stands,
-    find_pace,
     homogeneous_area,
-    shortest_loading_time,
+    paced,
 )
 from softsample.shapes import IdealShape
 
@@ -349,15 +348,6 @@ def _cycle_changes(cycle: Array, force: Array, stuck: Run) -> tuple[Array, Array
     rubbing = there - np.interp(loading, stuck.displacement, stuck.force)
     grid = stuck.displacement
     return np.interp(grid, loading, rubbing), np.interp(grid, loading, back - there)
-
-
-def paced(model: ExplicitModel, material: Material, boundary: Boundary, reach: float) -> Pace:
-    """Loading time at which the model's curve to a travel [m] is as good as its settings ask."""
-    return find_pace(
-        lambda t: model.run(material, boundary, reach, loading_time=t),
-        shortest_loading_time(model),
-        model.settings.curve_error_percent,
-    )
 
 
 def changed_materials(test: MechanicalTest) -> dict[str, Material]:

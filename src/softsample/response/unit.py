@@ -168,6 +168,15 @@ def shortest_loading_time(model: ExplicitModel) -> float:
     return float(model.settings.loading_time_s * 2.0**doublings)
 
 
+def paced(model: ExplicitModel, material: Material, boundary: Boundary, reach: float) -> Pace:
+    """Loading time at which the model's curve to a travel [m] is as good as its settings ask."""
+    return find_pace(
+        lambda t: model.run(material, boundary, reach, loading_time=t),
+        shortest_loading_time(model),
+        model.settings.curve_error_percent,
+    )
+
+
 def _first_run(simulate: Callable[[float], Run], shortest: float) -> tuple[float, Run]:
     """The first of `shortest` and its next two doubles [s] in which a run comes through."""
     for loading_time in (shortest, 2.0 * shortest):

@@ -11,8 +11,7 @@ from contextlib import ExitStack, contextmanager, suppress
 from pathlib import Path
 
 from softsample.errors import SoftsampleError
-
-PathLike = str | os.PathLike[str]
+from softsample.files import PathLike
 
 LED = "SOFTSAMPLE_RUN"
 """Environment variable with the results whose run `softsample run` leads, for its processes."""

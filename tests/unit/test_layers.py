@@ -35,7 +35,7 @@ ALLOWED = {
     "plausibility": {"errors", "formats", "protocol", "records", "wording"},
     "holdout": {"errors", "records", "validation"},
     "files": {"errors"},
-    "presence": {"errors"},
+    "presence": {"errors", "files"},
     "workflow": {"errors", "files", "progress"},
     "manifest": {"errors", "files"},
     "costs": {"errors", "workflow"},

@@ -27,6 +27,12 @@ displacement is that of a point on the rim, and the first component stands for t
 
 MODES = tuple(DIRECTIONS)
 
+GEOMETRIES = ("real", "ideal")
+"""What a sample is simulated as."""
+
+TWO_TERM, ONE_TERM = "ogden2", "ogden1"
+"""Material models that are calibrated."""
+
 PRESSED_MODES = ("compression", "confined_compression", "indentation")
 """Modes in which the platen presses and can leave the sample."""
 

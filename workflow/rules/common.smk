@@ -33,10 +33,11 @@ from softsample.holdout import check_hold_out
 from softsample.io import read_json, read_samples, read_yaml
 from softsample.presence import is_led, lead_run, show_presence
 from softsample.progress import show_jobs_in_lines
+from softsample.protocol import GEOMETRIES
 from softsample.report.results import words_of_failure, words_of_success
 from softsample.study import schema
 from softsample.study.files import PICTURE_FORMATS, Files, in_formats
-from softsample.study.plan import GEOMETRIES, Plan
+from softsample.study.plan import Plan
 from softsample.validation import (
     check_config,
     check_samples,

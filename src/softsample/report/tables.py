@@ -14,13 +14,11 @@ import pandas as pd
 from scipy.special import stdtrit
 
 from softsample.errors import InputError
-from softsample.protocol import loading
+from softsample.protocol import GEOMETRIES, ONE_TERM, TWO_TERM, loading
 from softsample.report.intervals import FLOOR, MEASURED
 from softsample.report.page import with_interval
 from softsample.wording import significant, structured, true_minus
 
-GEOMETRIES = ("real", "ideal")
-TWO_TERM, ONE_TERM = "ogden2", "ogden1"
 PAPER_TABLE = {TWO_TERM: 1, ONE_TERM: 2}
 """Number of the paper's table of each material model."""
 

@@ -8,7 +8,8 @@ from pathlib import Path
 
 from softsample.errors import InputError
 from softsample.formats import files_of
-from softsample.study.plan import GEOMETRIES, ONE_TERM, TWO_TERM, Plan
+from softsample.protocol import GEOMETRIES, ONE_TERM, TWO_TERM
+from softsample.study.plan import Plan
 from softsample.validation import FILE_COLUMNS, has_open_ends
 
 RESULTS = "<results>/"

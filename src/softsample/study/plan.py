@@ -7,11 +7,9 @@ from typing import Any
 
 from softsample.errors import InputError
 from softsample.holdout import Row, folds, in_turn, wholly_held_out
-from softsample.protocol import PRESSED_MODES, is_homogeneous
+from softsample.protocol import GEOMETRIES, ONE_TERM, PRESSED_MODES, TWO_TERM, is_homogeneous
 from softsample.shapes import BONDED
 from softsample.validation import DEFAULT_AXES, ends_of, has_open_ends, modelled_ends, resolved
-
-GEOMETRIES = ("real", "ideal")
 
 MODES = (
     "shear", "tension", "compression", "pure_shear", "confined_compression", "indentation",
@@ -25,8 +23,6 @@ PIECE = (
     "indenter", "indenter_radius_mm",
 )  # fmt: skip
 """Cells of a row that its mesh and its response depend on."""
-
-TWO_TERM, ONE_TERM = "ogden2", "ogden1"
 
 
 @dataclass(frozen=True)

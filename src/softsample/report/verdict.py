@@ -4,8 +4,6 @@ from collections.abc import Iterator, Mapping
 from itertools import groupby
 from typing import Any
 
-import numpy as np
-
 from softsample.arrays import root_mean_square
 from softsample.loop.effects import ends, library
 from softsample.report.loop import declared
@@ -362,7 +360,7 @@ def _withheld(verdict: Mapping[str, Any]) -> list[str]:
         errors = [test["rms_percent"] for tests in would.values() for test in tests.values()]
         text = f"Not reported: {' and '.join(shown)}, since {reason}."
         if errors:
-            left, whom = significant(np.sqrt(np.mean(np.square(errors)))), " and ".join(given)
+            left, whom = significant(root_mean_square(errors)), " and ".join(given)
             text += f" With {whom}, {left} % of the peak would be left of what is held out."
         lines += [text, ""] if shown else []
     return lines

@@ -207,8 +207,8 @@ def test_a_glued_platen_pulls_on_what_has_relaxed():
     state = State(Material(1.0, 0.5), {"viscoelastic_relaxation": values})
     wanted = model.predict(free, state)
     assert wanted.min() < -0.1 * wanted.max()
-    for glued, least in ((True, -np.inf), (False, 0.0)):
-        pressed = replace(free, elastic=replace(free.elastic, contact=True, glued=glued))
+    for release, least in ((False, -np.inf), (True, 0.0)):
+        pressed = replace(free, elastic=replace(free.elastic, contact=True, release=release))
         np.testing.assert_array_equal(model.predict(pressed, state), np.maximum(wanted, least))
 
 

@@ -206,7 +206,7 @@ class Model:
         for effect in acting:
             if effect.contact:
                 force = effect.contact(specimen, force, travel, values[effect.name])
-        if specimen.elastic.contact and not specimen.elastic.glued:  # the platen leaves it
+        if specimen.elastic.contact and specimen.elastic.release:  # the platen leaves it
             force = np.maximum(force, 0.0)
         elif np.isfinite(specimen.elastic.most_push):  # one that is slender buckles
             modulus = state.material.mu * specimen.stiffness

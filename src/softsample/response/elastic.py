@@ -51,8 +51,8 @@ class Elastic:
         Push per modulus [m2] at which a sample that was pulled buckles on unloading.
     height : float, optional
         Of the idealised shape [m].
-    glued : bool
-        Whether a platen that has met the sample may pull on it; otherwise it leaves then.
+    release : bool
+        Whether a platen leaves a sample that would pull on it.
     """
 
     curves: ResponseCurves
@@ -62,7 +62,7 @@ class Elastic:
     laws: LawResponse | None = None
     most_push: float = np.inf
     height: float | None = None
-    glued: bool = False
+    release: bool = True
 
     @classmethod
     def of_tables(
@@ -120,7 +120,7 @@ class Elastic:
         if shape and mode == "tension" and not across:  # ASSUME: Euler's load of clamped ends.
             push = 12.0 * shape.area * (np.pi * shape.gyration / shape.height) ** 2
         height = shape.height if shape else None
-        return cls(found, perturbations, pressed, nu, laws, push, height, not release)
+        return cls(found, perturbations, pressed, nu, laws, push, height, release)
 
     @cached_property
     def grain(self) -> float:

@@ -70,7 +70,7 @@ def _elastic(specimen: Specimen, fraction: float, travel: Array, values: Values)
     most = min(sum(values[size] for size in SIZES), 1.0)
     part = np.clip(lost * np.sign(force) / felt, LEAST_LOST, max(most, LEAST_LOST))
     softer = specimen.elastic.softer_change_per_mu(fraction, travel, 1.0 - part)
-    leaves = specimen.elastic.contact and not specimen.elastic.glued
+    leaves = specimen.elastic.contact and specimen.elastic.release
     over = felt if leaves else np.abs(force)  # a platen that leaves ends it
     ratio = np.sign(force) * np.divide(softer, over, out=np.zeros_like(force), where=over > 0.0)
     return values["bulk"] * ratio * lost / part

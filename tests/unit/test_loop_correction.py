@@ -8,7 +8,7 @@ import pytest
 
 import laboratory
 from softsample.figures.loop import loop_figure
-from softsample.loop.correction import NAME, _can_tell, _stage, _within, confirmed, learned
+from softsample.loop.correction import NAME, _can_tell, _stage, _within, best_predictor, learned
 from softsample.loop.diagnose import diagnose
 from softsample.loop.discrepancy import settled
 from softsample.loop.effects import library
@@ -72,7 +72,7 @@ def test_a_mode_is_corrected_only_where_folds_confirm_it():
     tests = [tension, compression, shear]
     judged = diagnose(tests, SETTINGS, [library()["force_offset"]])
     fit = judged.selection.base
-    found = confirmed([(fit, cross_validated(fit))], judged.posed.spread)
+    found = best_predictor([(fit, cross_validated(fit))], judged.posed.spread)
     assert found.learned is not None
     assert "shear" not in found.report()["domain_mm"]
     np.testing.assert_array_equal(
@@ -91,7 +91,7 @@ def test_nothing_is_corrected_where_nothing_is_wrong():
     found = diagnose(laboratory.Lab(seed=5).specimens(), SETTINGS, [library()["force_offset"]])
     assert (found.verdict, found.correction) == ("none", None)
     plain = found.selection.base
-    assert confirmed([(plain, cross_validated(plain))], found.posed.spread) is None
+    assert best_predictor([(plain, cross_validated(plain))], found.posed.spread) is None
 
 
 @pytest.mark.parametrize("came_there", ["visited", "refused", ""])

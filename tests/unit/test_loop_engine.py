@@ -1021,7 +1021,7 @@ def test_errors_of_form_that_are_doubted_are_those_of_effects_chosen_before(
     fit = SimpleNamespace(model=Model((library()["force_offset"],)), problem=posed)
     candidate = Candidate("force_offset", fit, fit, 1.0, 1.0, True)
     monkeypatch.setattr("softsample.loop.choose.without", lambda here, candidate: None)
-    _beyond_doubt(here, candidate, floor=False)
+    _beyond_doubt(here, candidate, geometry=False)
     assert asked == [doubted_before] * 3
 
 

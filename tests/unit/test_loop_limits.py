@@ -83,7 +83,7 @@ def test_a_limit_tells_what_the_effect_makes_of_the_modulus():
     plain = State(found.final.state.material)
     model, state = Model((effect,)), replace(plain, values={effect.name: {"nu": size}})
     problem = found.selection.final.problem
-    problem = problem.with_least(SETTINGS.noise.doubt(problem.variances, floor=True))
+    problem = problem.with_least(SETTINGS.noise.doubt(problem.variances, geometry=True))
     fit = problem.with_forces(problem.predicted(model, state)).fit(Model(), plain)
     factor = fit.state.material.mu / plain.material.mu
     assert limit["modulus_percent"] == pytest.approx(100.0 * (factor - 1.0), abs=0.05)

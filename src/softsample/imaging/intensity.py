@@ -144,5 +144,5 @@ def tissue_level(data: Array, interior: Mask, spacing: Array, reach: float) -> A
     weight = smooth(interior.astype(np.float64), reach, spacing)
     total = smooth(np.where(interior, data, 0.0), reach, spacing)
     middle = float(np.median(data[interior]))
-    floor = 1e-4
-    return np.asarray((total + floor * middle) / (weight + floor), dtype=np.float64)
+    least = 1e-4
+    return np.asarray((total + least * middle) / (weight + least), dtype=np.float64)

@@ -111,15 +111,15 @@ def tissue_share(image: Array, spacing: Array, settings: SegmentationSettings) -
     noise = max(measured, LEAST_NOISE * level)
     square = image**2 - np.mean(around**2)
     image = intensity.without_noise_floor(image, noise)
-    floor = float(np.mean(intensity.surroundings(image, bright, spacing, 2.0 * margin)))
+    background = float(np.mean(intensity.surroundings(image, bright, spacing, 2.0 * margin)))
     level = float(np.median(image[interior]))
-    if level - floor < MIN_CONTRAST * noise:
+    if level - background < MIN_CONTRAST * noise:
         raise SegmentationError(
             f"no sample found: its brightest region ({level:.4g}) does not stand out from the"
-            f" surroundings ({floor:.4g}) and noise ({noise:.3g}); check the image"
+            f" surroundings ({background:.4g}) and noise ({noise:.3g}); check the image"
         )
     bias = intensity.bias_field(image, interior, BIAS_ORDER)
-    even = (image - floor) / bias
+    even = (image - background) / bias
     local = intensity.tissue_level(even, interior, spacing, LEVEL_REACH_MM * MM)
     raw = even / local
     grain = noise / (bias * local)
@@ -138,7 +138,7 @@ def tissue_share(image: Array, spacing: Array, settings: SegmentationSettings) -
         snr=level / noise if told else np.nan,
         noise=noise if told else np.nan,
         level=level,
-        threshold=floor + HALF * (level - floor),
+        threshold=background + HALF * (level - background),
         left_out=left_out,
     )
 

@@ -157,18 +157,18 @@ def _held(here: Round, best: Candidate, inside: Sequence[Candidate]) -> Candidat
     smooth = False
     for candidate in [best, *others]:
         smooth = smooth or candidate.effect.is_law
-        if _beyond_doubt(here, candidate, smooth or candidate.effect.like_floor):
+        if _beyond_doubt(here, candidate, smooth or candidate.effect.like_geometry):
             return candidate
     return None
 
 
-def _beyond_doubt(here: Round, candidate: Candidate, floor: bool) -> bool:
+def _beyond_doubt(here: Round, candidate: Candidate, geometry: bool) -> bool:
     """Whether a candidate is more than errors along it may be that no record shows.
 
-    Those in the form of effects chosen before and, with `floor`, of geometry, mesh and elements.
+    Those in the form of effects chosen before and, with `geometry`, of that, mesh and elements.
     """
     posed = candidate.settled.problem
-    doubt = posed.settings.doubt(posed.variances, floor)
+    doubt = posed.settings.doubt(posed.variances, geometry)
     doubt = {name: least for name, least in doubt.items() if name in here.base.problem.variances}
     before = min(doubted(fit, doubt).misfit for fit in (here.base, without(here, candidate)))
     after = doubted(candidate.settled, doubt).misfit

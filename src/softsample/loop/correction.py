@@ -1,7 +1,7 @@
 """What no named effect explains, as a smooth function of the strain: a correction, not a cause.
 
 It is a part of the model's force, as the difference of two elastic laws is, which tests of one mode
-share; the scale of each test is its own. A mode is corrected only if that is confirmed: if it takes
+share; the scale of each test is its own. A mode is corrected only if folds bear it out: if it takes
 a fifth of the error of parts of the records that were left out when it was learned.
 
 References
@@ -35,7 +35,7 @@ NAME = "correction"
 LAST = "last_quarter"
 """Fold that leaves out the end of the stroke of every test."""
 
-CONFIRMED = 0.8
+MAY_BE_LEFT = 0.8
 """Part of the error of what was left out that may be left, if a correction is given."""
 
 TINY = 1e-3
@@ -109,7 +109,7 @@ class Correction:
 
 
 @dataclass(frozen=True)
-class Confirmed:
+class Predictor:
     """What predicts best what is not measured, and how it did on what was left out.
 
     Parameters
@@ -191,15 +191,15 @@ def _stage(effect: Effect) -> str:
     if effect.crosstalk:
         return "cross_talk"
     if effect.tissue:  # by its history, or in proportion to the force, as geometry may
-        return "mode_ratio" if effect.like_floor else "history"
+        return "mode_ratio" if effect.like_geometry else "history"
     if effect.elastic:
         return "elastic_form"
     return "drift" if effect.only_instrument else "zero"
 
 
-def confirmed(
+def best_predictor(
     models: Sequence[tuple[Fit, Mapping[str, Fold]]], noises: Sequence[float]
-) -> Confirmed | None:
+) -> Predictor | None:
     """What predicts best what folds leave out; none if it is not far better than the first model.
 
     What is no more than the stated floor is not corrected.
@@ -211,7 +211,7 @@ def confirmed(
     noises : sequence of float
         Standard deviation of a block of each test [N].
     """
-    found: list[Confirmed] = []
+    found: list[Predictor] = []
     reference = np.inf
     for place, (fit, folds) in enumerate(models):
         problem = fit.problem
@@ -222,7 +222,7 @@ def confirmed(
             if not problem.settings.floor_percent < reference < np.inf:
                 return None
         else:
-            found.append(Confirmed(fit, None, folds, reference, _mean(bare)))
+            found.append(Predictor(fit, None, folds, reference, _mean(bare)))
         known = {name: learned(fold.fit) for name, fold in told.items()}
         after = _left_out(problem, _corrected(told, known), noises)
         held = [kind for kind in bare if _better(after[kind], bare[kind])]
@@ -233,10 +233,10 @@ def confirmed(
         only = {name: known[name].only(held) for name in folds}
         left = _mean(_left_out(problem, _corrected(told, only), noises))
         own, corrected = learned(fit).only(held), _corrected(folds, only)
-        found.append(Confirmed(fit, own, corrected, reference, left))
+        found.append(Predictor(fit, own, corrected, reference, left))
     best = None
     for one in found:  # the least changed first: another has to be far better than it
-        if one.error_after <= CONFIRMED * (best.error_after if best else reference):
+        if one.error_after <= MAY_BE_LEFT * (best.error_after if best else reference):
             best = one
     return best
 
@@ -274,7 +274,7 @@ def _better(after: Ways, before: Ways) -> bool:
     """Whether an error has fallen far enough on the mean, and in no way has risen as far."""
     ratios = [max(after[way], TINY) / max(before[way], TINY) for way in before]
     on_the_mean = np.exp(np.mean(np.log(ratios)))
-    return bool(on_the_mean <= CONFIRMED and max(ratios) <= 1.0 / CONFIRMED)
+    return bool(on_the_mean <= MAY_BE_LEFT and max(ratios) <= 1.0 / MAY_BE_LEFT)
 
 
 def _mean(errors: Mapping[Kind, Ways]) -> float:

@@ -9,7 +9,7 @@ from scipy.special import expit
 
 from softsample.loop.accept import Judged, objection_to
 from softsample.loop.choose import Step
-from softsample.loop.correction import Confirmed, confirmed, learned
+from softsample.loop.correction import Predictor, best_predictor, learned
 from softsample.loop.effects import library, specimen_stiffness
 from softsample.loop.effects.base import Effect
 from softsample.loop.errors import (
@@ -56,8 +56,8 @@ class Diagnosis:
         Errors with the selected effects, whether or not they are given.
     refused : Judged or None
         Errors with what the records ask for next, if it is not given.
-    correction : Confirmed or None
-        What folds confirm of what is left, if anything: a correction, not a cause.
+    correction : Predictor or None
+        What folds bear out of what is left, if anything: a correction, not a cause.
     corrected : Judged or None
         Errors with it.
     told : Pooled or None
@@ -79,7 +79,7 @@ class Diagnosis:
     plain: Judged
     selected: Judged
     refused: Judged | None = None
-    correction: Confirmed | None = None
+    correction: Predictor | None = None
     corrected: Judged | None = None
     told: Pooled | None = None
     slides: bool = False
@@ -149,7 +149,7 @@ class Diagnosis:
     def rest(self) -> Mapping[str, float]:
         """By mode, the modulus at small strain that what is left asks for, over that of `final`.
 
-        What folds confirm of it or, where they confirm nothing, what is likeliest; empty where
+        What folds bear out of it or, where they bear out nothing, what is likeliest; empty where
         what is left is no objection.
         """
         if not self.objection:
@@ -217,7 +217,7 @@ def diagnose(
         if objection:  # then folds choose among all models that were tried
             every = [*models, *selection.visited, *at_end]  # no cause, but it may predict
             tried = sorted(every, key=lambda fit: len(fit.model.effects))
-        correction = confirmed([(fit, cross_validated(fit)) for fit in tried], posed.spread)
+        correction = best_predictor([(fit, cross_validated(fit)) for fit in tried], posed.spread)
     if correction:
         corrected = judged(correction.whole, correction.folds, correction.scales)
     return Diagnosis(

@@ -48,12 +48,12 @@ def detection_limits(selection: Selection, final: Fit) -> dict[str, tuple[float,
     threshold, n = selection.steps[0].threshold, len(selection.base.white)
     problem = selection.final.problem
     doubting = {
-        floor: problem.with_least(problem.settings.doubt(problem.variances, floor))
-        for floor in (False, True)
+        geometry: problem.with_least(problem.settings.doubt(problem.variances, geometry))
+        for geometry in (False, True)
     }
     limits = {
         name: _limit(
-            doubting[signature.effect.like_floor],
+            doubting[signature.effect.like_geometry],
             law,
             plain,
             signature,

@@ -144,14 +144,14 @@ class NoiseSettings:
         most = {FORM: self.spread ** (-2.0 * FURTHEST)}
         return {name: min(most.get(name, 1.0), v) for name, v in variances.items()}
 
-    def doubt(self, shown: Mapping[str, float], floor: bool) -> dict[str, float]:
+    def doubt(self, shown: Mapping[str, float], geometry: bool) -> dict[str, float]:
         """Least factors of variances with errors that may be larger along an effect than elsewhere.
 
-        `spread` times as large: errors of form as in the settings, with `floor` those of geometry
-        and mesh as in the settings, or in the factors that records show if these are larger. What
-        wanders is as in the settings: most of a linear drift looks like it.
+        `spread` times as large: errors of form as in the settings, with `geometry` those of that
+        and of the mesh as in the settings, or in the factors that records show if these are larger.
+        What wanders is as in the settings: most of a linear drift looks like it.
         """
-        least = {name: max(1.0, shown.get(name, 0.0)) for name in GEOMETRY} if floor else {}
+        least = {name: max(1.0, shown.get(name, 0.0)) for name in GEOMETRY} if geometry else {}
         larger = {name: self.spread**2 * factor for name, factor in {FORM: 1.0, **least}.items()}
         return {"wander": 1.0, **larger}
 

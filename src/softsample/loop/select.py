@@ -385,8 +385,8 @@ def _pruned(problem: Problem, fit: Fit, settings: SelectionSettings) -> Fit:
         less = problem.fit(fit.model.without(effect.name), fit.state)
         alone = settled(problem, less)
         gain = alone.misfit - best.misfit
-        if effect.like_floor:
-            doubt = problem.settings.doubt(best.problem.variances, floor=True)
+        if effect.like_geometry:
+            doubt = problem.settings.doubt(best.problem.variances, geometry=True)
             gain = min(gain, doubted(alone, doubt).misfit - doubted(best, doubt).misfit)
         if gain - penalty(effect, len(fit.white)) < settings.least_gain:
             return _pruned(problem, less, settings)

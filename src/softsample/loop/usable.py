@@ -23,7 +23,7 @@ def doubted(fit: Fit, doubt: Mapping[str, float] | None = None) -> Fit:
     By default those of geometry and mesh that no record may show.
     """
     if doubt is None:
-        doubt = fit.problem.settings.doubt({}, floor=True)
+        doubt = fit.problem.settings.doubt({}, geometry=True)
     return fit.problem.with_least(doubt).fit(fit.model, fit.state)
 
 

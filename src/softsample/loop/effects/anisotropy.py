@@ -94,7 +94,7 @@ EFFECT = Effect(
         Parameter("k1", "mu", 0.0, 1.0, FEW),
         Parameter("angle_deg", "deg", -90.0, 90.0, 0.0, grid=GRID),
     ),
-    like_floor=True,
+    like_geometry=True,
     beside=True,
     source="Jin et al., J. Biomech. 46 (2013) 2795; own runs with k1 (I4 - 1)^2, k1 = mu/10, along "
     "z, x and the diagonals; the angle is that from z to where the shear goes",

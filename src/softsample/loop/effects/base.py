@@ -109,7 +109,7 @@ class Effect:
         Whether it is another elastic law, the first thing that a model may lack.
     has : tuple of str
         Effects whose part a law's own parameters play.
-    like_floor : bool
+    like_geometry : bool
         Whether errors of geometry, mesh and element type may lie along it, where no record can
         show them: only what exceeds their stated sizes is evidence for it.
     beside : bool
@@ -144,7 +144,7 @@ class Effect:
     idealised: bool = False
     is_law: bool = False
     has: tuple[str, ...] = ()
-    like_floor: bool = False
+    like_geometry: bool = False
     beside: bool = False
     whole: Callable[[Values], float] | None = None
     starts: tuple[Values, ...] = ()

@@ -19,7 +19,7 @@ EFFECT = Effect(
     ),
     is_law=True,
     has=("poisson_ratio",),
-    like_floor=True,
+    like_geometry=True,
     source="B. Storakers, J. Mech. Phys. Solids 34 (1986) 125, doi:10.1016/0022-5096(86)90033-5",
     signature="compression far softer against tension and shear, its sides hardly bulge",
     confused_with=("ogden_exponents", "poisson_ratio"),

@@ -12,7 +12,7 @@ EFFECT = Effect(
         Parameter("alpha", "1", -45.0, 40.0, -20.0, GRID, inside=True),
     ),
     is_law=True,
-    like_floor=True,
+    like_geometry=True,
     source="R. W. Ogden, Proc. R. Soc. Lond. A 326 (1972) 565, doi:10.1098/rspa.1972.0026",
     signature="alike in loading and unloading, in every mode, and worse towards the end of the "
     "stroke",

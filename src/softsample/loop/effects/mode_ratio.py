@@ -14,7 +14,7 @@ EFFECT = Effect(
     name="mode_ratio",
     title="Ratio of shear to axial stiffness",
     parameters=(Parameter("shear_over_axial", "1", 0.6, 1.6, 1.1, neutral=1.0),),
-    like_floor=True,
+    like_geometry=True,
     source="Budday et al., Acta Biomater. 48 (2017) 319, doi:10.1016/j.actbio.2016.10.036; with "
     "one Ogden term the ratio is 0.80 to 0.98 in brain tissue",
     signature="shear scaled against tension and compression alike",

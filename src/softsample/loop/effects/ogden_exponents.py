@@ -27,7 +27,7 @@ def about(solid: Material) -> Effect:
             for start in STARTS
         ),
         is_law=True,
-        like_floor=True,
+        like_geometry=True,
         source="own runs of single terms; R. W. Ogden, Proc. R. Soc. Lond. A 326 (1972) 565, "
         "doi:10.1098/rspa.1972.0026",
         signature="S-shaped along the stroke, worst at the end of compression, alike on unloading",

@@ -18,7 +18,7 @@ EFFECT = Effect(
         Parameter("missing", "1", 0.0, 0.5, 0.125),
         Parameter("side", "1", -1.0, 1.0, 0.0, grid=(-0.75, -0.25, 0.25, 0.75)),
     ),
-    like_floor=True,
+    like_geometry=True,
     source="own finite element runs with an eighth of the bonded area released: `side` is 1 on the "
     "side that the shear goes to, -1 on that it comes from, 0 on those beside it",
     signature="tension and shear scaled down from the start, compression untouched",

@@ -26,7 +26,7 @@ EFFECT = Effect(
         Parameter("tilt_deg", "deg", 0.0, 4.0, 1.0),
         Parameter("axis_deg", "deg", -180.0, 180.0, 0.0, grid=(-135.0, -45.0, 45.0, 135.0)),
     ),
-    like_floor=True,
+    like_geometry=True,
     source="own finite element runs of the sample with a platen turned by one degree about x and "
     "y, either way; the axis it is turned about is at an angle from x to y",
     signature="compression only: a toe as long as the width times the tilt",

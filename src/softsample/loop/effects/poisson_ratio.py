@@ -11,7 +11,7 @@ def about(solid: Material) -> Effect:
         name="poisson_ratio",
         title="Another Poisson's ratio",
         parameters=(Parameter("nu", "1", nu - 0.14, most, nu - 0.01, neutral=nu, limits=(most,)),),
-        like_floor=True,
+        like_geometry=True,
         source="Hinrichsen et al., Biomech. Model. Mechanobiol. 2023, "
         "doi:10.1007/s10237-023-01739-w",
         signature="compression far more than tension, tension more than shear; grows with the "

@@ -11,7 +11,7 @@ def of_names(names: Sequence[str]) -> Effect:
         name="specimen_stiffness",
         title="Stiffness of single specimens",
         parameters=tuple(Parameter(name, "1", 0.5, 2.0, 1.1, neutral=1.0) for name in names),
-        like_floor=True,
+        like_geometry=True,
         source="scatter of repeats; each size is the modulus of a specimen over that of the "
         "group's first of the same mode, or over the geometric mean where they scatter",
         signature="all forces of a specimen scaled against those of another one in the same test",

@@ -16,7 +16,7 @@ EFFECT = Effect(
     name="uneven_contact",
     title="Rough or uneven face",
     parameters=(Parameter("depth_mm", "mm", 0.0, 2.0, 0.3),),
-    like_floor=True,
+    like_geometry=True,
     source="a bed of columns: Johnson, Contact Mechanics, Cambridge 1985, "
     "doi:10.1017/CBO9781139171731",
     signature="compression only: a toe as long as the depth, then the curve shifted by half of it",

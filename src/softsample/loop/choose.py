@@ -90,8 +90,9 @@ def chosen_of(here: Round, candidates: Sequence[Candidate]) -> Step:
     why = unusable(refused.settled) if refused else ""
     if not inside:
         return replace(nothing, refused=refused, why=why)
-    best = min(inside, key=_comes_later)
-    if refused and _comes_later(best) and best.evidence < RIVAL * refused.evidence:
+    # what the model is known to leave out comes first
+    best = min(inside, key=lambda candidate: not candidate.effect.idealised)
+    if refused and not best.effect.idealised and best.evidence < RIVAL * refused.evidence:
         return replace(nothing, refused=refused, why=why)
     near = _nearest_law(here, best, inside) if best.effect.is_law else best
     held = _held(here, near, inside)
@@ -140,11 +141,6 @@ def _as_likely(one: Array, most: Array) -> bool:
     """Whether what folds leave out tells one model from another by no standard error."""
     apart = most - one
     return len(apart) > 1 and bool(apart.sum() <= np.sqrt(len(apart)) * np.std(apart, ddof=1))
-
-
-def _comes_later(candidate: Candidate) -> bool:
-    """Whether what the model is known to leave out comes before a candidate."""
-    return not candidate.effect.idealised
 
 
 def _held(here: Round, best: Candidate, inside: Sequence[Candidate]) -> Candidate | None:

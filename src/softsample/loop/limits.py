@@ -4,7 +4,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from softsample.loop.effects.base import Effect, Values
+from softsample.loop.effects.base import Values
 from softsample.loop.fit import Fit, Problem
 from softsample.loop.model import Model, State
 from softsample.loop.screen import Signature, penalty
@@ -69,10 +69,14 @@ def _limit(
     problem: Problem, law: Model, plain: State, signature: Signature, need: float
 ) -> tuple[float, float] | None:
     """Where as much is left as is needed, None beyond the range."""
-    highest = _highest(signature)
+    effect, highest = signature.effect, _highest(signature)
+    model, zeros = law.with_effect(effect), ZEROS if effect.shifts_travel else ()
+    starts = [replace(plain, contact_zero=z * problem.settings.contact_zero_mm) for z in zeros]
     size = min(float(np.sqrt(need)) / signature.strength, highest)
     for _ in range(ROUNDS):
-        fit = _plain_fit(problem, law, plain, signature.effect, _sized(signature, size))
+        state = plain.with_values(effect.name, _sized(signature, size))
+        made = problem.with_forces(problem.predicted(model, state))
+        fit = made.fit(law, plain, starts)
         limit = size, fit.state.material.mu / plain.material.mu
         further = size * float(np.sqrt(need / max(fit.cost, 1e-12)))
         if abs(further / size - 1.0) < CLOSE:
@@ -103,12 +107,3 @@ def _highest(signature: Signature) -> float:
     if effect.whole is not None:
         ends.append(max(p.high for p in effect.sizes) / effect.whole(_sized(signature, 1.0)))
     return min(ends)
-
-
-def _plain_fit(problem: Problem, law: Model, plain: State, effect: Effect, values: Values) -> Fit:
-    """Fit of the material to a record with the effect."""
-    model = law.with_effect(effect)
-    made = problem.with_forces(problem.predicted(model, plain.with_values(effect.name, values)))
-    zeros = ZEROS if effect.shifts_travel else ()
-    starts = [replace(plain, contact_zero=z * problem.settings.contact_zero_mm) for z in zeros]
-    return made.fit(law, plain, starts)

@@ -340,6 +340,14 @@ def test_a_container_or_a_bath_is_not_taken_for_the_sample():
             segment(*about_the_sample(low, high, level))
 
 
+def test_a_bright_rim_of_the_image_says_what_it_may_be():
+    image, affine = SCANS["shear"].image(SHAPE)
+    with pytest.raises(
+        SegmentationError, match="100 % of the rim of the image are bright.*reversed"
+    ):
+        segment(image.max() - image, affine)
+
+
 def test_another_bright_object_does_not_move_the_boundary():
     result = segment(*about_the_sample(11.0, 12.0, 0.8))
     assert 1e9 * result.volume == pytest.approx(truth().volume, rel=0.006)

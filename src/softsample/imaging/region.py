@@ -12,9 +12,27 @@ from softsample.units import MM
 LEFT_OUT = 0.05
 """A region that is larger than this beside the sample may be a part of it, in its volumes."""
 
+MOST_OF_RIM = 0.5
+"""Part of the outermost voxels of an image that may be bright: holders and samples that touch the
+edge take less."""
+
 MOST_ENCLOSED = 0.2
 """Part of the sections of a sample that it may enclose: a bubble of half its width does 0.1, tubes
 and baths 0.3 to 0.5."""
+
+
+def refuse_bright_rim(bright: Mask) -> None:
+    """Refuse an image most of whose rim is as bright as a sample, which air about it is not."""
+    inside = tuple(slice(1, n - 1) for n in bright.shape)
+    rim = np.ones_like(bright)
+    rim[inside] = False
+    share = float(bright[rim].mean())
+    if share > MOST_OF_RIM:
+        raise SegmentationError(
+            f"{100.0 * share:.0f} % of the rim of the image are bright, as a bath or a reversed"
+            " contrast has it; give an image of the sample in air, brighter than its surroundings,"
+            " or a mask of it in column segmentation"
+        )
 
 
 def left_out(regions: Mask, spacing: Array) -> float:

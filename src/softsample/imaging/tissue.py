@@ -94,6 +94,7 @@ def tissue_share(image: Array, spacing: Array, settings: SegmentationSettings) -
     """
     blur = blur_of(spacing)
     bright = intensity.bright_mask(image, spacing, blur)
+    region.refuse_bright_rim(bright)
     left_out = region.left_out(bright, spacing)
     rough = intensity.largest_component(bright)
     bright |= rough
@@ -116,7 +117,8 @@ def tissue_share(image: Array, spacing: Array, settings: SegmentationSettings) -
     if level - background < MIN_CONTRAST * noise:
         raise SegmentationError(
             f"no sample found: its brightest region ({level:.4g}) does not stand out from the"
-            f" surroundings ({background:.4g}) and noise ({noise:.3g}); check the image"
+            f" surroundings ({np.median(around):.4g}) and their spread ({noise:.3g}); give an image"
+            " of the sample in air"
         )
     bias = intensity.bias_field(image, interior, BIAS_ORDER)
     even = (image - background) / bias

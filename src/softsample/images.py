@@ -86,12 +86,6 @@ def check_image(data: NDArray[np.float32], affine: Array, source: str) -> dict[s
             f"{source}: 1 % of the values lie below {low:.4g}, and 99 % below {high:.4g}; export "
             "magnitudes as scanned, without an offset, which are zero where there is no signal"
         )
-    values = np.unique(data)
-    if len(values) == 2:
-        raise InputError(
-            f"{source}: has two values only, {values[0]:.4g} and {values[1]:.4g}, as a mask; "
-            "name the scan in column image and the mask in column segmentation"
-        )
     if np.ptp(data) == 0.0:
         raise InputError(f"{source}: the image is constant ({low:g}); choose another file")
     return {
@@ -163,7 +157,14 @@ def image_doubts(data: NDArray[np.float32], affine: Array, source: str) -> Itera
             f"{source}: voxels of up to {longest:.3g} mm: height and relief may be wrong by more "
             f"than is stated; give slices of {COARSE_MM:g} mm at most"
         )
-    highest = float(data.max())
+    values = np.unique(data)
+    if len(values) == 2:
+        yield (
+            f"{source}: has two values only, {values[0]:.4g} and {values[1]:.4g}, as a mask; name "
+            "it in column segmentation as well, or give the image as scanned"
+        )
+        return
+    highest = float(values[-1])
     clipped = float(np.mean(data[data > 0.5 * highest] == highest))
     if clipped > CLIPPED:
         yield (

@@ -187,7 +187,6 @@ def test_facts_of_a_good_image():
         (image(shape=(40, 40, 3)), "40 x 40 x 3 voxels; a sample needs at least 12"),
         (image(shape=(20, 20, 20), voxel=(0.1, 0.1, 0.1)), "a field of view of 2 x 2 x 2 mm"),
         ((np.zeros((20, 20, 20), np.float32), np.eye(4)), "the image is constant"),
-        ((255.0 * (image()[0] > 100.0), image()[1]), "has two values only, 0 and 255, as a mask"),
     ],
 )
 def test_a_bad_image_is_refused_with_value_and_cure(given, message):

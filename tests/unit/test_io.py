@@ -183,6 +183,8 @@ def test_coarse_voxels_and_cut_off_values_are_doubted():
     assert "a: voxels of up to 1 mm" in "".join(image_doubts(values, thick, "a"))
     cut = "".join(image_doubts(np.minimum(values, 800.0), fine, "a"))
     assert "have the highest value, 800, as if cut off there; export" in cut
+    (mask,) = image_doubts(255.0 * (values > np.median(values)), fine, "a")
+    assert "two values only, 0 and 255, as a mask; name it in column segmentation" in mask
 
 
 def test_an_image_without_affine_is_refused(tmp_path):

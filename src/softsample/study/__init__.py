@@ -14,8 +14,9 @@ def _root() -> Path:
     clone = Path(__file__).resolve().parents[3]
     if (clone / "Snakefile").is_file():
         return clone
-    brought = metadata.files("softsample") or []
-    return next(Path(str(f.locate())).resolve().parent for f in brought if f.name == "Snakefile")
+    brought = [f for f in metadata.files("softsample") or [] if f.name == "Snakefile"]
+    outermost = min(brought, key=lambda f: len(f.parts))
+    return Path(str(outermost.locate())).resolve().parent
 
 
 ROOT = _root()

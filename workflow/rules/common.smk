@@ -9,12 +9,12 @@ from inspect import signature
 from itertools import chain
 from pathlib import Path
 
+from snakemake.utils import update_config
+
 # installed from a wheel, the library lies apart from the workflow
 CLONE = (ROOT / "src/softsample").is_dir()
 if CLONE and str(ROOT / "src") not in sys.path:
     sys.path.insert(0, str(ROOT / "src"))
-
-from snakemake.utils import update_config
 
 import softsample
 

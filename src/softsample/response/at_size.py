@@ -29,10 +29,8 @@ def simulate_sizes(
 
     Parameters
     ----------
-    mesh_shifted : callable
-        Meshes the sample with its surface moved out by a length [m].
-    test : MechanicalTest
-        What is done to it.
+    mesh_shifted, test
+        As of `softsample.response.perturbations.simulate_perturbations`.
     sizes : mapping
         Values of the parameters by effect, of those that act in this mode.
 

@@ -15,7 +15,7 @@ from softsample.blindlab.phantom import ImperfectCuboid, Waves, signed_distance
 from softsample.errors import InputError, SegmentationError
 from softsample.images import one_label
 from softsample.imaging import distance as sdf
-from softsample.imaging import film, frame, intensity
+from softsample.imaging import film, film_model, frame, intensity
 from softsample.imaging.measure import measure
 from softsample.imaging.propose import coarsened, glance
 from softsample.imaging.segment import segment, segmentation_from_mask
@@ -317,6 +317,31 @@ def test_a_flat_base_in_large_voxels_is_one_but_for_its_rim():
     image = replace(PLAIN, voxel=(1.0, 1.0, 1.0), margin=3.0).image(small)
     result = segment(*image, find_film=False)
     assert 1e9 * result.volume == pytest.approx(measured(small).volume, rel=0.04)
+
+
+@pytest.mark.parametrize(("count", "voxel", "error"), [(10, 1.0, 0.03), (24, 0.5, 0.005)])
+def test_walls_along_the_voxels_are_no_film(count, voxel, error):
+    """A cube that fills its voxels: the sharpest edge that an image can have."""
+    rng = np.random.default_rng(3)
+    image = np.pad(np.full((count,) * 3, 1000.0), 7)
+    image = np.hypot(*(image * on + rng.normal(0.0, 40.0, image.shape) for on in (1, 0)))
+    result = segment(image, np.diag([voxel, voxel, voxel, 1.0]))
+    assert result.film == 0.0
+    assert 1e9 * result.volume == pytest.approx((count * voxel) ** 3, rel=error)
+
+
+def test_what_lies_inside_a_plane_is_exact_for_every_direction():
+    """Against cells of which a million points are drawn, and a plane along the cells."""
+    points = np.random.default_rng(0).uniform(-0.5, 0.5, (1_000_000, 3))
+    across, shift = np.array([[0.3, 0.5, 0.7]]), np.array([0.2])
+    for ahead in (-0.6, -0.1, 0.25, 0.7):
+        share, slope = film_model._inside(np.array([[0.2 - ahead]]), across, shift)
+        depths = points @ across[0]
+        assert share[0] == pytest.approx((depths < ahead).mean(), abs=0.002)
+        assert slope[0] == pytest.approx((np.abs(depths - ahead) < 0.02).mean() / 0.04, abs=0.02)
+    thin = 1e-4 * np.ones((1, 2))
+    share, slope = film_model._inside(np.zeros((1, 1)), np.hstack([[[1.0]], thin]), shift)
+    assert (share[0], slope[0]) == pytest.approx((0.7, 1.0))
 
 
 def about_the_sample(low, high, level):

@@ -26,8 +26,9 @@ BRIGHTNESS_SIGMA = 0.15
 MOST_SIGMAS = 2.0
 """Bound of the brightness on either side, in its standard deviations."""
 
-EDGE_WIDTH = np.sqrt(20.0 / 12.0)
-"""Width of a smooth edge over that of the straight one of the same second moment."""
+LEAST_ACROSS = 0.1
+"""Least change of depth along an edge of a cell, over the largest: that a wall lies along the cells
+makes no kink in what they hold, which steps to the most probable shift would meet."""
 
 
 @dataclass(frozen=True)
@@ -203,7 +204,7 @@ def descended(model: Model, spread: Array, state: Array, rounds: int) -> Array:
 
 def _places(voxels: Voxels, patch: float) -> Array:
     """Places (m, 3) about `patch` apart on the surface: means of what lies in each cube."""
-    near = np.abs(voxels.depth.mean(axis=1)) < 0.3 * MM
+    near = np.abs(voxels.depth.mean(axis=1)) < max(0.3 * MM, 0.75 * voxels.edge)
     points = voxels.place[near]
     _, cube = np.unique(np.floor(points / patch), axis=0, return_inverse=True)
     count = np.bincount(cube.ravel())
@@ -211,11 +212,44 @@ def _places(voxels: Voxels, patch: float) -> Array:
 
 
 def _share(voxels: Voxels, shift: Array) -> tuple[Array, Array]:
-    """Share (n,) of each voxel inside the surface moved outward by `shift`; its slope.
+    """Share (n,) of each voxel inside the surface moved outward by `shift`; its slope."""
+    across = np.abs(voxels.across)
+    across = np.maximum(across, LEAST_ACROSS * across.max(axis=1, keepdims=True))
+    return _inside(voxels.depth, across, shift)
 
-    The edge of a cell is smooth, so that steps to the most probable shift do not meet kinks.
+
+@numba.njit(cache=True)
+def _inside(depth: Array, across: Array, shift: Array) -> tuple[Array, Array]:
+    """Mean share (n,) of cells on one side of a plane, and its slope by the plane's shift.
+
+    The depth of a point drawn from a cell is a sum of three even variables of the widths `across`,
+    whose distribution is a cubic spline of eight knots.
     """
-    width = EDGE_WIDTH * voxels.cell
-    height = np.clip(0.5 + (shift[:, None] - voxels.depth) / width, 0.0, 1.0)
-    inside = np.mean(height**2 * (3.0 - 2.0 * height), axis=1)
-    return inside, np.mean(6.0 * height * (1.0 - height), axis=1) / width
+    share, slope = np.zeros(len(depth)), np.zeros(len(depth))
+    for row in range(len(depth)):
+        a, b, c = across[row]
+        reach = 0.5 * (a + b + c)
+        for cell in range(depth.shape[1]):
+            ahead = shift[row] - depth[row, cell]
+            if ahead >= reach:
+                share[row] += 1.0
+            elif ahead > -reach:
+                inside, density = _of_box(ahead, a, b, c)
+                share[row] += inside
+                slope[row] += density
+    return share / depth.shape[1], slope / depth.shape[1]
+
+
+@numba.njit(cache=True)
+def _of_box(ahead: float, a: float, b: float, c: float) -> tuple[float, float]:
+    """Distribution and density of a sum of three even variables of widths a, b, c about zero."""
+    share = density = 0.0
+    for i in (-0.5, 0.5):
+        for j in (-0.5, 0.5):
+            for k in (-0.5, 0.5):
+                past = ahead + i * a + j * b + k * c
+                if past > 0.0:
+                    part = 8.0 * i * j * k * past * past
+                    density += part / (2.0 * a * b * c)
+                    share += part * past / (6.0 * a * b * c)
+    return share, density

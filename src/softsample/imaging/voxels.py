@@ -11,6 +11,10 @@ from softsample.units import MM
 BAND = (-1.2 * MM, 0.8 * MM)
 """Depth of the voxels that are fitted [m], from inside to outside."""
 
+LEAST_SLOPE = 0.9
+"""Slope of the depth across a voxel that is fitted, at least: along the edges of a sample it is
+less, and the surface about which the depths are taken is rounder than they are."""
+
 FINE = 0.16 * MM
 """Longest edge of the cells that a voxel is divided into [m]."""
 
@@ -29,8 +33,10 @@ class Voxels:
     ----------
     depth : (n, q) float64
         Signed distance of the cells of each voxel to the surface [m], negative inside.
-    cell, edge : float
-        Edge of a cell; geometric mean of the voxel's edges [m].
+    across : (n, 3) float64
+        Change of that distance [m] along each edge of a cell.
+    edge : float
+        Geometric mean of the voxel's edges [m].
     place : (n, 3) float64
         Centres in the sample frame [m].
     power, noise : (n,) float64
@@ -43,7 +49,7 @@ class Voxels:
     """
 
     depth: Array
-    cell: float
+    across: Array
     edge: float
     place: Array
     power: Array
@@ -109,15 +115,22 @@ def voxels_near(
     index = index[(depth > BAND[0]) & (depth < BAND[1])]
     index = index[looked_up(usable.astype(np.float64), index, 0.0) > 0.99]
     edge = np.linalg.norm(to_sample[:3, :3], axis=0)
+    across = np.stack(
+        [looked_up(distance, index + half, 1.0) - looked_up(distance, index - half, 1.0)
+         for half in 0.5 * np.eye(3)], axis=1,
+    )  # fmt: skip
+    even = np.linalg.norm(across / edge, axis=1) > LEAST_SLOPE
+    index, across = index[even], across[even]
     area = len(index) * float(np.prod(edge)) / (BAND[1] - BAND[0])
     if len(index) > MOST:
-        index = np.random.default_rng(0).choice(index, MOST, replace=False, shuffle=False)
+        drawn = np.random.default_rng(0).choice(len(index), MOST, replace=False, shuffle=False)
+        index, across = index[drawn], across[drawn]
     parts = np.ceil(edge / FINE - 1e-6).astype(int)
     steps = [(np.arange(n) + 0.5) / n - 0.5 for n in parts]
     cells = np.stack(np.meshgrid(*steps, indexing="ij"), axis=-1).reshape(-1, 3)
     return Voxels(
         depth=np.stack([looked_up(distance, index + cell, 1.0) for cell in cells], axis=1),
-        cell=float(np.max(edge / parts)),
+        across=across / parts,
         edge=float(np.prod(edge) ** (1.0 / 3.0)),
         place=index @ to_sample[:3, :3].T + to_sample[:3, 3],
         power=power[tuple(index.astype(np.int64).T)],

@@ -1,11 +1,11 @@
 """Segmentation of made-up images whose shape is known."""
 
 from dataclasses import replace
-from functools import cache
+from functools import cache, partial
 
 import numpy as np
 import pytest
-from scipy.ndimage import binary_dilation, gaussian_filter, map_coordinates
+from scipy.ndimage import affine_transform, binary_dilation, gaussian_filter, map_coordinates
 
 from phantom.draw import turned
 from phantom.scan import Scan
@@ -289,17 +289,48 @@ def test_a_thin_sample_is_as_high_as_it_is(voxel, height):
 FLAT = replace(SHAPE, walls=(Waves(),) * 4, top=Waves(), slope=(0.0, 0.0))
 
 
-@pytest.mark.parametrize("sigma", [0.5, 1.0])
-def test_a_smoothed_image_is_doubted_and_its_edge_is_the_half_maximum(sigma):
-    """Its voxels differ from the scanner's by many times the noise that is left."""
+def interpolated(image):
+    """The image at half the voxel, linearly."""
+    return affine_transform(
+        image, np.full(3, 0.5), output_shape=[2 * n for n in image.shape], order=1
+    )
+
+
+def zero_filled(image):
+    """The image at half the voxel, of the same frequencies alone."""
+    padding = [(n // 2, n - n // 2) for n in image.shape]
+    spectrum = np.pad(np.fft.fftshift(np.fft.fftn(image)), padding)
+    return 8.0 * np.abs(np.fft.ifftn(np.fft.ifftshift(spectrum)))
+
+
+@pytest.mark.parametrize(
+    ("change", "voxels"),
+    [
+        (partial(gaussian_filter, sigma=0.5), 1.0),
+        (partial(gaussian_filter, sigma=1.0), 1.0),
+        (interpolated, 0.5),
+        (zero_filled, 0.5),
+    ],
+)
+def test_an_image_of_shared_noise_is_doubted_and_its_edge_is_the_half_maximum(change, voxels):
+    """Neither its edges nor what its voxels tell are those of a scan."""
     image, affine = SCANS["plain"].image(SHAPE)
-    result = segment(gaussian_filter(image.astype(float), sigma), affine)
-    assert any("as if smoothed" in flag for flag in result.summary()["flags"])
+    result = segment(change(image.astype(float)), affine @ np.diag([*[voxels] * 3, 1.0]))
+    assert any("% of their noise, as if" in flag for flag in result.summary()["flags"])
     assert result.film == 0.0
-    assert result.boundary_sigma == pytest.approx(0.5e-3 / np.sqrt(12.0))
+    assert result.boundary_sigma == pytest.approx(0.5e-3 * voxels / np.sqrt(12.0))
     assert 1e9 * result.volume == pytest.approx(truth().volume, rel=0.02)
-    top = truth().highest
-    assert 1e3 * result.highest_point[2] == pytest.approx(top, abs=0.15)
+
+
+def test_an_edge_that_is_wider_than_its_voxels_is_doubted():
+    """As where the sample moves: it is blurred, and the noise is not."""
+    image, affine = replace(PLAIN, snr=1000.0).image(SHAPE)
+    noise = np.random.default_rng(0).normal(0.0, 0.05 * np.percentile(image, 98), (2, *image.shape))
+    moved = np.hypot(gaussian_filter(image.astype(float), 1.0) + noise[0], noise[1])
+    result = segment(moved, affine)
+    assert any("differ from those of a scan" in flag for flag in result.summary()["flags"])
+    assert result.film == 0.0
+    assert 1e9 * result.volume == pytest.approx(truth().volume, rel=0.02)
 
 
 def test_an_image_with_its_background_masked_is_doubted_and_tells_no_film():

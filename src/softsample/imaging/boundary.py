@@ -26,10 +26,8 @@ PADDING_MM = 2.5
 """Rim around the sample in the grid of the distance [mm]: room for the walls below the base."""
 
 MOST_MISFIT = 1.5
-"""Misfit up to which voxels tell the boundary. It is 0.9 to 1.25 in 22 simulated scans,
-and 1.9 to 8 in images that were smoothed or interpolated, whose fit was up to 0.5 mm off. In 30
-other scans, looked at later, it is 0.8 to 1.21.
-"""
+"""Misfit up to which voxels tell the boundary. It is 0.8 to 1.25 in 52 simulated scans, and 1.9 or
+more in images that were blurred, whose fit was up to 0.5 mm off."""
 
 
 @dataclass(frozen=True)

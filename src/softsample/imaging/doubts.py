@@ -8,6 +8,7 @@ from scipy.spatial import ConvexHull
 
 from softsample.arrays import Array, Mask
 from softsample.imaging.boundary import Boundary
+from softsample.imaging.tissue import MOST_SHARED
 from softsample.units import MM
 
 REACH_MM = 1.0
@@ -71,22 +72,29 @@ def bright_beside(
             )
 
 
-def unlike_a_scan(noise: float, found: Boundary) -> Iterator[str]:
+def unlike_a_scan(noise: float, shared_noise: float, found: Boundary) -> Iterator[str]:
     """What to say of an image whose edges or noise are not those of a scan.
 
     Parameters
     ----------
     noise : float
         Of the surroundings; NaN if they have none.
+    shared_noise : float
+        Part of its variance that neighbouring voxels share.
     found : Boundary
         Of the sample.
     """
     if not np.isfinite(noise):
         yield f"the surroundings of the sample have no noise, as if masked; {AS_SCANNED}"
+    elif shared_noise > MOST_SHARED:
+        yield (
+            f"neighbouring voxels share {100.0 * shared_noise:.0f} % of their noise, as if "
+            f"zero-filled, interpolated or filtered; {AS_SCANNED}"
+        )
     elif found.misfit is not None and not found.is_fitted:
         yield (
             f"voxels at its boundary differ from those of a scan by {found.misfit:.2g} times the "
-            f"noise, as if smoothed or interpolated; {AS_SCANNED}"
+            f"noise; {AS_SCANNED}"
         )
 
 

@@ -205,6 +205,7 @@ def segmentation_from_mask(
         noise=np.nan,
         level=np.nan,
         threshold=np.nan,
+        shared_noise=0.0,
         left_out=left_out,
     )
     # a segmentation made elsewhere has its say
@@ -260,7 +261,7 @@ def _from_share(
         doubts=(
             *beside,
             *doubts.odd_sections(distance, origin, spacing),
-            *(doubts.unlike_a_scan(share.noise, found) if on_platen else ()),
+            *(doubts.unlike_a_scan(share.noise, share.shared_noise, found) if on_platen else ()),
         ),
     )
 

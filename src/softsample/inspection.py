@@ -6,7 +6,7 @@ from io import BytesIO
 import numpy as np
 from markupsafe import Markup
 
-from softsample.figures.geometry import SegmentedImage
+from softsample.figures.geometry import Scan, SegmentedImage
 from softsample.figures.inspected import inspected_figure
 from softsample.figures.style import save
 from softsample.figures.surface import Surface
@@ -103,10 +103,10 @@ def _first_slope(record: Record) -> float:
     return float(way[early] @ more[early] / (way[early] @ way[early]))
 
 
-def segmented(one: Seen) -> SegmentedImage | None:
-    """The image of a sample at low resolution with its segmentation, if there are both."""
+def scan(one: Seen) -> Scan | None:
+    """The image of a sample at low resolution, if it was read; with what was segmented in it."""
     if one.image is None or one.glance is None:
-        return None
+        return Scan(*one.image) if one.image else None
     (data, affine), found = one.image, one.glance.found
     to_world = found.sample_to_world.copy()
     to_world[:3, 3] /= MM
@@ -115,10 +115,10 @@ def segmented(one: Seen) -> SegmentedImage | None:
 
 def _picture(one: Seen) -> Markup | str:
     """The figure of a sample; empty if nothing could be read."""
-    if one.record is None and one.glance is None and one.surface is None:
+    if one.record is None and one.image is None and one.surface is None:
         return ""
-    image, surface = segmented(one), None
-    if image is not None:
+    image, surface = scan(one), None
+    if isinstance(image, SegmentedImage):
         surface = image.surface()
     elif one.surface is not None:
         surface = Surface(one.surface.points / MM, one.surface.triangles)

@@ -9,8 +9,9 @@ import pytest
 import exact
 import machines
 from softsample.__main__ import CHECK_PAGE, main
+from softsample.figures.geometry import Scan
 from softsample.figures.inspected import inspected_figure
-from softsample.inspection import _first_slope, segmented
+from softsample.inspection import _first_slope, check_page, scan
 from softsample.records import Record
 from softsample.study.check import check_study
 
@@ -55,6 +56,19 @@ def test_the_page_shows_every_sample_and_its_faults(study, capsys):
     assert not re.search(r'(src|href)="(?!data:|#)', page), "nothing outside itself"
 
 
+def test_an_image_that_is_refused_is_shown(study):
+    """Someone sees there what is wrong with it: here the sample reaches out of the image."""
+    image = nibabel.load(study / "A.nii.gz")
+    nibabel.save(image.slicer[:, :, BLOCK[2].start + 4 :], study / "A.nii.gz")
+    seen = check_study(study)
+    assert any("touches the edge" in fault for fault in seen.faults)
+    image = scan(seen.seen[0])
+    assert type(image) is Scan
+    figure = inspected_figure("shear", None, image=image)
+    assert [len(ax.images) for ax in figure.axes] == [1, 1, 1, 0]
+    assert "data:image/webp" in check_page(seen, "lab").split('id="B"')[0]
+
+
 def test_the_rough_modulus_is_that_of_the_record(study):
     main(["check", str(study)])
     page = (study / CHECK_PAGE).read_text()
@@ -78,7 +92,7 @@ def test_a_page_that_cannot_be_written_hides_no_fault(study, capsys):
 
 def test_the_contour_lies_where_the_sample_is(study):
     """The map of a segmentation is in metres, that of a figure in millimetres."""
-    image = segmented(check_study(study).seen[0])
+    image = scan(check_study(study).seen[0])
     edges = np.array([[0.0, 0.0, 0.0], image.data.shape]) - 1.0
     assert (image.distance_at(edges[:1]) > 1.0).all()
     middle = image.centre()

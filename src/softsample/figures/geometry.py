@@ -24,8 +24,8 @@ SIGHTS = ("side", "front", "from above")
 
 
 @dataclass(frozen=True)
-class SegmentedImage:
-    """Image of a sample and its signed distance in the sample frame.
+class Scan:
+    """Image of a sample.
 
     Parameters
     ----------
@@ -33,6 +33,32 @@ class SegmentedImage:
         Intensities.
     affine : (4, 4) float64
         From voxel index to world [mm].
+    """
+
+    data: NDArray[np.floating]
+    affine: Array
+
+    @property
+    def voxel_mm(self) -> Array:
+        """Voxel edges (3,) [mm]."""
+        return np.asarray(np.linalg.norm(self.affine[:3, :3], axis=0))
+
+    @property
+    def views(self) -> list[tuple[int, str]]:
+        """Image axes that slices are normal to, and what such a slice shows."""
+        return [(axis, f"MRI, across {'xyz'[axis]}") for axis in (2, 1, 0)]
+
+    def centre(self) -> Array:
+        """Image indices (3,) that slices go through: the middle."""
+        return 0.5 * (np.array(self.data.shape) - 1.0)
+
+
+@dataclass(frozen=True)
+class SegmentedImage(Scan):
+    """And its signed distance in the sample frame.
+
+    Parameters
+    ----------
     distance : (mx, my, mz) float64
         Signed distance to the sample's surface [m], negative inside.
     origin : (3,) float64
@@ -43,21 +69,14 @@ class SegmentedImage:
         From the sample frame to world [mm].
     """
 
-    data: NDArray[np.floating]
-    affine: Array
     distance: Array
     origin: Array
     spacing: float
     sample_to_world: Array
 
     @property
-    def voxel_mm(self) -> Array:
-        """Voxel edges (3,) [mm]."""
-        return np.asarray(np.linalg.norm(self.affine[:3, :3], axis=0))
-
-    @property
     def views(self) -> list[tuple[int, str]]:
-        """Image axes that slices are normal to, and what such a slice shows."""
+        """The same, by the axes of the sample."""
         in_sample = self.sample_to_world[:3, :3].T @ self.affine[:3, :3]
         nearest = np.argmax(np.abs(in_sample), axis=0)
         return [(axis, f"MRI and contour, {SIGHTS[nearest[axis]]}") for axis in (2, 1, 0)]
@@ -119,7 +138,7 @@ def geometry_figure(
     return figure
 
 
-def draw_slices(part: Any, image: SegmentedImage) -> None:
+def draw_slices(part: Any, image: Scan) -> None:
     """The slices of an image, panels a to c of a part of a figure."""
     widths = [extent(image, axis)[0] for axis, _ in image.views]
     slices = part.subplots(1, 3, width_ratios=widths)
@@ -128,15 +147,15 @@ def draw_slices(part: Any, image: SegmentedImage) -> None:
         label_panel(ax, letter, name)
 
 
-def extent(image: SegmentedImage, axis: int) -> tuple[float, float]:
+def extent(image: Scan, axis: int) -> tuple[float, float]:
     """Width and height [mm] of the slice normal to an image axis."""
     across, up = (i for i in range(3) if i != axis)
     shape, voxel = np.array(image.data.shape), image.voxel_mm
     return float(shape[across] * voxel[across]), float(shape[up] * voxel[up])
 
 
-def draw_slice(ax: Axes, image: SegmentedImage, axis: int) -> None:
-    """Slice through the sample's middle, with its contour; coordinates in mm from the corner."""
+def draw_slice(ax: Axes, image: Scan, axis: int) -> None:
+    """Slice through the middle, with the sample's contour; coordinates in mm from the corner."""
     across, up = (i for i in range(3) if i != axis)
     at = round(float(image.centre()[axis]))
     width, height = extent(image, axis)
@@ -145,17 +164,23 @@ def draw_slice(ax: Axes, image: SegmentedImage, axis: int) -> None:
         shown, origin="lower", extent=(0.0, width, 0.0, height), cmap="gray", vmin=0.0,
         vmax=float(np.percentile(image.data, 99.7)), interpolation="nearest",
     )  # fmt: skip
-    steps = [np.linspace(0.0, image.data.shape[i] - 1.0, FINE * image.data.shape[i])
-             for i in (across, up)]  # fmt: skip
-    voxels = np.zeros((len(steps[0]), len(steps[1]), 3))
-    voxels[..., across], voxels[..., up] = np.meshgrid(*steps, indexing="ij")
-    voxels[..., axis] = at
-    distance = image.distance_at(voxels)
-    x, y = ((s + 0.5) * image.voxel_mm[i] for s, i in zip(steps, (across, up), strict=True))
-    ax.contour(x, y, distance.T, levels=[0.0], colors=CONTOUR, linewidths=1.0)
+    if isinstance(image, SegmentedImage):
+        _draw_contour(ax, image, axis, (across, up))
     ax.set(xlabel=f"image {'xyz'[across]} [mm]", ylabel=f"image {'xyz'[up]} [mm]")
     ax.set_anchor("N")
     ax.spines[["top", "right"]].set_visible(True)
+
+
+def _draw_contour(ax: Axes, image: SegmentedImage, axis: int, of: tuple[int, int]) -> None:
+    """Where that slice, along the axes `of`, cuts the segmented surface."""
+    sizes = image.data.shape
+    steps = [np.linspace(0.0, sizes[i] - 1.0, FINE * sizes[i]) for i in of]
+    voxels = np.zeros((len(steps[0]), len(steps[1]), 3))
+    voxels[..., of[0]], voxels[..., of[1]] = np.meshgrid(*steps, indexing="ij")
+    voxels[..., axis] = round(float(image.centre()[axis]))
+    x, y = ((s + 0.5) * image.voxel_mm[i] for s, i in zip(steps, of, strict=True))
+    distance = image.distance_at(voxels)
+    ax.contour(x, y, distance.T, levels=[0.0], colors=CONTOUR, linewidths=1.0)
 
 
 def page_limits(surfaces: list[Surface]) -> tuple[tuple[float, float], tuple[float, float]]:

@@ -8,7 +8,7 @@ from matplotlib.figure import Figure
 from matplotlib.patches import Rectangle
 
 from softsample.arrays import Array, Mask
-from softsample.figures.geometry import CONTOUR, SegmentedImage, draw_slice, extent
+from softsample.figures.geometry import CONTOUR, Scan, draw_slice, extent
 from softsample.figures.style import (
     MODE_COLOURS,
     PAGE_WIDTH_MM,
@@ -34,7 +34,7 @@ def inspected_figure(
     record: tuple[Array, Array, Mask] | None,
     shape: IdealShape | None = None,
     surface: Surface | None = None,
-    image: SegmentedImage | None = None,
+    image: Scan | None = None,
 ) -> Figure:
     """One sample before the run, as far as it is known.
 
@@ -49,7 +49,7 @@ def inspected_figure(
     surface
         Of the sample, in the sample frame.
     image
-        At low resolution, with its segmentation.
+        At low resolution, with its segmentation if there is one.
     """
     alone = image is None and surface is None
     rows = 1 if image is None else 2
@@ -62,7 +62,7 @@ def inspected_figure(
         for ax, (axis, name) in zip(slices, image.views, strict=True):
             draw_slice(ax, image, axis)
             label_panel(ax, next(letters), name)
-    *outline, curve = np.atleast_1d(parts[-1].subplots(1, 1 if alone else 2))
+    *outline, curve = np.atleast_1d(parts[-1].subplots(1, 1 if surface is None else 2))
     if surface is not None:
         _draw_outline(outline[0], surface, shape)
         label_panel(outline[0], next(letters), "From the front; dashed: ideal shape")

@@ -11,6 +11,9 @@ from softsample.errors import InputError
 from softsample.files import PathLike
 from softsample.formats import Volume, check_size
 
+IN_MM = {"mm": 1.0, "unknown": 1.0, "meter": 1000.0, "micron": 0.001}
+"""Units of length that a header may tell [mm]; an unknown one is a millimetre by convention."""
+
 AGREE = 0.5
 """Distance, in voxel edges, by which the places of a voxel by sform and qform may differ."""
 
@@ -32,7 +35,13 @@ def read(path: PathLike) -> Volume:
         data = data[..., 0]
     if data.ndim != 3:
         raise InputError(f"{path}: image has shape {data.shape}; give one three-dimensional volume")
-    return data, np.asarray(image.affine, dtype=np.float64)
+    to_mm = np.diag([*[_unit(image.header)] * 3, 1.0])
+    return data, np.asarray(to_mm @ image.affine, dtype=np.float64)
+
+
+def _unit(header: Any) -> float:
+    """Unit of the affine [mm]."""
+    return IN_MM[header.get_xyzt_units()[0]]
 
 
 def doubts(path: PathLike) -> Iterator[str]:
@@ -46,13 +55,13 @@ def doubts(path: PathLike) -> Iterator[str]:
     furthest = float(np.linalg.norm(apart[:3], axis=0).max())
     if furthest > AGREE * float(np.linalg.norm(sform[:3, :3], axis=0).min()):
         yield (
-            f"{path}: its sform and its qform differ by up to {furthest:.3g} mm; the sform is "
-            "used: export the image again, or set both to the one that is right"
+            f"{path}: its sform and its qform differ by up to {_unit(header) * furthest:.3g} mm; "
+            "the sform is used: export the image again, or set both to the one that is right"
         )
 
 
 def _check_header(header: Any, path: PathLike) -> None:
-    """Refuse complex or colour values, no place in the world, and lengths that are not in mm."""
+    """Refuse complex or colour values, and no place in the world."""
     if header.get_data_dtype().kind not in "iuf":
         raise InputError(f"{path}: values of type {header.get_data_dtype()}; export magnitudes")
     if header["sform_code"] == 0 and header["qform_code"] == 0:
@@ -60,6 +69,3 @@ def _check_header(header: Any, path: PathLike) -> None:
             f"{path}: has no affine (sform and qform are unset), so that neither axes nor place are"
             " known; export the image with its geometry"
         )
-    unit = header.get_xyzt_units()[0]
-    if unit not in ("mm", "unknown"):
-        raise InputError(f"{path}: its header gives lengths in {unit}; export the image in mm")

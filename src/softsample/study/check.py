@@ -241,7 +241,7 @@ def _check_row(
         attempt("bond_mask", lambda path: _glued(path, image))
         attempt("labels", lambda path: _labels(path, image, settings))
     record, facts = tested or (None, None)
-    small = coarsened(*image) if image and piece else None
+    small = coarsened(*image) if image else None
     return Seen(where, row, facts, known, told, record, small, piece, surface)
 
 

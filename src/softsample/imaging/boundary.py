@@ -34,7 +34,8 @@ more in images that were blurred, whose fit was up to 0.5 mm off."""
 class Boundary:
     """Signed distance, its first grid point, its standard deviation and the mean film [m].
 
-    And what the fitted voxels leave, over their noise; none if it is the half-maximum alone.
+    And what the fitted voxels leave, over their noise, and their point spread; none if it is the
+    half-maximum alone.
     """
 
     distance: Array
@@ -42,6 +43,7 @@ class Boundary:
     sigma: Array
     film: float
     misfit: float | None = None
+    point_spread: str | None = None
 
     @property
     def is_fitted(self) -> bool:
@@ -115,7 +117,7 @@ def _fitted(
     distance, sigma = rough.copy(), np.full(rough.shape, float(np.median(fit.sigma)))
     shift, sigma[near] = fit.at(points)
     distance[near] -= shift
-    return Boundary(distance, origin, sigma, fit.film, fit.misfit)
+    return Boundary(distance, origin, sigma, fit.film, fit.misfit, fit.point_spread)
 
 
 def _away(marked: Mask, spacing: float) -> Array:

@@ -9,6 +9,8 @@ maximum a posteriori by Gauss-Newton steps. The derivation is in ``docs/geometry
 References
 ----------
 .. [1] A. Tarantola, Inverse problem theory, SIAM 2005, doi:10.1137/1.9780898717921, chapter 3.
+.. [2] Z.-P. Liang, P. C. Lauterbur, Principles of magnetic resonance imaging, IEEE Press 2000,
+   doi:10.1109/9780470545652, chapter 8 (point spread).
 """
 
 from dataclasses import dataclass
@@ -19,7 +21,7 @@ from scipy.special import ndtr
 
 from softsample.arrays import Array
 from softsample.imaging.fields import FILM, SHIFT, TYPICAL, Interpolation
-from softsample.imaging.film_model import Model, descended
+from softsample.imaging.film_model import Model, band_limited, descended, voxel_mean
 from softsample.imaging.voxels import SEEN, Voxels
 from softsample.units import MM
 
@@ -53,6 +55,8 @@ class Fit:
         Mean thickness of the film [m]; zero without one.
     misfit : float
         Robust standard deviation of what it leaves of the voxels, over that of the noise.
+    point_spread : str
+        The likelier one: `voxel_mean` or `band_limited`.
     """
 
     places: Array
@@ -60,6 +64,7 @@ class Fit:
     sigma: Array
     film: float
     misfit: float
+    point_spread: str
 
     def at(self, points: Array) -> tuple[Array, Array]:
         """Shift and its standard deviation (n,) at `points` (n, 3) [m]."""
@@ -70,7 +75,9 @@ class Fit:
 def fit(voxels: Voxels, brightness: float) -> Fit:
     """Fit the boundary with a film and without one; a film is taken where the odds are for it.
 
-    Both weight the voxels alike, by what the fit without film expects: their probabilities compare.
+    Both have the point spread that is likelier without film: between two of them lie thousands in
+    the logarithm of the odds. All weight the voxels alike, by what a first fit expects: their
+    probabilities compare.
 
     Parameters
     ----------
@@ -79,16 +86,17 @@ def fit(voxels: Voxels, brightness: float) -> Fit:
     brightness : float
         Expected brightness of the fluid over that of the tissue.
     """
-    wet = Model.over(voxels, brightness)
-    dry = wet.without_film()
-    state = np.zeros(len(dry.precision))
-    for rounds in (*[1] * REWEIGHTED, ROUNDS):
-        spread = voxels.spread(dry.expected(state)[0])
-        state = descended(dry, spread, state, rounds)
-    without = _Peak.at(dry, spread, state)
-    starts = (wet.below_a_film(state, TYPICAL * share) for share in STARTS)
+    models = [Model.over(voxels, brightness, share) for share in (voxel_mean, band_limited)]
+    dry = [model.without_film() for model in models]
+    state = np.zeros(len(dry[0].precision))
+    for _ in range(REWEIGHTED):
+        state = descended(dry[0], voxels.spread(dry[0].expected(state)[0]), state, 1)
+    spread = voxels.spread(dry[0].expected(state)[0])
+    peaks = [_Peak.near(model, spread, state) for model in dry]
+    without, wet = max(zip(peaks, models, strict=True), key=lambda pair: pair[0].evidence)
+    starts = (wet.below_a_film(without.state, TYPICAL * share) for share in STARTS)
     start = min(starts, key=lambda start: wet.cost(spread, start))
-    with_film = _Peak.at(wet, spread, descended(wet, spread, start, ROUNDS))
+    with_film = _Peak.near(wet, spread, start)
     return (with_film if with_film.evidence > without.evidence + SEEN else without).fit(spread)
 
 
@@ -112,7 +120,9 @@ class _Peak:
     evidence: float
 
     @classmethod
-    def at(cls, model: Model, spread: Array, state: Array) -> "_Peak":
+    def near(cls, model: Model, spread: Array, start: Array) -> "_Peak":
+        """From a state to start from."""
+        state = descended(model, spread, start, ROUNDS)
         factor = linalg.cholesky(model.curvature(spread, state)[0], lower=True)
         occam = float(np.sum(np.log(np.diag(factor)))) - sum(model.volumes)
         return cls(model, state, factor, -0.5 * model.cost(spread, state) - occam)
@@ -121,18 +131,18 @@ class _Peak:
         """Fields in metres."""
         shift, _, *film = self.model.values(self.state)
         misfit = self.model.misfit(spread, self.state)
-        places = self.model.places[0]
+        places, spread_by = self.model.places[0], self.model.share.__name__
         covariance = linalg.lapack.dpotri(self.factor, lower=1)[0]
         variance = SHIFT.local**2 * np.diag(covariance)[: len(places)]
         if not film:
             ratio = self.model.brightness
             unseen = ratio * unseen_film(self.model.voxels.thinnest_film(ratio))
-            return Fit(places, shift, np.sqrt(variance + unseen**2), 0.0, misfit)
+            return Fit(places, shift, np.sqrt(variance + unseen**2), 0.0, misfit, spread_by)
         thickness, (ratio, _) = TYPICAL * np.exp(film[0]), self.model.ratio(self.state)
         carried = Interpolation.between(self.model.places[2], places)
         uneven = ratio * UNEVEN * self.model.voxels.edge * carried(thickness)
         sigma = np.sqrt(variance + uneven**2)
-        return Fit(places, shift, sigma, float(thickness.mean()), misfit)
+        return Fit(places, shift, sigma, float(thickness.mean()), misfit, spread_by)
 
 
 def unseen_film(thinnest: float) -> float:

@@ -1,10 +1,12 @@
 """Model of the scanner with a film on the tissue or without one, and its most probable state."""
 
+from collections.abc import Callable
 from dataclasses import dataclass, replace
 
 import numba
 import numpy as np
 from scipy import linalg
+from scipy.special import sici
 
 from softsample.arrays import Array, Ids
 from softsample.imaging.fields import FILM, LEVEL, SHIFT, TYPICAL, Interpolation, Prior
@@ -30,6 +32,8 @@ LEAST_ACROSS = 0.1
 """Least change of depth along an edge of a cell, over the largest: that a wall lies along the cells
 makes no kink in what they hold, which steps to the most probable shift would meet."""
 
+Share = Callable[[Voxels, Array], tuple[Array, Array]]
+
 
 @dataclass(frozen=True)
 class Model:
@@ -48,6 +52,8 @@ class Model:
         Half the logarithm of the determinant of each field's part of it.
     brightness : float
         Expected.
+    share : callable
+        What voxels hold of the inside of a surface: `voxel_mean` or `band_limited`.
     """
 
     voxels: Voxels
@@ -57,16 +63,17 @@ class Model:
     precision: Array
     volumes: tuple[float, ...]
     brightness: float
+    share: Share
 
     @classmethod
-    def over(cls, voxels: Voxels, brightness: float) -> "Model":
+    def over(cls, voxels: Voxels, brightness: float, share: Share) -> "Model":
         """The model with a film."""
         priors = (SHIFT, LEVEL, FILM)
         places = tuple(_places(voxels, prior.patch) for prior in priors)
         blocks, volumes = zip(*map(Prior.precision, priors, places), strict=True)
         carry = tuple(Interpolation.between(place, voxels.place) for place in places)
         precision = linalg.block_diag(*blocks, np.eye(1))
-        return cls(voxels, priors, places, carry, precision, volumes, brightness)
+        return cls(voxels, priors, places, carry, precision, volumes, brightness, share)
 
     def without_film(self) -> "Model":
         """The same without film."""
@@ -109,11 +116,11 @@ class Model:
         """
         fields = [carry(part) for carry, part in zip(self.carry, self.values(state), strict=False)]
         level = 1.0 + fields[1]
-        tissue, at_tissue = _share(self.voxels, fields[0])
+        tissue, at_tissue = self.share(self.voxels, fields[0])
         if not self.with_film:
             return level * tissue, [level * at_tissue, tissue]
         film, (ratio, at_ratio) = TYPICAL * np.exp(fields[2]), self.ratio(state)
-        wet, at_wet = _share(self.voxels, fields[0] + film)
+        wet, at_wet = self.share(self.voxels, fields[0] + film)
         signal = tissue + ratio * (wet - tissue)
         slopes = [
             level * (at_tissue + ratio * (at_wet - at_tissue)),
@@ -211,11 +218,25 @@ def _places(voxels: Voxels, patch: float) -> Array:
     return np.stack([np.bincount(cube.ravel(), points[:, k]) / count for k in range(3)], axis=1)
 
 
-def _share(voxels: Voxels, shift: Array) -> tuple[Array, Array]:
-    """Share (n,) of each voxel inside the surface moved outward by `shift`; its slope."""
-    across = np.abs(voxels.across)
+def voxel_mean(voxels: Voxels, shift: Array) -> tuple[Array, Array]:
+    """What voxels hold (n,) of the inside of a surface, moved outward by `shift` (n,) [m]; slope.
+
+    Here their share of it, as where an image holds the mean over each voxel.
+    """
+    across = np.abs(voxels.across) / voxels.parts
     across = np.maximum(across, LEAST_ACROSS * across.max(axis=1, keepdims=True))
     return _inside(voxels.depth, across, shift)
+
+
+def band_limited(voxels: Voxels, shift: Array) -> tuple[Array, Array]:
+    """The same where an image holds all waves that its voxels can, and no shorter ones.
+
+    So does that of a scanner that samples these waves. Through a plane edge it is a sine integral;
+    the shortest wave across the edge is twice as long as the largest change of depth over a voxel.
+    """
+    apart = np.abs(voxels.across).max(axis=1)
+    ahead = (shift - voxels.depth.mean(axis=1)) / apart
+    return 0.5 + sici(np.pi * ahead)[0] / np.pi, np.sinc(ahead) / apart
 
 
 @numba.njit(cache=True)

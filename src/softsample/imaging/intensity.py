@@ -16,6 +16,9 @@ RICIAN = 1.6954
 APART = 4
 """Voxels so far apart share what the surroundings show, but no noise."""
 
+EDGE = 3.0
+"""Differences of more than so many standard deviations are of an edge, not of noise."""
+
 
 def smooth(data: Array, sigma: float | Array, spacing: Array) -> Array:
     """Gaussian smoothing with a standard deviation `sigma` [m] on voxels of `spacing` [m]."""
@@ -69,8 +72,9 @@ def noise_level(data: Array, mask: Mask, spacing: Array, margin: float) -> float
 def shared_noise(data: Array, mask: Mask, spacing: Array, margin: float) -> float:
     """Part of the noise's variance that neighbouring voxels share, along the worst axis.
 
-    By the mean square of differences between neighbours over that of voxels `APART`. A scan has
-    none, but for rounding; interpolation and filters spread the noise of a voxel as they do edges.
+    By the mean square of differences between neighbours over that of voxels `APART`, edges in the
+    surroundings left out. A scan has none; interpolation and filters spread the noise of a voxel
+    as they do edges.
     Parameters and errors as of `noise_level`.
     """
     outside = _outside(data, mask, spacing, margin)
@@ -79,9 +83,12 @@ def shared_noise(data: Array, mask: Mask, spacing: Array, margin: float) -> floa
 
 def _shared(data: Array, outside: Mask) -> float:
     """The same along the first axis."""
-    pairs = [(data[n:] - data[:-n])[outside[n:] & outside[:-n]] for n in (1, APART)]
-    near, far = (float(np.mean(pair**2)) if len(pair) else 0.0 for pair in pairs)
-    return 1.0 - near / far if far > 0.0 else 0.0
+    near, far = (np.abs(data[n:] - data[:-n])[outside[n:] & outside[:-n]] for n in (1, APART))
+    most = EDGE * float(np.percentile(far, 68.27)) if len(far) else 0.0
+    if most == 0.0:
+        return 0.0
+    near, far = (apart[apart <= most] for apart in (near, far))
+    return 1.0 - float(np.mean(near**2) / np.mean(far**2))
 
 
 def surroundings(data: Array, mask: Mask, spacing: Array, margin: float) -> Array:

@@ -41,6 +41,8 @@ class Segmentation:
         One standard deviation of the position of the surface nearest to each grid point [m].
     film : float
         Mean thickness of the film of fluid that was taken off [m].
+    point_spread : str or None
+        Of the image, if its voxels tell: `voxel_mean` or `band_limited`, see `film_model`.
     tilt : float
         Angle between the base normal and the nominal loading axis [rad].
     base_spread : float
@@ -62,6 +64,7 @@ class Segmentation:
     sample_to_world: Array
     sigma: Array
     film: float
+    point_spread: str | None
     tilt: float
     base_spread: float
     snr: float
@@ -118,6 +121,7 @@ class Segmentation:
             "highest_point_position_mm": (self.highest_point / MM).tolist(),
             "boundary_sigma_mm": self.boundary_sigma / MM,
             "film_mm": self.film / MM,
+            "point_spread": self.point_spread,
             "tilt_deg": float(np.degrees(self.tilt)),
             "base_flatness_mm": self.base_spread / MM,
             **known,
@@ -251,6 +255,7 @@ def _from_share(
         sample_to_world=sample_to_world,
         sigma=found.sigma,
         film=found.film,
+        point_spread=found.point_spread,
         tilt=tilt,
         base_spread=spread,
         snr=share.snr,

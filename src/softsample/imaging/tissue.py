@@ -20,7 +20,7 @@ what there is in the sample is not known then."""
 
 MOST_SHARED = 0.15
 """Part of the noise's variance that neighbours share up to which a voxel is a measurement of its
-own. It is 0.04 at most in 60 simulated scans, and 0.28 or more in images that were zero-filled,
+own. It is 0.05 at most in 60 simulated scans, and 0.26 or more in images that were zero-filled,
 interpolated to half the voxel, filtered (Hamming) or smoothed by half a voxel."""
 
 MIN_TEXTURE = 0.02

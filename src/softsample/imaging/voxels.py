@@ -5,7 +5,7 @@ from dataclasses import dataclass
 import numpy as np
 from scipy.ndimage import map_coordinates
 
-from softsample.arrays import Array, Mask
+from softsample.arrays import Array, Ids, Mask
 from softsample.units import MM
 
 BAND = (-1.2 * MM, 0.8 * MM)
@@ -34,7 +34,9 @@ class Voxels:
     depth : (n, q) float64
         Signed distance of the cells of each voxel to the surface [m], negative inside.
     across : (n, 3) float64
-        Change of that distance [m] along each edge of a cell.
+        Change of that distance [m] along each edge of the voxel.
+    parts : (3,) int
+        Cells along each edge.
     edge : float
         Geometric mean of the voxel's edges [m].
     place : (n, 3) float64
@@ -50,6 +52,7 @@ class Voxels:
 
     depth: Array
     across: Array
+    parts: Ids
     edge: float
     place: Array
     power: Array
@@ -130,7 +133,8 @@ def voxels_near(
     cells = np.stack(np.meshgrid(*steps, indexing="ij"), axis=-1).reshape(-1, 3)
     return Voxels(
         depth=np.stack([looked_up(distance, index + cell, 1.0) for cell in cells], axis=1),
-        across=across / parts,
+        across=across,
+        parts=parts,
         edge=float(np.prod(edge) ** (1.0 / 3.0)),
         place=index @ to_sample[:3, :3].T + to_sample[:3, 3],
         power=power[tuple(index.astype(np.int64).T)],

@@ -15,10 +15,11 @@ from softsample.blindlab.phantom import ImperfectCuboid, Waves, signed_distance
 from softsample.errors import InputError, SegmentationError
 from softsample.images import one_label
 from softsample.imaging import distance as sdf
-from softsample.imaging import film, film_model, frame, intensity
+from softsample.imaging import film, frame, intensity, point_spread
 from softsample.imaging.measure import measure
 from softsample.imaging.propose import coarsened, glance
 from softsample.imaging.segment import segment, segmentation_from_mask
+from softsample.imaging.voxels import Voxels
 
 WALL = Waves((0.2,), ((0.5, 0.3),), (0.4,), (0.01, 0.0))
 SHAPE = ImperfectCuboid(
@@ -296,23 +297,38 @@ def interpolated(image):
     )
 
 
-def of_waves(scan, snr):
-    """Image of all waves that fit into voxels of twice the size, as a scanner samples them."""
+def of_waves(scan, snr, slices):
+    """Image of all waves that fit into voxels of twice the size, as a scanner samples them.
+
+    Along the axis of its slices of means over these.
+    """
     image, affine = replace(scan, snr=1e4).image(SHAPE)
-    size = [n // 4 for n in image.shape]  # either way from the middle
-    spectrum = np.fft.fftshift(np.fft.fftn(image[tuple(slice(4 * n) for n in size)]))
-    signal = np.fft.ifftn(np.fft.ifftshift(spectrum[tuple(slice(n, 3 * n) for n in size)])) / 8.0
-    noise = np.random.default_rng(0).normal(0.0, np.percentile(image, 90) / snr, (2, *signal.shape))
+    level, first = np.percentile(image, 90) / snr, np.zeros(4)
+    signal = image[tuple(slice(n // 4 * 4) for n in image.shape)].astype(complex)
+    for axis, n in enumerate(signal.shape):
+        whole = np.moveaxis(signal, axis, 0)
+        if axis == slices:
+            half, first[axis] = 0.5 * (whole[::2] + whole[1::2]), 0.5
+        else:
+            spectrum = np.fft.fftshift(np.fft.fft(whole, axis=0), axes=0)[n // 4 : 3 * n // 4]
+            half = 0.5 * np.fft.ifft(np.fft.ifftshift(spectrum, axes=0), axis=0)
+        signal = np.moveaxis(half, 0, axis)
+    noise = np.random.default_rng(0).normal(0.0, level, (2, *signal.shape))
     image = np.hypot(signal.real + noise[0], signal.imag + noise[1])
+    affine[:, 3] += affine @ first
     return image, affine @ np.diag([2.0, 2.0, 2.0, 1.0])
 
 
-@pytest.mark.parametrize("film", [0.0, 0.06])
-def test_a_film_is_seen_through_the_point_spread_of_a_scanner(film):
+@pytest.mark.parametrize(
+    ("film", "slices", "name"),
+    [(0.0, None, "band_limited"), (0.06, None, "band_limited"), (0.06, 2, "slices_k")],
+)
+def test_a_film_is_seen_through_the_point_spread_of_a_scanner(film, slices, name):
     """Taken for means over voxels, these have no film, and a volume that is 6 % too large."""
-    image, affine = of_waves(replace(PLAIN, voxel=(0.125, 0.125, 0.25), film=film), 25.0)
+    scan = replace(PLAIN, voxel=(0.125, 0.125, 0.25), film=film)
+    image, affine = of_waves(scan, 25.0, slices)
     result = segment(image, affine)
-    assert result.summary()["point_spread"] == "band_limited"
+    assert result.summary()["point_spread"] == name
     assert 1e3 * result.film == pytest.approx(film, rel=0.25)
     assert 1e9 * result.volume == pytest.approx(truth().volume, rel=0.02)
     assert not result.doubts
@@ -389,13 +405,33 @@ def test_what_lies_inside_a_plane_is_exact_for_every_direction():
     points = np.random.default_rng(0).uniform(-0.5, 0.5, (1_000_000, 3))
     across, shift = np.array([[0.3, 0.5, 0.7]]), np.array([0.2])
     for ahead in (-0.6, -0.1, 0.25, 0.7):
-        share, slope = film_model._inside(np.array([[0.2 - ahead]]), across, shift)
+        share, slope = point_spread._inside(np.array([[0.2 - ahead]]), across, shift)
         depths = points @ across[0]
         assert share[0] == pytest.approx((depths < ahead).mean(), abs=0.002)
         assert slope[0] == pytest.approx((np.abs(depths - ahead) < 0.02).mean() / 0.04, abs=0.02)
     thin = 1e-4 * np.ones((1, 2))
-    share, slope = film_model._inside(np.zeros((1, 1)), np.hstack([[[1.0]], thin]), shift)
+    share, slope = point_spread._inside(np.zeros((1, 1)), np.hstack([[[1.0]], thin]), shift)
     assert (share[0], slope[0]) == pytest.approx((0.7, 1.0))
+
+
+@pytest.mark.parametrize("slices", [None, 2])
+def test_an_edge_of_waves_is_the_integral_over_them(slices):
+    """Through a plane edge aslant, by the spectrum: waves, and means over slices if there are."""
+    across = 1e-3 * np.array([0.1, 0.05, 0.4])
+    depth = 1e-3 * np.linspace(-0.6, 0.6, 13)
+    voxels = Voxels(
+        depth[:, None], np.tile(across, (13, 1)), np.ones(3, int), 1.0, *[None] * 3, 0.0, 1.0
+    )
+    share, slope = point_spread.band_limited(voxels, np.zeros(13), slices)
+    waves = np.linspace(1e-3, 0.5 / (across[:2] if slices else across).max(), 100_001)
+    mean = np.sinc(waves * across[2]) if slices else 1.0
+    phases = 2.0 * np.pi * waves * -depth[:, None]
+    np.testing.assert_allclose(
+        share, 0.5 + np.trapezoid(mean * np.sin(phases) / waves, waves) / np.pi, atol=1e-4
+    )
+    np.testing.assert_allclose(
+        slope, 2.0 * np.trapezoid(mean * np.cos(phases), waves), atol=1e-3 * slope.max()
+    )
 
 
 def about_the_sample(low, high, level):

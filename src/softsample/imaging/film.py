@@ -9,11 +9,9 @@ maximum a posteriori by Gauss-Newton steps. The derivation is in ``docs/geometry
 References
 ----------
 .. [1] A. Tarantola, Inverse problem theory, SIAM 2005, doi:10.1137/1.9780898717921, chapter 3.
-.. [2] Z.-P. Liang, P. C. Lauterbur, Principles of magnetic resonance imaging, IEEE Press 2000,
-   doi:10.1109/9780470545652, chapter 8 (point spread).
 """
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from scipy import linalg
@@ -21,7 +19,8 @@ from scipy.special import ndtr
 
 from softsample.arrays import Array
 from softsample.imaging.fields import FILM, SHIFT, TYPICAL, Interpolation
-from softsample.imaging.film_model import Model, band_limited, descended, voxel_mean
+from softsample.imaging.film_model import Model, descended
+from softsample.imaging.point_spread import POINT_SPREADS
 from softsample.imaging.voxels import SEEN, Voxels
 from softsample.units import MM
 
@@ -56,7 +55,7 @@ class Fit:
     misfit : float
         Robust standard deviation of what it leaves of the voxels, over that of the noise.
     point_spread : str
-        The likelier one: `voxel_mean` or `band_limited`.
+        One of `POINT_SPREADS`, which suits the image.
     """
 
     places: Array
@@ -75,8 +74,8 @@ class Fit:
 def fit(voxels: Voxels, brightness: float) -> Fit:
     """Fit the boundary with a film and without one; a film is taken where the odds are for it.
 
-    Both have the point spread that is likelier without film: between two of them lie thousands in
-    the logarithm of the odds. All weight the voxels alike, by what a first fit expects: their
+    Both have the point spread that suits a first fit best: between two of them lie thousands in the
+    logarithm of the odds. Both weight the voxels alike, by what that fit expects: their
     probabilities compare.
 
     Parameters
@@ -86,14 +85,16 @@ def fit(voxels: Voxels, brightness: float) -> Fit:
     brightness : float
         Expected brightness of the fluid over that of the tissue.
     """
-    models = [Model.over(voxels, brightness, share) for share in (voxel_mean, band_limited)]
-    dry = [model.without_film() for model in models]
-    state = np.zeros(len(dry[0].precision))
+    wet = Model.over(voxels, brightness)
+    dry = wet.without_film()
+    state = np.zeros(len(dry.precision))
     for _ in range(REWEIGHTED):
-        state = descended(dry[0], voxels.spread(dry[0].expected(state)[0]), state, 1)
-    spread = voxels.spread(dry[0].expected(state)[0])
-    peaks = [_Peak.near(model, spread, state) for model in dry]
-    without, wet = max(zip(peaks, models, strict=True), key=lambda pair: pair[0].evidence)
+        state = descended(dry, voxels.spread(dry.expected(state)[0]), state, 1)
+    spread = voxels.spread(dry.expected(state)[0])
+    each = [replace(dry, point_spread=name) for name in POINT_SPREADS]
+    dry = min(each, key=lambda model: model.cost(spread, state))
+    without = _Peak.near(dry, spread, state)
+    wet = replace(wet, point_spread=dry.point_spread)
     starts = (wet.below_a_film(without.state, TYPICAL * share) for share in STARTS)
     start = min(starts, key=lambda start: wet.cost(spread, start))
     with_film = _Peak.near(wet, spread, start)
@@ -131,7 +132,7 @@ class _Peak:
         """Fields in metres."""
         shift, _, *film = self.model.values(self.state)
         misfit = self.model.misfit(spread, self.state)
-        places, spread_by = self.model.places[0], self.model.share.__name__
+        places, spread_by = self.model.places[0], self.model.point_spread
         covariance = linalg.lapack.dpotri(self.factor, lower=1)[0]
         variance = SHIFT.local**2 * np.diag(covariance)[: len(places)]
         if not film:

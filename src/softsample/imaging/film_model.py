@@ -1,15 +1,14 @@
 """Model of the scanner with a film on the tissue or without one, and its most probable state."""
 
-from collections.abc import Callable
 from dataclasses import dataclass, replace
 
 import numba
 import numpy as np
 from scipy import linalg
-from scipy.special import sici
 
 from softsample.arrays import Array, Ids
 from softsample.imaging.fields import FILM, LEVEL, SHIFT, TYPICAL, Interpolation, Prior
+from softsample.imaging.point_spread import POINT_SPREADS, VOXEL_MEAN
 from softsample.imaging.voxels import Voxels
 from softsample.units import MM
 
@@ -27,12 +26,6 @@ BRIGHTNESS_SIGMA = 0.15
 
 MOST_SIGMAS = 2.0
 """Bound of the brightness on either side, in its standard deviations."""
-
-LEAST_ACROSS = 0.1
-"""Least change of depth along an edge of a cell, over the largest: that a wall lies along the cells
-makes no kink in what they hold, which steps to the most probable shift would meet."""
-
-Share = Callable[[Voxels, Array], tuple[Array, Array]]
 
 
 @dataclass(frozen=True)
@@ -52,8 +45,8 @@ class Model:
         Half the logarithm of the determinant of each field's part of it.
     brightness : float
         Expected.
-    share : callable
-        What voxels hold of the inside of a surface: `voxel_mean` or `band_limited`.
+    point_spread : str
+        One of `POINT_SPREADS`.
     """
 
     voxels: Voxels
@@ -63,17 +56,17 @@ class Model:
     precision: Array
     volumes: tuple[float, ...]
     brightness: float
-    share: Share
+    point_spread: str = VOXEL_MEAN
 
     @classmethod
-    def over(cls, voxels: Voxels, brightness: float, share: Share) -> "Model":
-        """The model with a film."""
+    def over(cls, voxels: Voxels, brightness: float) -> "Model":
+        """The model with a film, of voxels that hold means."""
         priors = (SHIFT, LEVEL, FILM)
         places = tuple(_places(voxels, prior.patch) for prior in priors)
         blocks, volumes = zip(*map(Prior.precision, priors, places), strict=True)
         carry = tuple(Interpolation.between(place, voxels.place) for place in places)
         precision = linalg.block_diag(*blocks, np.eye(1))
-        return cls(voxels, priors, places, carry, precision, volumes, brightness, share)
+        return cls(voxels, priors, places, carry, precision, volumes, brightness)
 
     def without_film(self) -> "Model":
         """The same without film."""
@@ -116,11 +109,12 @@ class Model:
         """
         fields = [carry(part) for carry, part in zip(self.carry, self.values(state), strict=False)]
         level = 1.0 + fields[1]
-        tissue, at_tissue = self.share(self.voxels, fields[0])
+        share = POINT_SPREADS[self.point_spread]
+        tissue, at_tissue = share(self.voxels, fields[0])
         if not self.with_film:
             return level * tissue, [level * at_tissue, tissue]
         film, (ratio, at_ratio) = TYPICAL * np.exp(fields[2]), self.ratio(state)
-        wet, at_wet = self.share(self.voxels, fields[0] + film)
+        wet, at_wet = share(self.voxels, fields[0] + film)
         signal = tissue + ratio * (wet - tissue)
         slopes = [
             level * (at_tissue + ratio * (at_wet - at_tissue)),
@@ -216,61 +210,3 @@ def _places(voxels: Voxels, patch: float) -> Array:
     _, cube = np.unique(np.floor(points / patch), axis=0, return_inverse=True)
     count = np.bincount(cube.ravel())
     return np.stack([np.bincount(cube.ravel(), points[:, k]) / count for k in range(3)], axis=1)
-
-
-def voxel_mean(voxels: Voxels, shift: Array) -> tuple[Array, Array]:
-    """What voxels hold (n,) of the inside of a surface, moved outward by `shift` (n,) [m]; slope.
-
-    Here their share of it, as where an image holds the mean over each voxel.
-    """
-    across = np.abs(voxels.across) / voxels.parts
-    across = np.maximum(across, LEAST_ACROSS * across.max(axis=1, keepdims=True))
-    return _inside(voxels.depth, across, shift)
-
-
-def band_limited(voxels: Voxels, shift: Array) -> tuple[Array, Array]:
-    """The same where an image holds all waves that its voxels can, and no shorter ones.
-
-    So does that of a scanner that samples these waves. Through a plane edge it is a sine integral;
-    the shortest wave across the edge is twice as long as the largest change of depth over a voxel.
-    """
-    apart = np.abs(voxels.across).max(axis=1)
-    ahead = (shift - voxels.depth.mean(axis=1)) / apart
-    return 0.5 + sici(np.pi * ahead)[0] / np.pi, np.sinc(ahead) / apart
-
-
-@numba.njit(cache=True)
-def _inside(depth: Array, across: Array, shift: Array) -> tuple[Array, Array]:
-    """Mean share (n,) of cells on one side of a plane, and its slope by the plane's shift.
-
-    The depth of a point drawn from a cell is a sum of three even variables of the widths `across`,
-    whose distribution is a cubic spline of eight knots.
-    """
-    share, slope = np.zeros(len(depth)), np.zeros(len(depth))
-    for row in range(len(depth)):
-        a, b, c = across[row]
-        reach = 0.5 * (a + b + c)
-        for cell in range(depth.shape[1]):
-            ahead = shift[row] - depth[row, cell]
-            if ahead >= reach:
-                share[row] += 1.0
-            elif ahead > -reach:
-                inside, density = _of_box(ahead, a, b, c)
-                share[row] += inside
-                slope[row] += density
-    return share / depth.shape[1], slope / depth.shape[1]
-
-
-@numba.njit(cache=True)
-def _of_box(ahead: float, a: float, b: float, c: float) -> tuple[float, float]:
-    """Distribution and density of a sum of three even variables of widths a, b, c about zero."""
-    share = density = 0.0
-    for i in (-0.5, 0.5):
-        for j in (-0.5, 0.5):
-            for k in (-0.5, 0.5):
-                past = ahead + i * a + j * b + k * c
-                if past > 0.0:
-                    part = 8.0 * i * j * k * past * past
-                    density += part / (2.0 * a * b * c)
-                    share += part * past / (6.0 * a * b * c)
-    return share, density

@@ -42,7 +42,7 @@ class Segmentation:
     film : float
         Mean thickness of the film of fluid that was taken off [m].
     point_spread : str or None
-        Of the image, if its voxels tell: `voxel_mean` or `band_limited`, see `film_model`.
+        Of the image, if its voxels tell: one of `softsample.imaging.point_spread.POINT_SPREADS`.
     tilt : float
         Angle between the base normal and the nominal loading axis [rad].
     base_spread : float

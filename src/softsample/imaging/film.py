@@ -74,9 +74,9 @@ class Fit:
 def fit(voxels: Voxels, brightness: float) -> Fit:
     """Fit the boundary with a film and without one; a film is taken where the odds are for it.
 
-    Both have the point spread that suits a first fit best: between two of them lie thousands in the
-    logarithm of the odds. Both weight the voxels alike, by what that fit expects: their
-    probabilities compare.
+    Both have the point spread that suits a first fit best, by itself or with an even film below:
+    between two of them lie thousands in the logarithm of the odds. Both weight the voxels alike, by
+    what that fit expects: their probabilities compare.
 
     Parameters
     ----------
@@ -91,14 +91,22 @@ def fit(voxels: Voxels, brightness: float) -> Fit:
     for _ in range(REWEIGHTED):
         state = descended(dry, voxels.spread(dry.expected(state)[0]), state, 1)
     spread = voxels.spread(dry.expected(state)[0])
-    each = [replace(dry, point_spread=name) for name in POINT_SPREADS]
-    dry = min(each, key=lambda model: model.cost(spread, state))
+    pairs = ((replace(dry, point_spread=n), replace(wet, point_spread=n)) for n in POINT_SPREADS)
+    dry, wet = min(
+        pairs,
+        key=lambda pair: min(pair[0].cost(spread, state), _best_start(pair[1], spread, state)[0]),
+    )
     without = _Peak.near(dry, spread, state)
-    wet = replace(wet, point_spread=dry.point_spread)
-    starts = (wet.below_a_film(without.state, TYPICAL * share) for share in STARTS)
-    start = min(starts, key=lambda start: wet.cost(spread, start))
-    with_film = _Peak.near(wet, spread, start)
+    with_film = _Peak.near(wet, spread, _best_start(wet, spread, without.state)[1])
     return (with_film if with_film.evidence > without.evidence + SEEN else without).fit(spread)
+
+
+def _best_start(wet: Model, spread: Array, state: Array) -> tuple[float, Array]:
+    """The best of the even `STARTS` below a `state` without film, and its cost before it."""
+    starts = [wet.below_a_film(state, TYPICAL * share) for share in STARTS]
+    costs = [wet.cost(spread, start) for start in starts]
+    best = int(np.argmin(costs))
+    return costs[best], starts[best]
 
 
 @dataclass(frozen=True)

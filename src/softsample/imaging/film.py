@@ -140,18 +140,18 @@ class _Peak:
         """Fields in metres."""
         shift, _, *film = self.model.values(self.state)
         misfit = self.model.misfit(spread, self.state)
-        places, spread_by = self.model.places[0], self.model.point_spread
+        places, point_spread = self.model.places[0], self.model.point_spread
         covariance = linalg.lapack.dpotri(self.factor, lower=1)[0]
         variance = SHIFT.local**2 * np.diag(covariance)[: len(places)]
         if not film:
             ratio = self.model.brightness
             unseen = ratio * unseen_film(self.model.voxels.thinnest_film(ratio))
-            return Fit(places, shift, np.sqrt(variance + unseen**2), 0.0, misfit, spread_by)
+            return Fit(places, shift, np.sqrt(variance + unseen**2), 0.0, misfit, point_spread)
         thickness, (ratio, _) = TYPICAL * np.exp(film[0]), self.model.ratio(self.state)
         carried = Interpolation.between(self.model.places[2], places)
         uneven = ratio * UNEVEN * self.model.voxels.edge * carried(thickness)
         sigma = np.sqrt(variance + uneven**2)
-        return Fit(places, shift, sigma, float(thickness.mean()), misfit, spread_by)
+        return Fit(places, shift, sigma, float(thickness.mean()), misfit, point_spread)
 
 
 def unseen_film(thinnest: float) -> float:

@@ -389,7 +389,9 @@ def test_a_flat_base_in_large_voxels_is_one_but_for_its_rim():
     assert 1e9 * result.volume == pytest.approx(measured(small).volume, rel=0.04)
 
 
-@pytest.mark.parametrize(("count", "voxel", "error"), [(10, 1.0, 0.03), (24, 0.5, 0.005)])
+@pytest.mark.parametrize(
+    ("count", "voxel", "error"), [(10, 1.0, 0.03), (24, 0.5, 0.005), (30, 0.4, 0.005)]
+)
 def test_walls_along_the_voxels_are_no_film(count, voxel, error):
     """A cube that fills its voxels: the sharpest edge that an image can have."""
     rng = np.random.default_rng(3)

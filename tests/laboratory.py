@@ -16,7 +16,7 @@ from softsample.loop.noise import Noise, covariances
 from softsample.loop.specimen import Specimen, blocks
 from softsample.records import Record
 from softsample.response.curves import ResponseCurves, before_zero
-from softsample.response.elastic import Elastic
+from softsample.response.elastic import Elastic, Tables
 from softsample.response.law_response import LawResponse
 from softsample.response.unit import (
     ResponseSettings,
@@ -122,7 +122,7 @@ def exact(mode, shape=SHAPE, reach=None, nu=0.49):
     columns, _ = homogeneous_response(shape, mode, travel, fractions, ALPHA, nu, 120)
     solid = unit_modulus(0.5, ALPHA, nu, 1.0)
     table = pd.DataFrame(response_table(columns, mode))
-    return Elastic.of_tables(mode, table, [], solid, shape=shape)
+    return Elastic.of_tables(mode, Tables(table, [], solid), shape=shape)
 
 
 def clock(mode):

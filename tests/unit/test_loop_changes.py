@@ -13,7 +13,7 @@ from softsample.response.changes import (
     for_all_fractions,
 )
 from softsample.response.curves import ResponseCurves
-from softsample.response.elastic import Elastic
+from softsample.response.elastic import Elastic, Tables
 
 THERE = 0.6
 ANOTHER = 0.85
@@ -120,7 +120,7 @@ def test_curves_in_compression_lose_their_roughness_and_nothing_else(mode, left)
         ])  # fmt: skip
 
     plain, made = (
-        Elastic.of_tables(mode, table(factor), [], SOLID, real=table(2.0 * factor))
+        Elastic.of_tables(mode, Tables(table(factor), [], SOLID, table(2.0 * factor)))
         for factor in (np.ones(61), rough)
     )
     exact = 1e-6 * smooth[0.5]

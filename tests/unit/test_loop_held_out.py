@@ -15,7 +15,7 @@ from softsample.loop.effects import library, specimen_stiffness
 from softsample.loop.effects.base import SOLID
 from softsample.loop.ends import AssumedEnds
 from softsample.loop.errors import held_out_errors
-from softsample.loop.held_out import Tables, specimens_of
+from softsample.loop.held_out import specimens_of
 from softsample.loop.leave_out import left_out_errors
 from softsample.loop.model import Material, Model, State
 from softsample.loop.posed import LoopSettings, Posed, pose
@@ -28,6 +28,7 @@ from softsample.loop.scale import (
 )
 from softsample.loop.specimen import FORCE, NORMAL, Specimen
 from softsample.loop.verdict import document, judgement, recommended
+from softsample.response.elastic import Tables
 from softsample.response.unit import homogeneous_response, response_table
 from softsample.shapes import IdealShape
 

@@ -11,12 +11,12 @@ from scipy.optimize import least_squares
 from softsample.loop.candidates import candidates
 from softsample.loop.effects import library
 from softsample.loop.effects.base import SOLID
-from softsample.loop.held_out import Tables, specimens_of
+from softsample.loop.held_out import specimens_of
 from softsample.loop.model import Material, Model, State
 from softsample.loop.specimen import FORCE, NORMAL, Specimen
 from softsample.records import Record
 from softsample.response.curves import ResponseCurves, before_zero
-from softsample.response.elastic import Elastic
+from softsample.response.elastic import Elastic, Tables
 from softsample.shapes import IdealShape
 
 EFFECTS = library()

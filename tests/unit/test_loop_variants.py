@@ -21,7 +21,7 @@ from softsample.meshing.sample import mesh_ideal
 from softsample.protocol import History
 from softsample.response.changes import for_all_fractions
 from softsample.response.curves import ResponseCurves, before_zero
-from softsample.response.elastic import Elastic
+from softsample.response.elastic import Elastic, Tables
 from softsample.response.perturbations import (
     STEPS,
     changed_boundaries,
@@ -210,7 +210,7 @@ def test_fibres_add_the_same_force_to_any_law():
     test = replace(mechanical_test("tension", reach, **steps), material=solid)
     changes = perturbations_of("ideal", shape, mesh_shifted, test)
     table = pd.DataFrame(response_table(curves, "tension"))
-    elastic = Elastic.of_tables("tension", table, [changes], solid, shape=shape)
+    elastic = Elastic.of_tables("tension", Tables(table, [changes], solid), shape=shape)
     travel = np.linspace(0.0, reach, 200)
     ramp, none = np.full(200, "ramp"), np.zeros(200)
     strip = Specimen("strip", "tension", np.arange(200.0), travel, none, ramp, elastic)

@@ -23,7 +23,7 @@ from softsample.protocol import travel_sign
 from softsample.records import Record
 from softsample.response.closed_form import ClosedForm, two_terms
 from softsample.response.curves import ResponseCurves
-from softsample.response.elastic import Elastic
+from softsample.response.elastic import Elastic, Tables
 from softsample.response.law_response import LawResponse
 from softsample.response.unit import homogeneous_response, response_table
 from softsample.shapes import IdealShape
@@ -123,7 +123,7 @@ def test_both_channels_and_both_directions_of_a_shear():
     table = pd.DataFrame(response_table(columns, "shear"))
     travel = np.linspace(-5e-3, 5e-3, 101)
     for channel, normal in (("force", False), ("force_normal", True)):
-        elastic = Elastic.of_tables("shear", table, [], SOLID, channel=channel, shape=BLOCK)
+        elastic = Elastic.of_tables("shear", Tables(table, [], SOLID), channel, BLOCK)
         force = elastic.force_per_mu(0.5, travel)
         force = force + elastic.exponents_change_per_mu(0.5, travel, (-20.0, 2.0))
         wanted = area(BLOCK, "shear", travel, two(0.5, (-20.0, 2.0)), normal)

@@ -12,7 +12,7 @@ from softsample.protocol import MODES, travel_sign
 from softsample.response import force
 from softsample.response.changes import for_all_fractions, table_of_changes
 from softsample.response.curves import ResponseCurves, before_zero
-from softsample.response.elastic import Elastic
+from softsample.response.elastic import Elastic, Tables
 from softsample.response.perturbations import perturbations_of
 from softsample.response.pieces import MechanicalTest, PerturbationSettings
 from softsample.response.unit import (
@@ -170,7 +170,7 @@ def test_changes_of_a_file_are_those_of_their_channel():
         "mu1_fraction", "displacement_mm", "fibres_z_mm2", "fibres_z_normal_mm2"
     ]  # fmt: skip
     for channel, part in (("force", -0.1), ("force_normal", 0.3)):
-        elastic = Elastic.of_tables("shear", curves, [table], SOLID, channel=channel)
+        elastic = Elastic.of_tables("shear", Tables(curves, [table], SOLID), channel)
         assert set(elastic.perturbations) == {"fibres_z"}
         assert not elastic.contact
         for there in (TRAVEL[1:], -TRAVEL[1:]):
@@ -187,7 +187,7 @@ def test_changes_in_closed_form_hold_at_every_fraction(fraction):
         "sliding",
     )  # fmt: skip
     changes = perturbations_of("ideal", SHAPE, lambda out: None, test)
-    elastic = Elastic.of_tables("compression", response("compression"), [changes], SOLID)
+    elastic = Elastic.of_tables("compression", Tables(response("compression"), [changes], SOLID))
     softer = unit_modulus(fraction, ALPHA, RATIO - 0.09, 1.0)
     force = SHAPE.area * homogeneous_force("compression", TRAVEL / SHAPE.height, softer)
     wanted = force - exact("compression", "force", fraction, TRAVEL)
@@ -195,7 +195,7 @@ def test_changes_in_closed_form_hold_at_every_fraction(fraction):
     largest = np.abs(wanted).max()
     np.testing.assert_allclose(found, wanted, atol=0.04 * largest)
     one = changes[changes["mu1_fraction"] == (0.98 if fraction < 0.5 else 0.02)]
-    elastic = Elastic.of_tables("compression", response("compression"), [one], SOLID)
+    elastic = Elastic.of_tables("compression", Tables(response("compression"), [one], SOLID))
     far = elastic.change_per_mu("poisson_0.09_less", fraction, TRAVEL)
     assert np.abs(far - wanted).max() > 0.25 * largest
 
@@ -205,7 +205,7 @@ def test_a_pressed_sample_bears_nothing_before_contact_whatever_is_changed():
     grid = np.linspace(0.0, 1.05 * REACH, 64)
     change = 0.2 * exact("compression", "force", 0.6, grid)
     changes = table_of_changes("compression", 0.6, grid, {"poisson_0.02_less": change})
-    elastic = Elastic.of_tables("compression", table, [changes], SOLID)
+    elastic = Elastic.of_tables("compression", Tables(table, [changes], SOLID))
     assert elastic.contact
     gone = np.array([-1e-3, -1e-6])
     smallest = 1e-12 * elastic.force_per_mu(0.6, np.array([REACH]))[0]

@@ -16,7 +16,7 @@ from softsample.loop.candidates import candidates
 from softsample.loop.diagnose import diagnose
 from softsample.loop.effects import library
 from softsample.loop.ends import AssumedEnds, _with_ends, diagnose_ends, for_sliding, likelier
-from softsample.loop.held_out import Tables, specimens_of
+from softsample.loop.held_out import specimens_of
 from softsample.loop.leave_out import left_out_errors
 from softsample.loop.model import Material, Model, State
 from softsample.loop.noise import GEOMETRY, NoiseSettings
@@ -29,6 +29,7 @@ from softsample.meshing.sample import mesh_ideal
 from softsample.protocol import travel_sign
 from softsample.records import Record
 from softsample.report.verdict import page
+from softsample.response.elastic import Tables
 from softsample.response.perturbations import perturbations_of
 from softsample.response.pieces import MechanicalTest, MeshedSample, PerturbationSettings
 from softsample.response.unit import (

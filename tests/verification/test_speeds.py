@@ -12,9 +12,10 @@ from softsample.constitutive.ogden import unit_modulus
 from softsample.loop.average import weighed
 from softsample.loop.candidates import candidates
 from softsample.loop.diagnose import diagnose
-from softsample.loop.held_out import Tables, specimens_of
+from softsample.loop.held_out import specimens_of
 from softsample.loop.posed import LoopSettings
 from softsample.records import Record
+from softsample.response.elastic import Tables
 from softsample.response.unit import (
     ResponseSettings,
     homogeneous_response,

@@ -8,8 +8,8 @@ import pandas as pd
 from softsample.constitutive.material import Material
 from softsample.io import read_json, read_record, read_table
 from softsample.loop.ends import AssumedEnds, Recorded
-from softsample.loop.held_out import Tables
 from softsample.loop.posed import LoopSettings
+from softsample.response.elastic import Tables
 from softsample.shapes import IdealShape
 
 

@@ -11,11 +11,12 @@ from softsample.constitutive.material import Material
 from softsample.loop.candidates import candidates
 from softsample.loop.diagnose import Diagnosis, diagnose
 from softsample.loop.effects.base import Effect
-from softsample.loop.held_out import Tables, specimens_of
+from softsample.loop.held_out import specimens_of
 from softsample.loop.pool import Others, Pooled, lower
 from softsample.loop.posed import LoopSettings
 from softsample.loop.specimen import Specimen
 from softsample.records import Record
+from softsample.response.elastic import Tables
 from softsample.shapes import IdealShape
 
 

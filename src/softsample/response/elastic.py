@@ -3,7 +3,7 @@
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from functools import cached_property
-from typing import Self
+from typing import Any, Self
 
 import numpy as np
 import pandas as pd
@@ -27,6 +27,34 @@ from softsample.shapes import IdealShape
 
 LEAST_PART = 0.05
 """What a compliance is of the model's at least when the Poisson's ratio changes."""
+
+
+@dataclass(frozen=True, eq=False)
+class Tables:
+    """Simulated response of one piece.
+
+    Parameters
+    ----------
+    curves : DataFrame
+        Its unit-modulus response.
+    changes : sequence of DataFrame
+        Its changes by perturbations of the model.
+    solid : Material
+        Of which the model is made.
+    real : DataFrame, optional
+        Response of the real geometry, if the model is the ideal one.
+    bond : mapping, optional
+        What either rule of the bond makes of it (`softsample.response.bond.by_rule`).
+    release : bool
+        Whether a platen leaves a sample that would pull on it.
+    """
+
+    curves: pd.DataFrame
+    changes: Sequence[pd.DataFrame]
+    solid: Material
+    real: pd.DataFrame | None = None
+    bond: Mapping[str, Any] | None = None
+    release: bool = True
 
 
 @dataclass(frozen=True, eq=False)
@@ -68,13 +96,9 @@ class Elastic:
     def of_tables(
         cls,
         mode: str,
-        curves: pd.DataFrame,
-        changes: Sequence[pd.DataFrame],
-        solid: Material,
-        real: pd.DataFrame | None = None,
+        tables: Tables,
         channel: str = "force",
         shape: IdealShape | None = None,
-        release: bool = True,
     ) -> Self:
         """From the files of the workflow.
 
@@ -82,25 +106,17 @@ class Elastic:
         ----------
         mode : str
             Of the sample's test.
-        curves : DataFrame
-            Its unit-modulus response.
-        changes : sequence of DataFrame
-            Its changes by perturbations of the model.
-        solid : Material
-            Of two Ogden terms, with whose exponents and Poisson's ratio all of it was simulated.
-        real : DataFrame, optional
-            Response of the real geometry, if the model is the ideal one.
+        tables : Tables
+            Its response.
         channel : str
             `force`, along the displacement, or `force_normal`.
         shape : IdealShape, optional
             Idealised shape, for the response to other laws, and for how slender it is.
-        release : bool
-            Whether a platen leaves a sample that would pull on it.
         """
-        found = ResponseCurves.of_table(curves, mode, channel)
+        found = ResponseCurves.of_table(tables.curves, mode, channel)
         perturbations: dict[str, ResponseCurves | Array] = {}
         runs: dict[float, Array] = {}
-        for table in changes:
+        for table in tables.changes:
             of_fraction, fractions = {}, table["mu1_fraction"].unique()
             for fraction in map(float, fractions):
                 part = table[table["mu1_fraction"] == fraction]
@@ -110,17 +126,17 @@ class Elastic:
                 )
                 runs |= single
             perturbations |= between_fractions(of_fraction)
-        if real is not None:
-            difference = ResponseCurves.of_table(real, mode, channel).minus(found)
+        if tables.real is not None:
+            difference = ResponseCurves.of_table(tables.real, mode, channel).minus(found)
             perturbations["real_geometry"] = difference
-        pressed, nu = mode in PRESSED_MODES and channel == "force", solid.poisson_ratio
-        across = channel != "force"
+        solid, across = tables.solid, channel != "force"
+        pressed, nu = mode in PRESSED_MODES and not across, solid.poisson_ratio
         laws = LawResponse(found, shape, mode, solid.alpha, nu, across, runs) if shape else None
         push = np.inf
         if shape and mode == "tension" and not across:  # ASSUME: Euler's load of clamped ends.
             push = 12.0 * shape.area * (np.pi * shape.gyration / shape.height) ** 2
         height = shape.height if shape else None
-        return cls(found, perturbations, pressed, nu, laws, push, height, release)
+        return cls(found, perturbations, pressed, nu, laws, push, height, tables.release)
 
     @cached_property
     def grain(self) -> float:

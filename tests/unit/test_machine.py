@@ -255,6 +255,47 @@ CONTENTS = {
         b"Time (s)\tDisp (mm)\tLoad (mN)\n0\t0\t998\n1\t1\t1,002\n",
         "1,002 may be a decimal or have a mark of thousands, as 998 has no comma",
     ),
+    "whole thousands with points": (
+        b"Time (s)\tDisp (mm)\tLoad (mN)\n0\t0\t998\n1\t1\t1.002\n",
+        "1.002 may be a decimal or have a mark of thousands, as 998 has no point",
+    ),
+    "thousands with commas and without decimals": (
+        b"Time (s)\tDisp (mm)\tLoad (mN)\n0\t0\t998.5\n1\t1\t1,002\n",
+        r"numbers with a comma \(1,002\) and with a point \(998.5\)",
+    ),
+    "decimal commas under spare titles": (
+        b"Disp (mm),Load (N),Temp,Note\n0,00,1,05\n1,50,2,10\n",
+        "00 begins with 0, as decimals do; if these are decimal commas, export with semicolons",
+    ),
+    "units in cells of the titles": (
+        b"Time,s,Extension,mm,Load,N\n0,0,1,2,3,4\n1,1,2,3,4,5\n",
+        r"line 1: units stand in cells of their own \(Time, s, Extension.*write units in brackets",
+    ),
+    "another table": (
+        b'"","Disp (mm)","Load (N)"\n"1",3,0.9\n"Raw"\n"Disp (mm)","Load (N)"\n0,0\n',
+        "line 3: '\"Raw\"' stands among .* begins in line 4, delete the one that is not the test",
+    ),
+    "another table of other columns": (
+        b"Disp (mm),Load (N)\n0,0\n1,1\nTemp (C),Humidity (%)\n20,50\n",
+        "if another table begins in line 4, delete the one that is not the test",
+    ),
+    "other units in another block": (
+        b"Time,Disp,Load\ns,mm,N\n0,0,0\n1,1,1\nTime,Disp,Load\ns,mm,mN\n2,2,2000\n",
+        "line 6: 's,mm,mN' stands among the numbers; units stand once, in the line below the titl",
+    ),
+    "units in all cells": (
+        b"Time,Disp,Load\n0 s,0 mm,0 N\n1 s,1 mm,1 N\n",
+        "line 3: '1 s,1 mm,1 N' stands among .*; export numbers alone, with units in the titles",
+    ),
+    "another mark between numbers": (
+        b"Time (s)\tDisp (mm)\tLoad (N)\n0;0;0\n1;1;1\n",
+        "line 3: '1;1;1' stands among .*; export titles and numbers with the same mark between",
+    ),
+    "titles in a comment": (
+        b"# made on Monday, 3 May\n# time_s,displacement_mm,force_N\n0.0,1.0,2.0\n",
+        "no line of titles .*; if '# time_s,displacement_mm,force_N' are its titles, delete the #",
+    ),
+    "numbers alone": (b"0.0,1.0,2.0\n1.0,2.0,3.0\n", "no line of titles .*export the test with"),
     "commas between commas": (
         b"Time (s),Disp (mm),Load (N)\n0,00,1,00,2,00\n",
         "line 2: 6 cells below 3 titles; if these are decimal commas",
@@ -287,6 +328,50 @@ def test_other_content_is_refused_with_its_place(tmp_path, name):
     content, message = CONTENTS[name]
     with pytest.raises(InputError, match=message):
         read(machines.write(tmp_path / "r.csv", content))
+
+
+GROUPED = {
+    "points": lambda x: f"{x:,.2f}",
+    "commas": lambda x: f"{x:_.2f}".replace(".", ",").replace("_", "."),
+    "narrow spaces": lambda x: f"{x:_.2f}".replace(".", ",").replace("_", "\u202f"),
+    "apostrophes": lambda x: f"{x:_.2f}".replace("_", "'"),
+    "a minus sign": lambda x: f"{x:,.2f}".replace("-", "\u2212"),
+}
+
+
+@pytest.mark.parametrize("name", GROUPED)
+def test_thousands_separators_that_can_be_nothing_else_are_left_out(tmp_path, name):
+    rows = (";".join(map(GROUPED[name], 1e3 * np.array(row))) for row in zip(*TEST, strict=True))
+    text = "\n".join(["Time (ms);Disp (um);Load (mN)", *rows])
+    raw = read(machines.write(tmp_path / "r.csv", text.encode()))
+    for column, values in zip(("time_s", "displacement_mm", "force_N"), TEST, strict=True):
+        np.testing.assert_allclose(raw.table[column], values, atol=1e-5)
+    assert np.abs(raw.table["time_s"]).max() > 1.0
+
+
+def test_a_title_in_quotes_may_go_over_lines(tmp_path):
+    titles = 'Sample 5" wide\nTime (s),"Disp\n(mm)","Load\n\n(N)"'
+    raw = read(machines.write(tmp_path / "r.csv", plain(titles)))
+    np.testing.assert_allclose(raw.table["force_N"], TEST[2], atol=1e-5)
+    assert raw.table.index[0] == 6
+
+
+def test_the_line_with_numbers_below_is_told_before_others(tmp_path):
+    lines = ["Date:,01/02/2024", "", "Time, s\tPosition (z), mm\tFz, gf", *["0\t1\t2"] * 3]
+    with pytest.raises(InputError) as refused:
+        read(machines.write(tmp_path / "r.csv", "\n".join(lines)))
+    assert "line 3: no column" in str(refused.value)
+    cure = "`records: {columns: {displacement: 'Position (z), mm', force: 'Fz, gf'}}`"
+    assert str(refused.value).endswith(cure)
+
+
+def test_in_torsion_an_angle_is_asked_for(tmp_path):
+    rheometer = "Time\tTorque\tDisplacement\ns\tmNm\trad\n0\t1\t2\n"
+    with pytest.raises(InputError, match=r"columns: \{angle: Displacement\}"):
+        read(machines.write(tmp_path / "r.csv", rheometer), mode="torsion")
+    other = rheometer.replace("rad", "K")
+    with pytest.raises(InputError, match=r"columns: \{angle: its title\}"):
+        read(machines.write(tmp_path / "o.csv", other), mode="torsion")
 
 
 FOOTER = (

@@ -257,6 +257,12 @@ def test_empty_optional_cells_and_axes_are_accepted():
     assert rows == [{**ROW, "loading_axis": "-y"}]
 
 
+@pytest.mark.parametrize("ending", ["csv", "tra", "lvm", "asc", "raw", "TXT", "xlsm"])
+def test_records_have_the_endings_that_machines_give(ending):
+    rows = check_samples(table({"record": f"a.{ending}"}), SCHEMAS["samples"], "t")
+    assert rows[0]["record"] == f"a.{ending}"
+
+
 BAD_TABLES = {
     "mode": ([{"mode": "bending"}], "row 2 .A1., column 'mode': 'bending' is not one of tension"),
     "id": ([{"sample": "A/1"}], "column 'sample': 'A/1' has another form; expected: up to 64"),

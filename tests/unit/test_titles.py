@@ -67,6 +67,7 @@ AS_WRITTEN = {
     "Prüfzeit (min)": ("time", 60.0),
     "Elapsed time_ms": ("time", 1e-3),
     "Elapsed (h)": ("time", 3600.0),
+    "Running Time (s)": ("time", 1.0),
 }
 """Titles of files, the quantity, and the size of its unit; None for what is not understood."""
 

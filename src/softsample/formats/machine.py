@@ -79,8 +79,27 @@ WORD = re.compile(r"[^\W\d_]{2}")
 NO_NUMBERS = ("", "nan", "inf", "null", "none")
 """What machines write, in lower case, where they have no number."""
 
-THOUSANDS = re.compile(r"[+-]?[1-9]\d{0,2},\d{3}", re.ASCII)
-"""A number that may have a mark of thousands."""
+THOUSANDS = re.compile(r"[+-]?[1-9]\d{0,2}[.,]\d{3}", re.ASCII)
+"""A number that may have a thousands separator."""
+
+GROUPED = re.compile(
+    r"([+-]?)([1-9]\d{0,2}(?:(?:,\d{3})+(?=\.)|(?:\.\d{3})+(?=,)|(?:['’\xa0\u2009\u202f]\d{3})+))"
+    r"([.,]\d*)?",
+    re.ASCII,
+)
+"""A number that has them for certain: sign, thousands, and decimals behind another mark."""
+
+LONGEST_TITLE = 6
+"""A title in quotes goes over fewer lines."""
+
+OPENED = re.compile(r'(?:^|[\t;,])\s*"[^"]*$')
+"""A line that ends within quotes; a mark of inches opens none."""
+
+MINUS = "\u2212"
+"""The minus sign of typesetters."""
+
+DECIMALS = re.compile(r"[+-]?0\d+", re.ASCII)
+"""Decimals that a comma between cells has torn from their number."""
 
 
 @dataclass(frozen=True)
@@ -164,7 +183,7 @@ class _Text:
             lines, notes = read_lines(path, "export the test as CSV, text or .xlsx")
         except FileNotFoundError as error:
             raise InputError(f"{path}: no such record; correct its path in the table") from error
-        return cls(path, lines, notes)
+        return cls(path, _joined(lines), notes)
 
     @classmethod
     def of_sheets(cls, path: PathLike, sheet: str | None) -> Iterator[Self]:
@@ -178,10 +197,37 @@ class _Text:
             cells = next(csv.reader([line], delimiter=delimiter, skipinitialspace=True), [])
         except csv.Error:
             return [line]
-        cells = [cell.strip() for cell in cells]
+        cells = [_plain(cell.strip()) for cell in cells]
         while cells and not cells[-1]:
             cells.pop()
         return cells
+
+
+def _joined(lines: Sequence[str]) -> list[str]:
+    """Lines with those in one that a title in quotes goes over; empty ones keep their numbers."""
+    joined = [*lines]
+    first = -LONGEST_TITLE
+    for number, line in enumerate(lines):
+        if line.count('"') % 2 == 0:
+            continue
+        if number - first < LONGEST_TITLE:
+            joined[first : number + 1] = [" ".join(lines[first : number + 1])]
+            joined[first + 1 : first + 1] = [""] * (number - first)
+            first = -LONGEST_TITLE
+        elif OPENED.search(line):
+            first = number
+    return joined
+
+
+def _plain(cell: str) -> str:
+    """A cell as it stands; a number without thousands separators, and with the usual minus."""
+    if NUMBER.fullmatch(cell):
+        return cell
+    plain = cell.replace(MINUS, "-", 1)
+    if grouped := GROUPED.fullmatch(plain):
+        sign, thousands, decimals = grouped.groups(default="")
+        plain = sign + re.sub(r"\D", "", thousands) + decimals
+    return plain if NUMBER.fullmatch(plain) else cell
 
 
 def read(
@@ -229,7 +275,7 @@ def read(
         else _with_unit(column, names, units or {}, text, block)
         for column in found
     ]
-    comma = _decimal_comma(rows, found, text.path)
+    comma = _decimal_comma(rows, found, text.path, heading.delimiter)
     titles = heading.titles
     own = {COLUMNS["displacement"], COLUMNS["force"]} <= set(titles)
     cells = {
@@ -310,6 +356,7 @@ def _heading(text: _Text, wanted: Mapping[str, str], block: str, form: Form) -> 
     """The first line with titles of all quantities, or else of all but time."""
     untimed: _Heading | None = None
     best: tuple[int, list[str], list[str]] = (0, [], [*COLUMNS])
+    score = (len(COLUMNS), 0)
     for number, line in enumerate(text.lines):
         if line.lstrip().startswith("#") or (untimed and not WORD.search(line)):
             continue
@@ -321,10 +368,18 @@ def _heading(text: _Text, wanted: Mapping[str, str], block: str, form: Form) -> 
             needed = dict.fromkeys((*form, *wanted))
             missing = [name for name in needed if not candidates.get(name, True)]
             if missing:
-                best = (number, titles, missing) if len(missing) < len(best[2]) else best
+                if untimed is None and not all(VALUE.fullmatch(title) for title in titles):
+                    of_line = (len(missing), -len(_units_below(text, number, titles)))
+                    best = (number, titles, missing) if of_line < score else best
+                    score = min(score, of_line)
                 continue
             where = f"{text.path}, line {number + 1}"
             columns = [_only(found, where, block) for found in candidates.values() if found]
+            if all(_cell(titles, one.place + 1) in UNITS[one.quantity] for one in columns):
+                raise InputError(
+                    f"{where}: units stand in cells of their own ({', '.join(titles)}), so that "
+                    "titles are not above their numbers; write units in brackets"
+                )
             heading = _Heading(number, delimiter, titles, columns)
             if heading.timed:
                 return heading
@@ -344,13 +399,8 @@ def _no_titles(
     form: Form,
 ) -> NoReturn:
     """Refuse a text without a line of titles; `missing` quantities lack in the best line."""
-    if not any(line.strip() for line in text.lines):
-        raise InputError(f"{text.path}: the file is empty; export the test again")
     if not titles:
-        raise InputError(
-            f"{text.path}: no line of titles such as time_s,displacement_mm,force_N; export the "
-            "test with its titles, separated by commas, semicolons or tabs"
-        )
+        _nothing_like_titles(text)
     ways = [_ways_told(form.get(name, (name,))) for name in missing]
     below = _units_below(text, number, titles)
     found = (_plausible(titles, below, form.get(name, (name,))) for name in missing)
@@ -363,7 +413,8 @@ def _no_titles(
             f"(there are {', '.join(map(repr, titles))}); correct `columns` in section {where} of "
             "the settings"
         )
-    example = records_setting({"columns": dict.fromkeys(missing, "its title")}, block)
+    first = [form.get(name, (name,))[0] for name in missing]
+    example = records_setting({"columns": dict.fromkeys(first, "its title")}, block)
     cure = f"export the test with titles of these, or name them in the settings, such as {example}"
     if len(named) == len(missing) == len({*named.values()}):
         keys = {"columns": named}
@@ -390,6 +441,29 @@ def _no_titles(
     raise InputError(
         f"{text.path}, line {number + 1}: no column is known to hold {', nor '.join(ways)} "
         f"(there are {', '.join(map(repr, titles))}); {cure}"
+    )
+
+
+def _nothing_like_titles(text: _Text) -> NoReturn:
+    """Refuse a text that is empty, has numbers alone, or its titles in a comment."""
+    if not any(line.strip() for line in text.lines):
+        raise InputError(f"{text.path}: the file is empty; export the test again")
+    comments = [line.strip() for line in text.lines if line.lstrip().startswith("#")]
+    titled = (
+        line
+        for line in comments
+        for delimiter in "\t;,"
+        if len(titles := text.cells(line.lstrip("# "), delimiter)) > 1
+        and any(_candidates(name, titles, {}) for name in NAMES)
+    )
+    comment = next(titled, "")
+    cure = (
+        f"if {comment!r} are its titles, delete the #"
+        if comment
+        else "export the test with its titles, separated by commas, semicolons or tabs"
+    )
+    raise InputError(
+        f"{text.path}: no line of titles such as time_s,displacement_mm,force_N; {cure}"
     )
 
 
@@ -427,12 +501,15 @@ def _plausible(
     def unit(title: str, way: str) -> str:
         return _split(title, way)[1] or below[title]
 
+    def is_another(title: str, name: str) -> bool:
+        return bool(_candidates(name, [title], {})) and unit(title, name) in ("", *UNITS[name])
+
     free = [
         title
         for title in titles
         if title in below
         and not _is_true(title)
-        and not any(_candidates(name, [title], {}) for name in NAMES)
+        and not any(is_another(title, name) for name in NAMES)
     ]
     units = {unit for way in ways for unit in UNITS[way]}
     fitting = [title for title in free if any(unit(title, way) in units for way in ways)]
@@ -554,7 +631,7 @@ def _rows(text: _Text, heading: _Heading) -> tuple[list[list[str]], list[int], l
         elif not numbers[0]:
             metadata.append(number)
         else:
-            _check_line(text, metadata, number, cells, titles)
+            _check_line(text, metadata, number, cells, heading)
             rows.append(cells)
             kept.append(number)
     _end(text, heading, metadata, bool(rows))
@@ -573,7 +650,7 @@ def _rows(text: _Text, heading: _Heading) -> tuple[list[list[str]], list[int], l
 def _end(text: _Text, heading: _Heading, metadata: Sequence[int], numbers: bool) -> None:
     """Leave out the lines after the last row of numbers if they are metadata, and say so."""
     faulty = [line for line in metadata if not numbers or _is_row(text, heading, line)]
-    _check_line(text, faulty, 0, [], heading.titles)
+    _check_line(text, faulty, 0, [], heading)
     if metadata:
         line = text.lines[metadata[0] - 1].strip()
         text.notes.append(f"metadata below the numbers, from line {metadata[0]} on: {line!r}")
@@ -618,23 +695,51 @@ def _decimals(cell: str) -> int:
 
 
 def _check_line(
-    text: _Text, metadata: Sequence[int], number: int, cells: Sequence[str], titles: Sequence[str]
+    text: _Text, metadata: Sequence[int], number: int, cells: Sequence[str], heading: _Heading
 ) -> None:
     if metadata:
         line = text.lines[metadata[0] - 1].strip()
-        cure = (
-            "write times in seconds, or as hh:mm:ss"
-            if re.match(r"[\d\s./-]*\d:\d", line)
-            else "delete the line, or export the test again"
-        )
         raise InputError(
-            f"{text.path}, line {metadata[0]}: {line!r} stands among the numbers; {cure}"
+            f"{text.path}, line {metadata[0]}: {line!r} stands among the numbers; "
+            f"{_cure(text, metadata, heading)}"
         )
-    if len(cells) > len(titles):
+    if len(cells) > len(heading.titles):
         raise InputError(
-            f"{text.path}, line {number}: {len(cells)} cells below {len(titles)} titles; if these "
-            "are decimal commas, export with semicolons or decimal points"
+            f"{text.path}, line {number}: {len(cells)} cells below {len(heading.titles)} titles; "
+            "if these are decimal commas, export with semicolons or decimal points"
         )
+
+
+def _cure(text: _Text, metadata: Sequence[int], heading: _Heading) -> str:
+    """What to do about lines that stand among the numbers.
+
+    To delete them alone would join two tables, or numbers of two units.
+    """
+    line = text.lines[metadata[0] - 1].strip()
+    cells = [cell for cell in text.cells(line, heading.delimiter) if cell]
+    if re.match(r"[\d\s./-]*\d:\d", line):
+        return "write times in seconds, or as hh:mm:ss"
+    if cells and all(_quantities_of(cell.strip("()[] ")) for cell in cells):
+        return "units stand once, in the line below the titles; export the test in these alone"
+    if any(NUMBER.fullmatch(cell.split(" ")[0]) and " " in cell for cell in cells):
+        return "export numbers alone, with units in the titles or in the line below them"
+    if len(cells) == 1 and any(
+        sum(map(bool, map(VALUE.fullmatch, text.cells(line, other)))) > 1 for other in "\t;,"
+    ):
+        return "export titles and numbers with the same mark between them"
+    for number in metadata:
+        words = [cell for cell in text.cells(text.lines[number - 1], heading.delimiter) if cell]
+        if len(words) > 1 and all(map(_may_be_title, words)):
+            return (
+                f"if another table begins in line {number}, delete the one that is not the test, "
+                "from its titles on; else delete the line"
+            )
+    return "delete the line, or export the test again"
+
+
+def _may_be_title(cell: str) -> bool:
+    """Whether a cell is neither a number, nor a missing one, nor what stands before a value."""
+    return bool(WORD.search(cell)) and cell.lower() not in NO_NUMBERS and not cell.endswith(":")
 
 
 def _cell(cells: Sequence[str], place: int) -> str:
@@ -685,25 +790,33 @@ def _with_unit(
     return Column(column.quantity, column.place, column.title, next(iter(said)), source)
 
 
-def _decimal_comma(rows: Sequence[Sequence[str]], found: Sequence[Column], path: PathLike) -> bool:
-    """Whether the numbers have decimal commas; what may be marks of thousands is refused."""
+def _decimal_comma(
+    rows: Sequence[Sequence[str]], found: Sequence[Column], path: PathLike, delimiter: str
+) -> bool:
+    """Whether the numbers have decimal commas; what may be thousands separators is refused."""
     columns = [[_cell(row, column.place) for row in rows] for column in found]
     cells = [cell for column in columns for cell in column if NUMBER.fullmatch(cell)]
-    commas = [cell for cell in cells if "," in cell]
-    point = next((cell for cell in cells if "." in cell), None)
-    if commas and point:
+    commas, points = ([cell for cell in cells if mark in cell] for mark in ",.")
+    if commas and points:
         raise InputError(
-            f"{path}: numbers with a comma ({commas[0]}) and with a point ({point}); export "
+            f"{path}: numbers with a comma ({commas[0]}) and with a point ({points[0]}); export "
             "without thousands separators"
         )
-    marked = commas and all(map(THOUSANDS.fullmatch, commas))
-    for column in columns if marked else ():
+    torn = next(filter(DECIMALS.fullmatch, cells), None)
+    if torn and delimiter == "," and not commas and not points:
+        raise InputError(
+            f"{path}: {torn} begins with 0, as decimals do; if these are decimal commas, export "
+            "with semicolons or decimal points"
+        )
+    marked = commas or points
+    for column in columns if all(map(THOUSANDS.fullmatch, marked)) else ():
         whole = next((cell for cell in column if cell.lstrip("+-").isdigit()), None)
-        comma = next((cell for cell in column if "," in cell), None)
-        if whole and comma:
+        cell = next(filter(THOUSANDS.fullmatch, column), None)
+        if whole and cell:
             raise InputError(
-                f"{path}: {comma} may be a decimal or have a mark of thousands, as {whole} has no "
-                "comma; export without thousands separators, or all rows with decimals"
+                f"{path}: {cell} may be a decimal or have a mark of thousands, as {whole} has no "
+                f"{'comma' if commas else 'point'}; export without thousands separators, or all "
+                "rows with decimals"
             )
     return bool(commas)
 

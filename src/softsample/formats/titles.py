@@ -29,6 +29,7 @@ NAMES = {
         *("displacement", "disp", "displ", "extension", "compression", "travel", "stroke"),
         *("position", "pos", "crosshead", "actuator", "separation", "elongation", "deflection"),
         *("deformation", "gap", "weg", "verfahrweg", "kolbenweg", "prüfweg", "traverse"),
+        *("standardweg", "werkzeugabstand", "verformung", "distance"),
         *("traversenweg", "traversenposition", "verlängerung", "verschiebung", "auslenkung"),
         *("scherweg", "hub", "déplacement", "allongement", "course", "desplazamiento"),
         *("spostamento", "depth", "indentation", "penetration", "eindringtiefe", "eindringweg"),
@@ -62,6 +63,7 @@ BESIDE = {
         "digital",
         "primary",
         "ch",
+        "running",
     ),
 }
 """Words of a title that do not change what it names."""
@@ -109,21 +111,21 @@ UNITS = {
     "force": _all(
         (("N", "Newton", "newton", "Newtons", "newtons"), 1.0),
         (("mN",), 1e-3),
-        (("gf", "g", "gram", "grams", "p", "pond"), 9.80665e-3),
+        (("gf", "gF", "g", "gram", "grams", "p", "pond"), 9.80665e-3),
         (("kN",), 1e3),
         (("daN",), 10.0),
         (("cN",), 1e-2),
         (("uN", "µN", "μN"), 1e-6),
-        (("kgf", "kg", "kp"), 9.80665),
-        (("lbf", "lb", "lbs"), 4.4482216152605),
-        (("ozf",), 0.27801385095378125),
+        (("kgf", "kgF", "kg", "kp"), 9.80665),
+        (("lbf", "lbF", "lb", "lbs"), 4.4482216152605),
+        (("ozf", "ozF"), 0.27801385095378125),
         (("dyn", "dyne", "dynes"), 1e-5),
     ),
     "strain": _all(_RATIO, (("%", "percent", "Prozent"), 1e-2)),
     "stretch": _all(_RATIO),
     "angle": _all(
         (("rad", "radian", "radians"), 1.0),
-        (("deg", "°", "degree", "degrees", "Grad"), math.pi / 180.0),
+        (("deg", "Deg", "°", "degree", "degrees", "Grad"), math.pi / 180.0),
         (("mrad",), 1e-3),
         (("rev", "turns"), 2.0 * math.pi),
     ),
@@ -134,8 +136,8 @@ UNITS = {
         (("psi",), 6894.757293168361),
     ),
     "torque": _all(
-        (("Nmm", "N mm", "N·mm", "N*mm", "N.mm", "mNm", "mN m", "mN·m"), 1.0),
-        (("Nm", "N m", "N·m", "N*m", "N.m"), 1e3),
+        (("Nmm", "N mm", "N·mm", "N*mm", "N.mm", "N-mm", "mNm", "mN m", "mN·m"), 1.0),
+        (("Nm", "N m", "N·m", "N*m", "N.m", "N-m"), 1e3),
         (("uNm", "µNm", "μNm", "uN m", "µN m", "µN·m"), 1e-3),
     ),
 }

@@ -300,6 +300,10 @@ CONTENTS = {
         b"Time (s),Disp (mm),Load (N)\n0,00,1,00,2,00\n",
         "line 2: 6 cells below 3 titles; if these are decimal commas",
     ),
+    "names of rows without a title": (
+        b"Time (s),Disp (mm),Load (N)\n1,0.0,1.0,2.0\n",
+        "4 cells below 3 titles; .*, else give each column a title",
+    ),
     "no numbers at first": (
         b"Time (s),Disp (mm),Load (N)\nNaN,NaN,NaN\n0,0,1\n1,1,1\n",
         "line 2: 'NaN,NaN,NaN' stands among the numbers; delete the line",
@@ -538,6 +542,16 @@ def test_other_columns_of_our_own_table_are_kept_for_the_schema(tmp_path):
     misspelt = machines.write(tmp_path / "m.csv", normal.replace("normal_N", "nornal_N"))
     with pytest.raises(InputError, match="'force_nornal_N': unknown name; did you mean"):
         imported(misspelt)
+
+
+def test_a_column_without_a_title_is_passed_over(tmp_path):
+    for titles in ("time_s,displacement_mm,force_N", "Time (s),Disp (mm),Load (N)"):
+        rows = (f"{n},{line}" for n, line in enumerate(plain().splitlines()[1:]))
+        table, facts = imported(
+            machines.write(tmp_path / "r.csv", "\n".join([f",{titles}", *rows]))
+        )
+        np.testing.assert_allclose(table["force_N"], TEST[2], atol=1e-5)
+        assert facts["reading"]["ignored"] == []
 
 
 def test_a_column_that_was_named_stays_beside_one_of_our_titles(tmp_path):

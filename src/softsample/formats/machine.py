@@ -68,6 +68,12 @@ VALUE = re.compile(f"{NUMBER.pattern}|{CLOCK.pattern}", re.ASCII)
 DAY = 86400.0
 """Seconds after which a clock begins anew."""
 
+AROUND = "()[]{}<>（）［］ "
+"""What may stand around a unit."""
+
+BRACKETED = re.compile(r"(.*?)[\s_]*[(\[{<（［]([^()\[\]{}<>（）［］]*)[)\]}>）］]")
+"""A title, and its unit in brackets."""
+
 WORDS = r"[^\s_.:]+"
 """Each word of a title."""
 
@@ -284,7 +290,7 @@ def read(
     if clock is not None:
         cells[COLUMNS["time"]] = clock
         text.notes.append("times of a clock are read as seconds, and go on after midnight")
-    ignored = [title for title in titles if title not in {column.title for column in found}]
+    ignored = [title for title in titles if title not in {"", *(one.title for one in found)}]
     if own:  # the schema of records knows what else such a table may hold
         more = [title for title in ignored if title not in {*cells, *DERIVED}]
         cells |= {title: _numbers(rows, titles.index(title), 1.0) for title in more}
@@ -485,7 +491,7 @@ def _units_below(text: _Text, number: int, titles: Sequence[str]) -> dict[str, s
     for place, title in enumerate(titles):
         cells = [_cell(row, place) for row in rows if any(row)]
         if any(map(NUMBER.fullmatch, cells)):
-            found[title] = "" if NUMBER.fullmatch(cells[0]) else cells[0].strip("()[] ")
+            found[title] = "" if NUMBER.fullmatch(cells[0]) else cells[0].strip(AROUND)
     return found
 
 
@@ -575,8 +581,7 @@ def _unnumbered(title: str) -> set[str]:
 
 def _split(title: str, quantity: str) -> tuple[str, str]:
     """Name and unit of a title: `Load (N)`, `Load [N]`, `Load, N`, `Load_N`, `Weg in mm`."""
-    bracketed = re.fullmatch(r"(.*?)[\s_]*[(\[]([^()\[\]]*)[)\]]", title)
-    if bracketed:
+    if bracketed := BRACKETED.fullmatch(title):
         return bracketed[1], bracketed[2].strip()
     behind = re.fullmatch(r"(.+?)(?:\s*[_/,]\s*|\s+in\s+|\s+)([^\s_/,]+)", title)
     if behind and behind[2] in UNITS[quantity]:
@@ -706,7 +711,8 @@ def _check_line(
     if len(cells) > len(heading.titles):
         raise InputError(
             f"{text.path}, line {number}: {len(cells)} cells below {len(heading.titles)} titles; "
-            "if these are decimal commas, export with semicolons or decimal points"
+            "if these are decimal commas, export with semicolons or decimal points, else give each "
+            "column a title"
         )
 
 
@@ -719,7 +725,7 @@ def _cure(text: _Text, metadata: Sequence[int], heading: _Heading) -> str:
     cells = [cell for cell in text.cells(line, heading.delimiter) if cell]
     if re.match(r"[\d\s./-]*\d:\d", line):
         return "write times in seconds, or as hh:mm:ss"
-    if cells and all(_quantities_of(cell.strip("()[] ")) for cell in cells):
+    if cells and all(_quantities_of(cell.strip(AROUND)) for cell in cells):
         return "units stand once, in the line below the titles; export the test in these alone"
     if any(NUMBER.fullmatch(cell.split(" ")[0]) and " " in cell for cell in cells):
         return "export numbers alone, with units in the titles or in the line below them"
@@ -756,7 +762,7 @@ def _with_unit(
 ) -> Column:
     """The column with its unit, from its title, the line of units or the settings."""
     where = f"{text.path}, column {column.title!r}"
-    below = _cell(row, column.place).strip("()[] ")
+    below = _cell(row, column.place).strip(AROUND)
     known, settled = UNITS[column.quantity], given.get(column.quantity, "")
     told = {"title": column.unit, "below": below, "settings": settled}
     if below in known and not _quantities_of(column.unit):  # then brackets may hold any other word

@@ -645,22 +645,44 @@ def test_a_workbook_is_told_by_its_content(tmp_path):
     np.testing.assert_allclose(imported(book)[0]["force_N"], TEST[2], atol=2e-6)
 
 
-def test_an_old_workbook_is_read(tmp_path, monkeypatch):
-    """Nothing writes .xls any more, so the library is asked for what it would give."""
+def old_workbook(path, monkeypatch, content, kinds=()):
+    """Nothing writes .xls any more, so the library is asked for what it would give.
+
+    `kinds` are those of the cells of each row but the first, numbers (2) if there are none.
+    """
 
     class Sheet:
-        name, nrows, cells = "Data", len(TEST[0]) + 1, rows()
+        name, nrows = "Data", len(content)
 
         def row_values(self, number):
-            return list(self.cells[number])
+            return list(content[number])
+
+        def row_types(self, number):
+            return list(kinds if kinds and number else [1 + (number > 0)] * len(content[number]))
 
     class Book:
+        datemode = 0
+
         def sheets(self):
             return [Sheet()]
 
     monkeypatch.setattr("xlrd.open_workbook", lambda *_, **__: Book())
-    path = machines.write(tmp_path / "r.xls", b"\xd0\xcf\x11\xe0\xa1\xb1\x1a\xe1" + bytes(99))
+    return machines.write(path, b"\xd0\xcf\x11\xe0\xa1\xb1\x1a\xe1" + bytes(99))
+
+
+def test_an_old_workbook_is_read(tmp_path, monkeypatch):
+    path = old_workbook(tmp_path / "r.xls", monkeypatch, rows())
     np.testing.assert_allclose(imported(path)[0]["force_N"], TEST[2], rtol=1e-12)
+
+
+def test_dates_and_errors_of_an_old_workbook_are_no_numbers(tmp_path, monkeypatch):
+    titles, *numbers = rows()
+    days = [[titles[0].split(" ")[0], *titles[1:]], *([t / 86400.0, *more] for t, *more in numbers)]
+    path = old_workbook(tmp_path / "d.xls", monkeypatch, days, [3, 2, 2])
+    np.testing.assert_allclose(imported(path)[0]["time_s"], TEST[0], atol=1e-3)
+    path = old_workbook(tmp_path / "e.xls", monkeypatch, [titles, [0.0, 0.0, 42]], [2, 2, 5])
+    with pytest.raises(InputError, match="'#N/A' is not a number"):
+        imported(path)
 
 
 @pytest.mark.parametrize("first", [b"PK\3\4", b"\xd0\xcf\x11\xe0\xa1\xb1\x1a\xe1"])

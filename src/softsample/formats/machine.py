@@ -49,6 +49,9 @@ DERIVED = ("phase", "cycle", "calibrated")
 LOOKED_AT = 10
 """Lines below the titles that tell whether a column holds numbers."""
 
+HEAD = 1000
+"""Lines of which the likeliest one to be that of titles is told, if none is."""
+
 KINDS = (
     ("CellScale UniVert", r"\bSetName\b.*\bSize_mm\b"),
     ("TA/Bose WinTest", r"WinTest|ElectroForce"),
@@ -375,7 +378,8 @@ def _heading(text: _Text, wanted: Mapping[str, str], block: str, form: Form) -> 
             missing = [name for name in needed if not candidates.get(name, True)]
             if missing:
                 if untimed is None and not all(VALUE.fullmatch(title) for title in titles):
-                    of_line = (len(missing), -len(_units_below(text, number, titles)))
+                    below = _units_below(text, number, titles) if number < HEAD else ()
+                    of_line = (len(missing), -len(below))
                     best = (number, titles, missing) if of_line < score else best
                     score = min(score, of_line)
                 continue

@@ -85,8 +85,18 @@ def _old_sheets(path: PathLike) -> dict[str, Rows]:
     if Path(path).stat().st_size > LARGEST_BYTES:
         raise InputError(f"{path}: larger than {LARGEST_BYTES >> 20} MiB; export as CSV")
     book = xlrd.open_workbook(path, logfile=io.StringIO())
+
+    def cell(kind: int, value: Any) -> Any:
+        """What a cell shows: dates and errors are numbers in the file."""
+        if kind == xlrd.XL_CELL_ERROR:
+            return xlrd.error_text_from_code.get(value, "#ERROR")
+        return xlrd.xldate_as_datetime(value, book.datemode) if kind == xlrd.XL_CELL_DATE else value
+
     return {
-        sheet.name: [sheet.row_values(number) for number in range(sheet.nrows)]
+        sheet.name: [
+            list(map(cell, sheet.row_types(number), sheet.row_values(number)))
+            for number in range(sheet.nrows)
+        ]
         for sheet in book.sheets()
     }
 

@@ -287,6 +287,10 @@ CONTENTS = {
         b"Time,Disp,Load\n0 s,0 mm,0 N\n1 s,1 mm,1 N\n",
         "line 3: '1 s,1 mm,1 N' stands among .*; export numbers alone, with units in the titles",
     ),
+    "thousands with spaces": (
+        b"Time (ms);Disp (mm);Load (N)\n999;1;1\n1 000;1;1\n1 001;1;1\n",
+        "line 3: '1 000;1;1' stands among the numbers; export without thousands separators",
+    ),
     "another mark between numbers": (
         b"Time (s)\tDisp (mm)\tLoad (N)\n0;0;0\n1;1;1\n",
         "line 3: '1;1;1' stands among .*; export titles and numbers with the same mark between",

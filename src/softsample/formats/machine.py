@@ -731,8 +731,14 @@ def _cure(text: _Text, metadata: Sequence[int], heading: _Heading) -> str:
         return "write times in seconds, or as hh:mm:ss"
     if cells and all(_quantities_of(cell.strip(AROUND)) for cell in cells):
         return "units stand once, in the line below the titles; export the test in these alone"
-    if any(NUMBER.fullmatch(cell.split(" ")[0]) and " " in cell for cell in cells):
-        return "export numbers alone, with units in the titles or in the line below them"
+    parted = (cell.partition(" ") for cell in cells)
+    behind = [rest for number, _, rest in parted if rest and NUMBER.fullmatch(number)]
+    if behind:
+        return (
+            "export without thousands separators"
+            if all(map(NUMBER.fullmatch, behind))
+            else "export numbers alone, with units in the titles or in the line below them"
+        )
     if len(cells) == 1 and any(
         sum(map(bool, map(VALUE.fullmatch, text.cells(line, other)))) > 1 for other in "\t;,"
     ):

@@ -61,9 +61,8 @@ def test_held_out_errors_of_the_ideal_shape_are_those_of_the_table(name):
 def test_every_group_that_got_worse_in_its_worst_fold_is_named():
     found = pd.concat(IDEAL.values())
     worst = [found[f"held_out_worst_{when}_percent"].astype(float) for when in WHEN]
-    (name,) = found["group"][worst[1] > worst[0]]
-    assert f"In {name} one fold got worse" in PAGE
-    assert f"to {worst[1].max():.1f} %)" in PAGE
+    named = {name for name in found["group"] if f"In {name} one fold got worse" in PAGE}
+    assert named == set(found["group"][worst[1] > worst[0]])
 
 
 def test_real_geometry_is_named_in_as_many_groups_as_the_page_says():

@@ -1,0 +1,97 @@
+"""Values of the cells of a column: numbers, seconds of a clock, and which mark decimals have."""
+
+import re
+from collections.abc import Collection, Sequence
+from typing import Any
+
+import numpy as np
+import pandas as pd
+
+from softsample.arrays import Array
+from softsample.errors import InputError
+from softsample.files import PathLike
+from softsample.formats.cells import CLOCK, NUMBER
+
+DAY = 86400.0
+"""Seconds after which a clock begins anew."""
+
+THOUSANDS = re.compile(r"[+-]?[1-9]\d{0,2}[.,]\d{3}", re.ASCII)
+"""A number that may have a thousands separator."""
+
+DECIMALS = re.compile(r"[+-]?0\d+", re.ASCII)
+"""Decimals that a comma between cells has torn from their number."""
+
+
+def numbers(cells: Sequence[str], factor: float = 1.0) -> Any:
+    """Values (n,) of cells, times `factor`: float64, or objects if some are no number.
+
+    Cells that are no number stay text, and empty ones are None.
+    """
+    values: list[Any] = [
+        factor * _number(cell) if NUMBER.fullmatch(cell) else cell for cell in cells
+    ]
+    if any(isinstance(value, str) for value in values):
+        return pd.array([None if value == "" else value for value in values], dtype=object)
+    return np.array(values, dtype=np.float64)
+
+
+def seconds(cells: Sequence[str]) -> Array | None:
+    """Seconds (n,) of times of a clock, which go on after midnight; None if a cell is none."""
+    times = [CLOCK.fullmatch(cell) for cell in cells]
+    found = [
+        3600.0 * int(time[1]) + 60.0 * int(time[2]) + _number(time[3]) for time in times if time
+    ]
+    return np.unwrap(found, period=DAY) if len(found) == len(cells) else None
+
+
+def rises(cells: Sequence[str]) -> bool:
+    """Whether cells are numbers that rise from line to line, as time does."""
+    values = numbers(cells)
+    return bool(values.dtype == np.float64 and len(values) > 1 and np.all(np.diff(values) > 0.0))
+
+
+def decimal_comma(columns: Collection[Sequence[str]], path: PathLike, delimiter: str) -> bool:
+    """Whether the numbers of a file have decimal commas.
+
+    Parameters
+    ----------
+    columns
+        Cells of each column that is read.
+    path
+        What messages call the file.
+    delimiter
+        What stands between its cells.
+
+    Raises
+    ------
+    InputError
+        If marks may be thousands separators, or cells are parts of torn numbers.
+    """
+    cells = [cell for column in columns for cell in column if NUMBER.fullmatch(cell)]
+    commas, points = ([cell for cell in cells if mark in cell] for mark in ",.")
+    if commas and points:
+        raise InputError(
+            f"{path}: numbers with a comma ({commas[0]}) and with a point ({points[0]}); export "
+            "without thousands separators"
+        )
+    torn = next(filter(DECIMALS.fullmatch, cells), None)
+    if torn and delimiter == "," and not commas and not points:
+        raise InputError(
+            f"{path}: {torn} begins with 0, as decimals do; if these are decimal commas, export "
+            "with semicolons or decimal points"
+        )
+    marked = commas or points
+    for column in columns if all(map(THOUSANDS.fullmatch, marked)) else ():
+        whole = next((cell for cell in column if cell.lstrip("+-").isdigit()), None)
+        cell = next(filter(THOUSANDS.fullmatch, column), None)
+        if whole and cell:
+            raise InputError(
+                f"{path}: {cell} may be a decimal or have a mark of thousands, as {whole} has no "
+                f"{'comma' if commas else 'point'}; export without thousands separators, or all "
+                "rows with decimals"
+            )
+    return bool(commas)
+
+
+def _number(cell: str) -> float:
+    return float(cell.replace(",", "."))

@@ -134,6 +134,24 @@ def test_weights_are_odds_of_evidence_and_prior(withheld):
     assert weights["poisson_ratio",] / weights[()] == pytest.approx(odds)
 
 
+def test_another_law_is_as_probable_beforehand_as_the_one_of_the_study():
+    """Laws share one half; all other effects share the other with none of them."""
+    known = [library()[name] for name in ("poisson_ratio", "elastic_law")]
+    selection = diagnose(softer(0.5, 0.1), SETTINGS, known).selection
+
+    def odds(*more):
+        of = {"poisson_ratio": 0.0, "elastic_law": 0.0}
+        every = [*selection.library, *(library()[name] for name in more)]
+        models = weighed(replace(selection, library=every), {})
+        of |= {"".join(one.fit.model.names): one.weight for one in models}
+        return np.array([of["elastic_law"], of["poisson_ratio"]]) / of[""]
+
+    law, other = odds()
+    assert min(law, other) > 0.0
+    np.testing.assert_allclose(odds("force_drift", "force_offset"), (law, other / 3.0))
+    np.testing.assert_allclose(odds("ogden_exponents"), (law / 2.0, other))
+
+
 def test_the_interval_holds_what_the_records_do_not_tell_from_the_choice():
     """Of two effects one is chosen; the other is weighed within its class and outside."""
     known = [library()[name] for name in ("poisson_ratio", "elastic_law")]

@@ -16,6 +16,7 @@ from scipy.optimize import brentq
 from scipy.special import ndtr
 
 from softsample.loop.deviation import bond_deviation, log_modulus_deviation, relaxed_modulus
+from softsample.loop.effects.base import Effect
 from softsample.loop.fit import Fit
 from softsample.loop.select import Selection
 from softsample.loop.specimen import Array
@@ -73,13 +74,16 @@ class Weighed:
 def weighed(selection: Selection, stiffness: Mapping[str, float]) -> list[Weighed]:
     """Models that the selection fitted, the likeliest first.
 
-    Each set of effects counts once. Each effect makes a model less probable beforehand by the
-    number of effects in the library, so that no effect is as probable as any one of them. If what
-    the plain model is known to leave out was selected, no model without it counts. What explains
-    nothing does not count either, but for what was selected: records may be far from all others.
+    Each set of effects counts once. Beforehand the study's law is as probable as all other laws of
+    the library together, and none of its other effects as any one of them. If what the plain model
+    is known to leave out was selected, no model without it counts. What explains nothing does not
+    count either, but for what was selected: records may be far from all others.
     """
     known = {effect.name for effect in selection.final.model.effects if effect.idealised}
-    price = 2.0 * np.log(len(selection.library) or 1)
+    laws = sum(effect.is_law for effect in selection.library)
+
+    def price(effect: Effect) -> float:
+        return 2.0 * np.log(laws if effect.is_law else len(selection.library) - laws)
 
     def counts(fit: Fit) -> bool:
         usable = fit is selection.final or not fit.model.effects or not unusable(fit)
@@ -93,7 +97,7 @@ def weighed(selection: Selection, stiffness: Mapping[str, float]) -> list[Weighe
     likeliest: dict[frozenset[str], tuple[float, float, Fit]] = {}
     for alike in tried:
         fits = [fit for fit in alike if counts(fit)]
-        lefts = [misfit_with_penalties(fit) + price * len(fit.model.effects) for fit in fits]
+        lefts = [misfit_with_penalties(fit) + sum(map(price, fit.model.effects)) for fit in fits]
         for fit, left in zip(fits, lefts, strict=True):
             names = frozenset(fit.model.names)
             was = likeliest.get(names, (np.inf, np.inf, fit))

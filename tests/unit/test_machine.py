@@ -253,11 +253,11 @@ CONTENTS = {
     ),
     "whole thousands": (
         b"Time (s)\tDisp (mm)\tLoad (mN)\n0\t0\t998\n1\t1\t1,002\n",
-        "1,002 may be a decimal or have a mark of thousands, as 998 has no comma",
+        "1,002 may be a decimal or have a thousands separator, as 998 has no comma",
     ),
     "whole thousands with points": (
         b"Time (s)\tDisp (mm)\tLoad (mN)\n0\t0\t998\n1\t1\t1.002\n",
-        "1.002 may be a decimal or have a mark of thousands, as 998 has no point",
+        "1.002 may be a decimal or have a thousands separator, as 998 has no point",
     ),
     "thousands with commas and without decimals": (
         b"Time (s)\tDisp (mm)\tLoad (mN)\n0\t0\t998.5\n1\t1\t1,002\n",

@@ -34,7 +34,7 @@ FORMER = {
     "curve famil(?:y|ies)": "precomputed response curves",
     "to the bit": "bitwise reproducible",
     "without a word": "unexpectedly",
-    "marks of thousands": "thousands separators",
+    "marks? of thousands": "thousands separators",
     "world of the image": "image coordinate system",
     "travels?": "platen displacement",
     "grain": "discretisation noise",

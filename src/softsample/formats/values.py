@@ -86,7 +86,7 @@ def decimal_comma(columns: Collection[Sequence[str]], path: PathLike, delimiter:
         cell = next(filter(THOUSANDS.fullmatch, column), None)
         if whole and cell:
             raise InputError(
-                f"{path}: {cell} may be a decimal or have a mark of thousands, as {whole} has no "
+                f"{path}: {cell} may be a decimal or have a thousands separator, as {whole} has no "
                 f"{'comma' if commas else 'point'}; export without thousands separators, or all "
                 "rows with decimals"
             )

@@ -67,8 +67,8 @@ ALLOWED = {
     },
     "measured": {"errors", "figures", "files", "io", "report", "study"},
     "from_files": {
-        "calibration", "constitutive", "figures", "imaging", "io", "loop", "report", "response",
-        "shapes",
+        "calibration", "constitutive", "figures", "imaging", "io", "loop", "records", "report",
+        "response", "shapes",
     },
     "inspection": {"figures", "plausibility", "records", "report", "study"},
     "__main__": {"errors", "figures", "formats", "inspection", "io", "study"},

@@ -127,7 +127,7 @@ def test_names_that_are_not_there_are_refused_with_those_that_are():
         (plan.geometries, "no sample 'Z'"),
         (plan.samples_of, "no group 'Z' in the table; there are TC1, S, A, B"),
         (plan.diagnosed, "no group 'Z'"),
-        (plan.others, "no group 'Z'"),
+        (plan.is_told, "no group 'Z'"),
     ):
         with pytest.raises(InputError, match=message):
             ask("Z")
@@ -153,16 +153,22 @@ def test_a_verdict_takes_files_of_groups_that_are_left_out_or_whose_ends_are_ope
     assert opened.pooled == ["G0", "G1"]
     assert opened.open_others("G0") == ["G1"]
     assert opened.open_others("I") == []
-    assert opened.diagnosed_open("G0") == ["c0", "t0"]
-    assert opened.diagnosed_open("I") == []
+    assert opened.opened(["c0", "I1"]) == ["c0", "I1"]
+    assert opened.opened(["I1", "I2"]) == []
 
 
 def test_others_tell_of_a_group_whose_records_are_held_out_if_they_are_enough():
     held = [{"strain_above": 0.15}]
     few, enough = (Plan(animals(n), held, "group") for n in (3, 4))
-    assert few.others("G0") == {}
-    assert enough.others("G0") == {f"G{k}": [f"c{k}", f"t{k}"] for k in (1, 2, 3)}
-    assert enough.others("I") == {}
+    assert not few.is_told("G0")
+    assert few.pool("ideal") == []
+    assert enough.is_told("G0")
+    assert not enough.is_told("I")
+    assert enough.in_turn("ideal") == {f"G{k}": [f"c{k}", f"t{k}"] for k in range(4)}
+    assert enough.pool("ideal") == [f"{mode}{k}" for k in range(4) for mode in "ct"]
+    assert enough.in_turn("real") == {}
+    assert few.diagnosed("G0") == [f"{mode}{k}" for k in range(3) for mode in "ct"]
+    assert enough.diagnosed("G0") == ["c0", "t0"]
     assert few.folds("G0") == {"leave_out_G0": ["c0", "t0"]}
     assert enough.folds("G0") == {}
     assert Plan(animals(1), leave_out="mode").folds("G0") == {
@@ -184,9 +190,10 @@ def test_sliding_ideal_shapes_need_no_run_and_other_pieces_do():
 
 def test_a_diagnosis_is_told_whose_top_is_bonded_by_a_rule():
     plan = mixed()
-    assert plan.bonded_by_rule("TC1") == [True, False]
-    assert plan.diagnosed_bonded("TC1") == plan.bonded_of("TC1") == ["T1"]
-    assert not any(plan.bonded_by_rule("A"))
+    samples = plan.diagnosed("TC1")
+    assert plan.bonded_by_rule(samples) == [True, False]
+    assert plan.only_bonded(samples) == plan.bonded_of("TC1") == ["T1"]
+    assert not any(plan.bonded_by_rule(plan.diagnosed("A")))
 
 
 def test_the_ideal_shape_in_words():

@@ -94,7 +94,7 @@ def test_verdicts_are_of_each_group_and_of_its_ideal_shape_beside_the_real_one()
         ("TC1", "real"), ("A", "ideal"), ("U", "ideal"), ("TC1", "ideal")
     ]  # fmt: skip
     assert files.verdicts["TC1", "ideal"] == "<results>/loop/TC1/ideal/verdict.json"
-    assert files.open_ends_verdicts("U") == files.others_verdicts("whole", "A") == []
+    assert files.open_ends_verdicts("U") == files.told("A") == []
 
 
 def test_a_target_of_a_sample_builds_its_group():

@@ -15,7 +15,7 @@ from softsample.fem.explicit import ExplicitModel, SolverSettings
 from softsample.loop.candidates import candidates
 from softsample.loop.diagnose import diagnose
 from softsample.loop.effects import library
-from softsample.loop.ends import AssumedEnds, _with_ends, diagnose_ends, for_sliding, likelier
+from softsample.loop.ends import AssumedEnds, diagnose_ends, for_sliding, likelier, with_ends
 from softsample.loop.held_out import specimens_of
 from softsample.loop.leave_out import left_out_errors
 from softsample.loop.model import Material, Model, State
@@ -196,8 +196,8 @@ def test_other_groups_tell_what_the_platens_do():
     assert for_sliding({"other_ends": other}) == pytest.approx(evidence)
     told = judgement(likelier(bonded, sliding), SETTINGS)
     assert for_sliding(told) == pytest.approx(evidence)
-    assert _with_ends(told, slides=True) is told
-    assert _with_ends(told, slides=False)["path"] == judgement(bonded, SETTINGS)["path"]
+    assert with_ends(told, slides=True) is told
+    assert with_ends(told, slides=False)["path"] == judgement(bonded, SETTINGS)["path"]
 
 
 def test_other_groups_choose_the_ends_by_more_than_a_standard_error():
@@ -206,7 +206,7 @@ def test_other_groups_choose_the_ends_by_more_than_a_standard_error():
 
     def told(found, *percent):
         errors = np.log(0.01 * np.array(percent))
-        return replace(found, told=Pooled(sliding.final, {}, {}, 50.0, 30.0, errors))
+        return replace(found, told=Pooled({}, [], {}, {}, 50.0, 30.0, errors))
 
     stiff = told(bonded, 4.0, 5.0, 6.0)
     assert not likelier(stiff, told(sliding, 8.0, 9.0, 13.0)).slides

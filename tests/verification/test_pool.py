@@ -4,6 +4,7 @@ Plugs of a foam between plates that slide, as in `test_foam`: nothing of the pac
 force. Of each group the loading up to a strain is known, and all of the others.
 """
 
+import json
 from dataclasses import replace
 from types import SimpleNamespace
 
@@ -16,7 +17,7 @@ from softsample.loop.diagnose import diagnose
 from softsample.loop.effects import library
 from softsample.loop.effects.base import SOLID
 from softsample.loop.errors import held_out_errors
-from softsample.loop.pool import Group, Others
+from softsample.loop.pool import Group, Pooled, pooled
 from softsample.loop.posed import LoopSettings, Posed
 from softsample.loop.rounds import SelectionSettings
 from softsample.loop.verdict import judgement
@@ -59,22 +60,32 @@ PART = [cycle(name, seed) for seed, name in enumerate(GROUPS)]
 WHOLE = [in_full(test) for test in PART]
 
 
+def group(whole, part, verdicts=(None, None)):
+    """A group of which all records are known, and a part; its verdicts on both."""
+    posed = [Posed.of([test], SETTINGS) for test in (whole, part)]
+    return Group.of(posed, [effects(whole), effects(part)], verdicts, verdicts[1])
+
+
+def groups(verdicts):
+    return [group(*tests, found) for *tests, found in zip(WHOLE, PART, verdicts, strict=True)]
+
+
 @pytest.fixture(scope="module")
 def verdicts():
-    """Of the last three groups, on all of their records and by themselves."""
-    return [own(test) for test in WHOLE[1:]], [own(test) for test in PART[1:]]
-
-
-def others(verdicts, count=3):
-    groups = {name: [name] for name in list(GROUPS)[1 : 1 + count]}
-    heights = dict.fromkeys(GROUPS, PLUG.height)
-    shown = tuple(found[:count] for found in verdicts)
-    return Others.of(groups, (WHOLE, PART), heights, shown, SETTINGS, SOLID)
+    """Of every group, on all of its records and by itself."""
+    return [(own(whole), own(part)) for whole, part in zip(WHOLE, PART, strict=True)]
 
 
 @pytest.fixture(scope="module")
-def found(verdicts):
-    return diagnose(PART[:1], SETTINGS, effects(PART[0]), others(verdicts))
+def told(verdicts):
+    """What the last three groups tell of the first."""
+    first, *others = groups(verdicts)
+    return pooled(first, others, SETTINGS.selection)
+
+
+@pytest.fixture(scope="module")
+def found(told):
+    return diagnose(PART[:1], SETTINGS, effects(PART[0]), told)
 
 
 def percent(errors):
@@ -103,28 +114,50 @@ def test_sizes_that_others_tell_have_intervals_as_wide_as_the_groups_scatter(fou
     assert verdict["pooled"]["others_after_percent"] < verdict["pooled"]["others_alone_percent"]
 
 
-def test_forces_that_are_held_out_of_the_group_change_nothing(found, verdicts):
+def test_forces_that_are_held_out_of_the_group_change_nothing(found, told, verdicts):
     test = PART[0]
     changed = replace(test, force=np.where(test.held_out, 3.0 * test.force, test.force))
-    again = diagnose([changed], SETTINGS, effects(changed), others(verdicts))
-    assert again.final.state == found.final.state
-    assert held_out_errors(again.final, [test], {}, {}) == held_out_errors(
+    _, *others = groups(verdicts)
+    again = pooled(group(in_full(changed), changed, verdicts[0]), others, SETTINGS.selection)
+    assert again.document() == told.document()
+    other = diagnose([changed], SETTINGS, effects(changed), again)
+    assert other.final.state == found.final.state
+    assert held_out_errors(other.final, [test], {}, {}) == held_out_errors(
         found.final, [test], {}, {}
     )
 
 
+def test_what_a_group_is_told_does_not_depend_on_searches_for_others(told, verdicts):
+    """Which share their fits; and the document tells all of it."""
+    named = dict(zip(GROUPS, groups(verdicts), strict=True))
+    progress = []
+    (documents,) = pool.documents(
+        [dict(reversed(named.items()))], SETTINGS.selection, lambda *at: progress.append(at)
+    )
+    assert progress == [("d", 0.0), ("c", 0.25), ("b", 0.5), ("a", 0.75)]
+    backwards = [{**told.document(), key: told.document()[key][::-1]} for key in ("left",)]
+    found = documents["a"]
+    assert set(found["classes"]) == set(told.classes)
+    for name, parameters in told.told.items():
+        for parameter, values in parameters.items():
+            assert found["told"][name][parameter] == pytest.approx(values, rel=1e-3, abs=1e-3)
+    assert found["left"] == pytest.approx(backwards[0]["left"], abs=0.02)
+    again = Pooled.of_document(json.loads(json.dumps(told.document())))
+    one, two = (diagnose(PART[:1], SETTINGS, effects(PART[0]), of) for of in (told, again))
+    assert one.final.state == two.final.state
+
+
 def test_two_other_groups_are_too_few(verdicts):
-    assert others(verdicts, 2) is None
+    first, *others = groups(verdicts)
+    assert pooled(first, others[:2], SETTINGS.selection) is None
 
 
 def test_a_model_that_ended_in_another_minimum_is_fitted_from_the_values_of_others():
     """As after effects that were added in an unlucky order."""
-    groups = []
-    for test in WHOLE[:2]:
-        posed = Posed.of([test], SETTINGS)
-        group = Group.of(posed, posed, effects(test))
-        groups.append(group.with_effect("compressible_foam", SETTINGS.selection.class_gain))
-    good, guide = groups
+    good, guide = (
+        group(test, test).with_effect("compressible_foam", SETTINGS.selection.class_gain)
+        for test in WHOLE[:2]
+    )
     fit = good.whole
     far = replace(fit.state, values={"compressible_foam": {"alpha": -25.0, "nu": 0.45, "share": 1}})
     stuck = replace(good, whole=fit.problem.at(fit.model, far))
@@ -137,14 +170,10 @@ def test_a_model_that_ended_in_another_minimum_is_fitted_from_the_values_of_othe
 
 def test_an_effect_holds_in_a_group_unless_it_ends_at_a_bound_there():
     tie, effect = SETTINGS.selection.class_gain, "compressible_foam"
-    groups = []
-    for test in WHOLE[1:3]:
-        posed = Posed.of([test], SETTINGS)
-        groups.append(Group.of(posed, posed, effects(test)).with_effect(effect, tie))
-    posed = Posed.of([WHOLE[0]], SETTINGS)  # with an exponent of 5
+    tried = pool._Tried([group(test, test).with_effect(effect, tie) for test in WHOLE[1:3]])
+    first = group(WHOLE[0], WHOLE[0])  # with an exponent of 5
+    assert tried.holds_in(first)
     known = effects(WHOLE[0])
-    tried = pool._Tried(groups)
-    assert tried.holds_in(Group.of(posed, posed, known))
     narrow = [
         replace(p, high=3.0) if p.name == "alpha" else p
         for p in next(one for one in known if one.name == effect).parameters
@@ -152,7 +181,7 @@ def test_an_effect_holds_in_a_group_unless_it_ends_at_a_bound_there():
     narrowed = [
         replace(one, parameters=tuple(narrow)) if one.name == effect else one for one in known
     ]
-    assert not tried.holds_in(Group.of(posed, posed, narrowed))
+    assert not tried.holds_in(replace(first, shown={one.name: one for one in narrowed}))
 
 
 SCATTER = np.array([-0.02, 0.0, 0.02])
@@ -181,7 +210,7 @@ class Tried:
 
 def searched(monkeypatch, left, evidence, holds=lambda names: True, laws=""):
     """What a search finds where errors and evidence of all sets of three effects are given."""
-    own = SimpleNamespace(library={n: SimpleNamespace(is_law=n in laws) for n in "abc"})
+    own = SimpleNamespace(shown={n: SimpleNamespace(is_law=n in laws) for n in "abc"})
     errors = {frozenset(names): error + SCATTER for names, error in left.items()}
     # groups scatter so much with "a" that no third effect is significantly better
     errors[frozenset("a")] = 1.0 + 10.0 * SCATTER
@@ -190,7 +219,7 @@ def searched(monkeypatch, left, evidence, holds=lambda names: True, laws=""):
     )
     start = Tried([], errors, evidence, holds)
     rules = replace(SelectionSettings(), most_effects=2)
-    return pool._Search(own, None, (), rules).completed(pool._Chain(start))
+    return pool._Search(own, (), rules).completed(pool._Chain(start))
 
 
 def test_effects_that_were_tried_in_another_order_are_not_fitted_again(monkeypatch):

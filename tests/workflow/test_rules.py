@@ -93,7 +93,7 @@ def test_on_a_cluster_every_job_of_a_study_has_a_group_and_what_it_needs(tmp_pat
         (
             "bonded",
             {"leave_out": "group", "hold_out": [{"strain_above": 0.15}]},
-            {"diagnose_alone", "diagnose_whole", "diagnose_pooled"},
+            {"diagnose_alone", "diagnose_whole", "pool", "diagnose_pooled"},
         ),
     ],
 )

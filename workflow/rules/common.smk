@@ -5,6 +5,7 @@ import shlex
 import sys
 import time
 from dataclasses import replace
+from functools import wraps
 from inspect import signature
 from itertools import chain
 from pathlib import Path
@@ -176,19 +177,23 @@ def image_files(column, sample, geometry="real"):
     return [ancient(file) if os.path.isdir(file) else file for file in found]
 
 
-def responses(**fixed):
+def chosen(samples, choose):
+    """Function of the library: what it makes of the samples that another one finds."""
+    return wraps(samples)(lambda *given, **known: choose(samples(*given, **known)))
+
+
+def responses(samples=PLAN.diagnosed, fit=FILES.calibration_of_group, **fixed):
     """What a diagnosis predicts records with, on the best geometry if none is fixed."""
     curves, changes = "<results>/curves/{piece}/{geometry}", "<results>/loop/perturbations/{piece}"
+    opened = chosen(samples, PLAN.opened)
     return {
-        "curves": each(PLAN.diagnosed, f"{curves}/ogden2.csv", **fixed),
-        "perturbations": each(PLAN.diagnosed, f"{changes}_{{geometry}}.csv", **fixed),
-        "sliding_curves": each(PLAN.diagnosed_open, f"{curves}/ogden2{{ends}}.csv", **fixed),
-        "sliding_perturbations": each(
-            PLAN.diagnosed_open, f"{changes}_{{geometry}}{{ends}}.csv", **fixed
-        ),
-        "fit": of(FILES.calibration_of_group, **fixed),
-        "records": each(PLAN.diagnosed, "<results>/records/{sample}.csv"),
-        "cuboids": each(PLAN.diagnosed, "<results>/cuboid/{piece}.json"),
+        "curves": each(samples, f"{curves}/ogden2.csv", **fixed),
+        "perturbations": each(samples, f"{changes}_{{geometry}}.csv", **fixed),
+        "sliding_curves": each(opened, f"{curves}/ogden2{{ends}}.csv", **fixed),
+        "sliding_perturbations": each(opened, f"{changes}_{{geometry}}{{ends}}.csv", **fixed),
+        "fit": of(fit, **fixed),
+        "records": each(samples, "<results>/records/{sample}.csv"),
+        "cuboids": each(samples, "<results>/cuboid/{piece}.json"),
     }
 
 

@@ -15,10 +15,10 @@ OF_CHANGED_MODELS = {
 OF_DIAGNOSES = {
     "samples": of(PLAN.samples_of),
     "rows": rows(PLAN.diagnosed),
-    "bonded": of(PLAN.bonded_by_rule),
+    "bonded": of(chosen(PLAN.diagnosed, PLAN.bonded_by_rule)),
     "folds": of(PLAN.folds),
     "leave_out": LEAVE_OUT,
-    "others": {},
+    "group": "{group}",
     "release": config["contact"]["release"],
     "loop": config["loop"],
 }
@@ -28,13 +28,15 @@ BY_ITSELF = {**OF_DIAGNOSES, "leave_out": None}
 # What a diagnosis reads: of the nearest geometry, or of the ideal shape beside the real one.
 OF_BEST = {
     **responses(),
-    "bonds": each(PLAN.diagnosed_bonded, "<results>/bond/{piece}.json"),
+    "bonds": each(chosen(PLAN.diagnosed, PLAN.only_bonded), "<results>/bond/{piece}.json"),
     "code": library("workflow/scripts/diagnose.py"),
 }
 OF_IDEAL = {
     **responses(geometry="ideal"),
     "real": each(PLAN.diagnosed, "<results>/curves/{piece}/real/ogden2.csv"),
-    "sliding_real": each(PLAN.diagnosed_open, "<results>/curves/{piece}/real/ogden2{ends}.csv"),
+    "sliding_real": each(
+        chosen(PLAN.diagnosed, PLAN.opened), "<results>/curves/{piece}/real/ogden2{ends}.csv"
+    ),
     "code": library("workflow/scripts/diagnose.py"),
 }
 OTHER_ENDS = of(FILES.open_ends_verdicts)
@@ -162,6 +164,35 @@ use rule diagnose as diagnose_ideal with:
         "Diagnose the residual of the idealised shape: group {wildcards.group}"
 
 
+# What each group is told by the others, of those whose geometry is known as well.
+rule pool:
+    input:
+        **responses(PLAN.pool, FILES.calibration_of_pool),
+        bonds=each(chosen(PLAN.pool, PLAN.only_bonded), "<results>/bond/{piece}.json"),
+        whole=of(FILES.verdicts_in_turn, "whole"),
+        alone=of(FILES.verdicts_in_turn, "alone"),
+        code=library("workflow/scripts/pool.py"),
+    output:
+        told="<results>/loop/pool_{geometry}.json",
+    log:
+        "<logs>/pool/{geometry}.log",
+    benchmark:
+        "<benchmarks>/pool/{geometry}.tsv"
+    conda:
+        "../envs/softsample.yaml"
+    params:
+        groups=of(PLAN.in_turn),
+        rows=rows(PLAN.pool),
+        bonded=of(chosen(PLAN.pool, PLAN.bonded_by_rule)),
+        release=config["contact"]["release"],
+        loop=config["loop"],
+        hold_out=HOLD_OUT,
+    message:
+        "What groups tell of each other, {wildcards.geometry} geometry"
+    script:
+        "../scripts/pool.py"
+
+
 # Verdicts that take files of other groups: rules of their own, since a cluster's profile makes one
 # job of all that a group needs.
 if PLAN.pooled:
@@ -169,13 +200,12 @@ if PLAN.pooled:
     use rule diagnose as diagnose_pooled with:
         input:
             **OF_BEST,
-            whole=of(FILES.others_verdicts, "whole"),
-            alone=of(FILES.others_verdicts, "alone"),
+            told=of(FILES.told),
             ends_of_others=OTHER_ENDS,
         wildcard_constraints:
             group="|".join(PLAN.pooled),
         params:
-            **{**OF_DIAGNOSES, "others": of(PLAN.others)},
+            **OF_DIAGNOSES,
             hold_out=HOLD_OUT,
 
     use rule diagnose_ideal as diagnose_ideal_pooled with:

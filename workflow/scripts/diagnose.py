@@ -22,7 +22,7 @@ with logged_to(snakemake):
     elsewhere = sum(for_sliding(verdict) for verdict in others)
     found = diagnose_ends(models, settings, elsewhere)
     left_out = left_out_errors(models, given.folds, settings, elsewhere, progress_bar())
-    rule = hold_out_text(given.hold_out, given.leave_out, bool(given.others))
+    rule = hold_out_text(given.hold_out, given.leave_out, bool(files.get("told")))
     verdict = document(found, left_out, settings, solid, given.rows, rule)
     io.write_json(out.verdict, {**verdict, "provenance": provenance(snakemake)})
     io.write_text(out.page, page(snakemake.wildcards.group, verdict))

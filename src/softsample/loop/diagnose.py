@@ -10,7 +10,7 @@ from scipy.special import expit
 from softsample.loop.accept import Judged, objection_to
 from softsample.loop.choose import Step
 from softsample.loop.correction import Predictor, best_predictor, learned
-from softsample.loop.effects import library, specimen_stiffness
+from softsample.loop.effects import library
 from softsample.loop.effects.base import Effect
 from softsample.loop.errors import (
     Fold,
@@ -23,16 +23,13 @@ from softsample.loop.errors import (
     white_of,
 )
 from softsample.loop.fit import Fit
-from softsample.loop.pool import Group, Others, Pooled, pooled
+from softsample.loop.pool import Pooled, predicted
 from softsample.loop.posed import LoopSettings, Posed
 from softsample.loop.rounds import Candidate
 from softsample.loop.scale import Scales, most_likely
 from softsample.loop.select import Selection, select
 from softsample.loop.specimen import Specimen
 from softsample.loop.usable import doubted, driven_to_an_end, misfit_with_penalties
-
-STIFFNESS = specimen_stiffness.EFFECT.name
-"""Effect that stands for what scattered specimens differ in."""
 
 
 @dataclass(frozen=True)
@@ -174,7 +171,7 @@ def diagnose(
     specimens: Sequence[Specimen],
     settings: LoopSettings,
     effects: Sequence[Effect] | None = None,
-    others: Others | None = None,
+    told: Pooled | None = None,
 ) -> Diagnosis:
     """Find the residual, trace it to effects, add them, and measure the error before and after.
 
@@ -186,19 +183,16 @@ def diagnose(
         Noise, floor and rules of the selection.
     effects : sequence of Effect, optional
         Library to choose from; all by default.
-    others : Others, optional
-        The other groups of the study, if all that was measured of them is known.
+    told : Pooled, optional
+        What the other groups of the study have chosen, in place of what these records ask for.
     """
     found = library(tests=specimens).values() if effects is None else effects
-    known = [effect for effect in found if effect.name not in settings.absent]
     posed = Posed.of(specimens, settings)
-    if posed.stiffness:
-        known = [effect for effect in known if effect.name != STIFFNESS]
-    selection, told = select(posed.problem, known, settings.selection), None
-    if others:
-        own = Group.of(posed, posed, known)
-        told = pooled(own, others, selection.asked, settings.selection)
-        selection = _told(selection, told) if told else selection
+    known = posed.open_to([*found], settings)
+    selection = select(posed.problem, known, settings.selection)
+    if told:
+        named = {effect.name: effect for effect in known}
+        selection = _told(selection, told, predicted(posed.plain, named, told.told, told.guesses))
     judged, first = partial(_judged, posed), posed.first
     models = [selection.base, selection.final] if selection.classes else [selection.base]
     rest, *more = (judged(fit, cross_validated(fit), most_likely(fit)) for fit in models)
@@ -225,9 +219,9 @@ def diagnose(
     )  # fmt: skip
 
 
-def _told(selection: Selection, told: Pooled) -> Selection:
+def _told(selection: Selection, told: Pooled, fit: Fit) -> Selection:
     """A selection with the effects that other groups have chosen in place of its own."""
-    fit, threshold = told.fit, selection.steps[0].threshold
+    threshold = selection.steps[0].threshold
     chosen = [
         Candidate(name, fit, fit, evidence, evidence, False)
         for name, evidence in told.evidence.items()

@@ -3,21 +3,15 @@
 Neither is more probable beforehand, and both may lack effects: each is diagnosed.
 """
 
-from collections.abc import Collection, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from typing import Any
 
-from softsample.constitutive.material import Material
-from softsample.loop.candidates import candidates
 from softsample.loop.diagnose import Diagnosis, diagnose
 from softsample.loop.effects.base import Effect
-from softsample.loop.held_out import specimens_of
-from softsample.loop.pool import Others, Pooled, lower
+from softsample.loop.pool import Pooled, lower
 from softsample.loop.posed import LoopSettings
 from softsample.loop.specimen import Specimen
-from softsample.records import Record
-from softsample.response.elastic import Tables
-from softsample.shapes import IdealShape
 
 
 @dataclass(frozen=True)
@@ -32,57 +26,14 @@ class AssumedEnds:
         All tests that the diagnosis is told of.
     effects : sequence of Effect
         What may be named.
-    others : Others, optional
-        The other groups of the study, if all that was measured of them is known.
+    told : Pooled, optional
+        What the other groups of the study have chosen.
     """
 
     specimens: Sequence[Specimen]
     every: Sequence[Specimen]
     effects: Sequence[Effect]
-    others: Others | None = None
-
-
-@dataclass(frozen=True, eq=False)
-class Recorded:
-    """What a study recorded of a group, and of its other groups if these tell of it.
-
-    Parameters
-    ----------
-    names : collection of str
-        Samples of the group.
-    rows, records, shapes : sequence
-        Of every sample: row with defaults filled in, record, ideal shape.
-    hold_out : sequence of mapping
-        Selections of the study's settings.
-    groups : mapping
-        Samples of the other groups, by group.
-    verdicts : tuple of sequences of mapping
-        `verdict.json` of each of these on all of its records, and on what is not held out.
-    """
-
-    names: Collection[str]
-    rows: Sequence[Mapping[str, str]]
-    records: Sequence[Record]
-    shapes: Sequence[IdealShape]
-    hold_out: Sequence[Mapping[str, Any]]
-    groups: Mapping[str, Collection[str]]
-    verdicts: tuple[Sequence[Mapping[str, Any]], Sequence[Mapping[str, Any]]]
-
-    def with_ends(
-        self, slides: bool, tables: Sequence[Tables], settings: LoopSettings, solid: Material
-    ) -> AssumedEnds:
-        """Beside the responses of all samples, whose open ends are taken to slide or not."""
-        samples = [*zip(self.rows, self.records, tables, self.shapes, strict=True)]
-        whole, part = (
-            [test for sample in samples for test in specimens_of(*sample, held)]
-            for held in ([], self.hold_out)
-        )
-        heights = {r["sample"]: s.height for r, s in zip(self.rows, self.shapes, strict=True)}
-        own = [test for test in part if test.name in self.names]
-        effects = candidates(own, heights[own[0].name], solid)
-        told = [_with_ends(verdict, slides) for verdict in self.verdicts[0]], self.verdicts[1]
-        others = Others.of(self.groups, (whole, part), heights, told, settings, solid)
-        return AssumedEnds(own, part, effects, others)
+    told: Pooled | None = None
 
 
 def diagnose_ends(
@@ -99,11 +50,11 @@ def diagnose_ends(
     elsewhere : float
         Evidence for sliding ends in the other groups of the study, which had the same platens.
     """
-    found = [diagnose(one.specimens, settings, one.effects, one.others) for one in models]
+    found = [diagnose(one.specimens, settings, one.effects, one.told) for one in models]
     return likelier(found[0], found[1], elsewhere) if found[1:] else found[0]
 
 
-def _with_ends(verdict: Mapping[str, Any], slides: bool) -> Mapping[str, Any]:
+def with_ends(verdict: Mapping[str, Any], slides: bool) -> Mapping[str, Any]:
     """A verdict, or what it has of the other ends if these are meant."""
     other: Mapping[str, Any] | None = verdict["other_ends"]
     return other if other and (other["ends"] == "sliding") == slides else verdict

@@ -37,7 +37,7 @@ def left_out_errors(
     for done, (name, samples) in enumerate(folds.items()):
         if progress is not None:
             progress(name, done / len(folds))
-        rest = [replace(one, specimens=_without(one.every, samples), others=None) for one in models]
+        rest = [replace(one, specimens=_without(one.every, samples), told=None) for one in models]
         if all(s.held_out.all() for s in rest[0].specimens):
             continue
         found = diagnose_ends(rest, settings, elsewhere)

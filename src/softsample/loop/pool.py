@@ -6,23 +6,21 @@ by one, each time the one with which the others would have been predicted best: 
 in its turn, from what is not held out of it and from all of the rest.
 """
 
-from collections.abc import Collection, Mapping, Sequence
+from collections.abc import Callable, Collection, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from functools import cached_property
 from typing import Any, Self
 
 import numpy as np
 
-from softsample.constitutive.material import Material
 from softsample.holdout import FEWEST_OTHERS
-from softsample.loop.candidates import candidates
 from softsample.loop.discrepancy import settled
 from softsample.loop.effects.base import Effect, Parameter, Values
 from softsample.loop.errors import held_out_errors
 from softsample.loop.fit import Fit
 from softsample.loop.joint import joint_fit, law_fit
 from softsample.loop.model import FIXED, Model, State
-from softsample.loop.posed import LoopSettings, Posed
+from softsample.loop.posed import Posed
 from softsample.loop.rounds import SelectionSettings
 from softsample.loop.scale import most_likely
 from softsample.loop.screen import best_of_each, signatures
@@ -41,21 +39,28 @@ GUESSES = 2
 Told = Mapping[str, Mapping[str, tuple[float, float]]]
 """Mean and standard deviation of parameters, by effect and parameter."""
 
+Library = Mapping[str, Effect]
+"""Effects by name."""
 
-@dataclass(frozen=True)
+
+@dataclass(frozen=True, eq=False)
 class Group:
     """A group, all that was measured of it and what is not held out.
+
+    Fits of it are remembered: searches for the effects of the other groups ask for the same ones.
 
     Parameters
     ----------
     whole : Fit
-        Plain model of all records.
+        Plain model of all records, or one with effects.
     part : Fit
-        The same without what is held out.
+        Plain model of what is not held out.
     tests : sequence of Specimen
         All tests, with what is held out of them marked.
-    library : mapping of Effect
-        Effects that its records may show.
+    library, shown : mapping of Effect
+        Effects that all of its records may show, and what is not held out.
+    asked, asked_alone : collection of str
+        Effects that those have asked for, and these.
     alone : float
         Logarithm of the error on what is held out, by its own diagnosis; NaN if nothing is.
     """
@@ -63,51 +68,72 @@ class Group:
     whole: Fit
     part: Fit
     tests: Sequence[Specimen]
-    library: Mapping[str, Effect]
+    library: Library
+    shown: Library
+    asked: Collection[str] = ()
+    asked_alone: Collection[str] = ()
     alone: float = np.nan
+    _more: dict[str, Self] = field(default_factory=dict, init=False, repr=False)
+    _guesses: "dict[Group, _Guess]" = field(default_factory=dict, init=False, repr=False)
 
     @classmethod
     def of(
         cls,
-        whole: Posed,
-        part: Posed,
-        effects: Sequence[Effect],
+        posed: Sequence[Posed],
+        effects: Sequence[Sequence[Effect]],
+        verdicts: Sequence[Mapping[str, Any] | None] = (None, None),
         alone: Mapping[str, Any] | None = None,
     ) -> Self:
         """From the records of a group, all of them and what is not held out.
 
-        `alone` is the `verdict.json` of its own diagnosis.
+        `verdicts` are what diagnoses of both found with these ends, `alone` is the `verdict.json`
+        of the latter.
         """
-        library = {effect.name: effect for effect in effects}
+        whole, part = posed
+        every, shown = ({effect.name: effect for effect in of} for of in effects)
+        asked, asked_alone = map(_asked, verdicts)
         errors = [
             0.01 * test["rms_percent"]
             for test in (alone or {}).get("held_out_after", {}).get("held_out", {}).values()
         ]
-        return cls(whole.plain, part.plain, part.specimens, library, _log_rms(errors))
+        return cls(
+            whole.plain,
+            part.plain,
+            part.specimens,
+            every,
+            shown,
+            asked,
+            asked_alone,
+            _log_rms(errors),
+        )
 
     def with_effect(self, name: str, tie: float) -> Self:
         """The same with one effect more in the model of all records."""
-        fit, effect = self.whole, self.library[name]
-        if effect.is_law:
-            found = law_fit(fit, effect, tie)
-        else:
-            signature = best_of_each(signatures(fit, [effect]), fit.white)[name][1]
-            found = joint_fit(fit, signature, tie)
-        return replace(self, whole=settled(fit.problem, found))
+        if name not in self._more:
+            fit, effect = self.whole, self.library[name]
+            if effect.is_law:
+                found = law_fit(fit, effect, tie)
+            else:
+                signature = best_of_each(signatures(fit, [effect]), fit.white)[name][1]
+                found = joint_fit(fit, signature, tie)
+            self._more[name] = replace(self, whole=settled(fit.problem, found))
+        return self._more[name]
 
-    def refitted(self, others: Sequence[Self]) -> Self:
+    def refitted(self, others: Sequence["Group"]) -> "Group":
         """The same, its model of all records fitted from the likeliest values of others too.
 
         What the first fit finds depends on the order in which effects were added.
         """
-        fit, model, problem = self.whole, self.whole.model, self.whole.problem
-        there = [replace(fit.state, values=other.whole.state.values) for other in others]
-        starts = [problem.of_own_modulus(model, state) for state in there]
-        starts.sort(key=lambda state: float(np.sum(problem.residual(model, state) ** 2)))
-        best = min(problem.fits(model, starts[:GUESSES], found=[fit]), key=lambda one: one.cost)
-        return self if best is fit else replace(self, whole=settled(problem, best))
+        guesses = sorted(map(self._guess, others), key=lambda guess: guess.left)[:GUESSES]
+        best = min(guesses, key=lambda guess: guess.fit.cost, default=None)
+        return best.group if best and best.fit.cost < self.whole.cost else self
 
-    def told(self) -> dict[str, dict[str, tuple[float, float]]]:
+    def _guess(self, other: "Group") -> "_Guess":
+        """What another group tells a fit of this one."""
+        return self._guesses.setdefault(other, _Guess(self, other))
+
+    @cached_property
+    def told(self) -> Told:
         """Parameters of the effects in the model of all records, with standard deviations."""
         fit = self.whole
         deviations = iter(np.sqrt(np.diag(fit.covariance))[FIXED:])
@@ -119,82 +145,73 @@ class Group:
             for effect in fit.model.effects
         }
 
-    def predicted(self, names: Sequence[str], told: Told, guesses: Sequence[Self] = ()) -> Fit:
-        """What is not held out, fitted with effects of which others tell the parameters.
-
-        From the means of these, and from the values of each group that is a guess.
-        """
-        effects = [_known(self.library[name], told[name]) for name in names]
-        values: dict[str, Values] = {
-            e.name: {p.name: p.known[0] for p in e.parameters if p.known} for e in effects
-        }
-        model = Model(tuple(effects))
-        start = State(self.part.state.material, values)
-        others = [replace(start, values=group.whole.state.values) for group in guesses]
-        return settled(self.part.problem, self.part.problem.fit(model, start, others))
-
     def error(self, fit: Fit) -> float:
         """Logarithm of the error of a fit on what is held out [parts of peaks, RMS over tests]."""
         found = held_out_errors(fit, self.tests, {}, most_likely(fit))
         return _log_rms([e.rms / e.peak for e in found.values()])
 
 
-@dataclass(frozen=True)
-class Others:
-    """The other groups of a study.
+@dataclass(frozen=True, eq=False)
+class _Guess:
+    """Values that another group has for the effects of one, as the initial guess of a fit."""
+
+    own: Group
+    other: Group
+
+    @cached_property
+    def start(self) -> State:
+        """The state, with the modulus of the group itself."""
+        fit = self.own.whole
+        there = replace(fit.state, values=self.other.whole.state.values)
+        return fit.problem.of_own_modulus(fit.model, there)
+
+    @cached_property
+    def left(self) -> float:
+        """What is left there: sum of squares."""
+        fit = self.own.whole
+        return float(np.sum(fit.problem.residual(fit.model, self.start) ** 2))
+
+    @cached_property
+    def fit(self) -> Fit:
+        """The fit from there."""
+        fit = self.own.whole
+        return fit.problem.fits(fit.model, [self.start], found=[fit])[-1]
+
+    @cached_property
+    def group(self) -> Group:
+        """The group with that fit."""
+        return replace(self.own, whole=settled(self.fit.problem, self.fit))
+
+
+def predicted(
+    part: Fit, library: Library, told: Told, guesses: Sequence[Mapping[str, Values]] = ()
+) -> Fit:
+    """Records fitted with effects of which others tell the parameters.
 
     Parameters
     ----------
-    groups : list of Group
-        All that was measured of each.
-    names : set of str
-        Effects that the records of any of them have asked for.
+    part : Fit
+        Plain model of these records.
+    library : mapping of Effect
+        Effects that they may show.
+    told : mapping
+        Of the effects.
+    guesses : sequence of mapping
+        Values of other groups, from which the fit sets out too.
     """
-
-    groups: list[Group]
-    names: set[str]
-
-    @classmethod
-    def of(
-        cls,
-        groups: Mapping[str, Collection[str]],
-        tests: tuple[Sequence[Specimen], Sequence[Specimen]],
-        heights: Mapping[str, float],
-        verdicts: tuple[Sequence[Mapping[str, Any]], Sequence[Mapping[str, Any]]],
-        settings: LoopSettings,
-        solid: Material,
-    ) -> Self | None:
-        """From the tests of a study; None if it has too few other groups.
-
-        Parameters
-        ----------
-        groups, verdicts
-            As of `softsample.loop.ends.Recorded`.
-        tests : tuple of sequences of Specimen
-            With nothing held out, and with what the study holds out.
-        heights : mapping of float
-            Of samples [m].
-        settings : LoopSettings
-            Of the diagnosis.
-        solid : Material
-            What the models are made of.
-        """
-        if len(groups) < FEWEST_OTHERS:
-            return None
-        found = []
-        for names, alone in zip(groups.values(), verdicts[1], strict=True):
-            own = [[test for test in every if test.name in names] for every in tests]
-            effects = candidates(own[0], heights[own[0][0].name], solid)
-            whole, part = (Posed.of(of, settings) for of in own)
-            found.append(Group.of(whole, part, effects, alone))
-        return cls(found, set().union(*map(_asked, verdicts[0])))
+    effects = [_known(library[name], of) for name, of in told.items()]
+    means: dict[str, Values] = {
+        e.name: {p.name: p.known[0] for p in e.parameters if p.known} for e in effects
+    }
+    start, *others = (State(part.state.material, values) for values in (means, *guesses))
+    return settled(part.problem, part.problem.fit(Model(tuple(effects)), start, others))
 
 
-def _asked(verdict: Mapping[str, Any]) -> set[str]:
+def _asked(verdict: Mapping[str, Any] | None) -> set[str]:
     """Effects that passed the threshold in a round of a diagnosis."""
     return {
         candidate["name"]
-        for step in verdict["path"]
+        for step in (verdict["path"] if verdict else [])
         for candidate in step["candidates"]
         if candidate["evidence"] >= step["threshold"]
     }
@@ -211,8 +228,10 @@ class Pooled:
 
     Parameters
     ----------
-    fit : Fit
-        Of what is not held out of the group, with what the others tell.
+    told : mapping
+        Of the effects, in the order in which they were added.
+    guesses : list of mapping
+        Values of each of the other groups.
     classes : dict of list of str
         Names that are as good as each effect, itself first.
     evidence : dict of float
@@ -224,12 +243,23 @@ class Pooled:
         Logarithm of that with these effects, of each.
     """
 
-    fit: Fit
+    told: Told
+    guesses: Sequence[Mapping[str, Values]]
     classes: dict[str, list[str]]
     evidence: dict[str, float]
     before: float
     alone: float
     left: Array
+
+    def document(self) -> dict[str, Any]:
+        """As JSON, for `of_document`."""
+        left = [None if np.isnan(error) else float(error) for error in self.left]
+        return {**vars(self), "left": left}
+
+    @classmethod
+    def of_document(cls, document: Mapping[str, Any]) -> Self:
+        """What `document` wrote."""
+        return cls(**{**document, "left": np.array(document["left"], float)})
 
     def report(self) -> dict[str, float]:
         """What `verdict.json` holds."""
@@ -241,9 +271,36 @@ class Pooled:
         }
 
 
-def pooled(
-    own: Group, others: Others, asked: Collection[str], rules: SelectionSettings
-) -> Pooled | None:
+def documents(
+    models: Sequence[Mapping[str, Group]],
+    rules: SelectionSettings,
+    progress: Callable[[str, float], None] | None = None,
+) -> list[dict[str, dict[str, Any] | None]]:
+    """What the others have chosen for each group, as JSON, see `pooled`; None if nothing.
+
+    Parameters
+    ----------
+    models : sequence of mapping
+        The groups by name, with each model of the ends.
+    rules : SelectionSettings
+        As of the selection in one group.
+    progress : callable, optional
+        Told the group and the finished part.
+    """
+    found: list[dict[str, dict[str, Any] | None]] = []
+    count = sum(len(groups) for groups in models)
+    for groups in models:
+        told: dict[str, dict[str, Any] | None] = {}
+        for name, own in groups.items():
+            if progress is not None:
+                progress(name, (sum(len(one) for one in found) + len(told)) / count)
+            chosen = pooled(own, [one for one in groups.values() if one is not own], rules)
+            told[name] = chosen.document() if chosen else None
+        found.append(told)
+    return found
+
+
+def pooled(own: Group, others: Sequence[Group], rules: SelectionSettings) -> Pooled | None:
     """Effects that predict the other groups better than their own diagnoses, if there are any.
 
     An effect is added if all records of the others ask for it, it lowers the error on what is
@@ -253,21 +310,28 @@ def pooled(
     Parameters
     ----------
     own : Group
-        What is to be predicted.
-    others : Others
+        What is to be predicted: nothing that is held out of it is used.
+    others : sequence of Group
         The others.
-    asked : collection of str
-        Effects that its own records, without what is held out, have asked for.
     rules : SelectionSettings
         As of the selection in one group.
     """
-    plain, alone = _Tried(others.groups), np.array([group.alone for group in others.groups])
-    found = _Search(own, others, asked, rules).completed(_Chain(plain))
-    left = found.tried.left
+    if len(others) < FEWEST_OTHERS:
+        return None
+    plain, alone = _Tried(others), np.array([group.alone for group in others])
+    found = _Search(own, others, rules).completed(_Chain(plain))
+    tried, left = found.tried, found.tried.left
     if not found.classes or np.nanmean(left) >= np.nanmean(alone):
         return None
-    fit = found.tried.predicting(own, list(found.classes))
-    return Pooled(fit, found.classes, found.evidence, _percent(plain.left), _percent(alone), left)
+    return Pooled(
+        tried.common,
+        tried.values,
+        found.classes,
+        found.evidence,
+        _percent(plain.left),
+        _percent(alone),
+        left,
+    )
 
 
 def _percent(errors: Array) -> float:
@@ -286,19 +350,24 @@ class _Tried:
         """Of the effects."""
         return self.groups[0].whole.model.names
 
-    @cached_property
-    def told(self) -> list[Told]:
-        """What each group tells."""
-        return [group.told() for group in self.groups]
+    @property
+    def common(self) -> Told:
+        """What all of them tell."""
+        return _common([group.told for group in self.groups])
+
+    @property
+    def values(self) -> list[Mapping[str, Values]]:
+        """Values of each."""
+        return [group.whole.state.values for group in self.groups]
 
     @cached_property
     def left(self) -> Array:
         """Logarithm of the error on what is held out of each, effects predicted from the others."""
         if not self.names:
             return np.array([group.error(group.part) for group in self.groups])
-        told = self.told
+        told = [group.told for group in self.groups]
         return np.array([
-            group.error(group.predicted(self.names, _common([*told[:k], *told[k + 1 :]])))
+            group.error(predicted(group.part, group.shown, _common([*told[:k], *told[k + 1 :]])))
             for k, group in enumerate(self.groups)
         ])  # fmt: skip
 
@@ -313,13 +382,9 @@ class _Tried:
         none = sum(bool(unusable(group.whole)) for group in self.groups)
         return none <= MOST_UNUSABLE * len(self.groups)
 
-    def predicting(self, own: Group, names: Sequence[str]) -> Fit:
-        """What is not held out of another group, fitted with what these tell."""
-        return own.predicted(names, _common(self.told), self.groups)
-
     def holds_in(self, own: Group) -> bool:
         """Whether the effects may explain something in another group, too."""
-        return not unusable(self.predicting(own, self.names))
+        return not unusable(predicted(own.part, own.shown, self.common, self.values))
 
     def with_effect(self, name: str, tie: float) -> Self:
         """The same with one effect more."""
@@ -355,7 +420,7 @@ class _Chain:
 
 @dataclass(frozen=True)
 class _Search:
-    """For effects of a group in the others; the first four parameters are those of `pooled`.
+    """For effects of a group in the others; the first three parameters are those of `pooled`.
 
     Parameters
     ----------
@@ -364,8 +429,7 @@ class _Search:
     """
 
     own: Group
-    others: Others
-    asked: Collection[str]
+    others: Sequence[Group]
     rules: SelectionSettings
     known: dict[frozenset[str], _Tried] = field(default_factory=dict)
 
@@ -388,7 +452,7 @@ class _Search:
         alike = [name for name in ranked if not lower(left[ranked[0]], left[name])]
         likeliest = max(found, key=lambda name: found[name].evidence[name])
         followed = [*alike[:BRANCHES], likeliest]
-        laws = [name for name in ranked if self.own.library[name].is_law]
+        laws = [name for name in ranked if self.own.shown[name].is_law]
         if not set(laws).isdisjoint(followed):
             followed += [name for name in laws if name not in followed][:1]
         ends = []
@@ -411,13 +475,18 @@ class _Search:
 
     def _open(self, chosen: Collection[str]) -> list[str]:
         """Effects that may be added: asked for by some group, open to all, one law among them."""
-        model = Model(tuple(self.own.library[name] for name in chosen))
+        asked = set(self.own.asked_alone).union(*(group.asked for group in self.others))
+        model = Model(tuple(self.own.shown[name] for name in chosen))
         return [
             name
-            for name, effect in self.own.library.items()
-            if (name in self.others.names or name in self.asked)
+            for name, effect in self.own.shown.items()
+            if name in asked
             and model.admits(effect)
-            and all(_alike(effect, group.library.get(name)) for group in self.others.groups)
+            and all(
+                _alike(effect, library.get(name))
+                for group in self.others
+                for library in (group.library, group.shown)
+            )
         ]
 
 

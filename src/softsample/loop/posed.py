@@ -7,6 +7,8 @@ from typing import Any, Self
 import numpy as np
 
 from softsample.loop.contact import own_contact
+from softsample.loop.effects import specimen_stiffness
+from softsample.loop.effects.base import Effect
 from softsample.loop.fit import Fit, Problem
 from softsample.loop.noise import (
     Noise,
@@ -24,6 +26,9 @@ from softsample.loop.same_piece import in_common
 from softsample.loop.scale import relative_stiffness, scatter
 from softsample.loop.select import plain_model
 from softsample.loop.specimen import Array, Specimen, blocks
+
+STIFFNESS = specimen_stiffness.EFFECT.name
+"""Effect that stands for what scattered specimens differ in."""
 
 PER_BLOCK = 4
 """Points of a block at which predictions are computed."""
@@ -97,6 +102,11 @@ class Posed:
         if stiffness:
             problem, noises = pose(alike, settings.noise)
         return cls(alike, problem, noises, first, stiffness, contact)
+
+    def open_to(self, effects: Sequence[Effect], settings: LoopSettings) -> list[Effect]:
+        """Those of effects that may be named: neither known to be absent, nor known already."""
+        known = {*settings.absent, *([STIFFNESS] if self.stiffness else [])}
+        return [effect for effect in effects if effect.name not in known]
 
     @property
     def spread(self) -> list[float]:

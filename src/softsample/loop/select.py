@@ -59,11 +59,6 @@ class Selection:
     visited: list[Fit] = field(default_factory=list)
     beside: list[Step] = field(default_factory=list)
 
-    @property
-    def asked(self) -> set[str]:
-        """Effects that passed the threshold in a round."""
-        return {c.name for s in self.steps for c in s.candidates if c.evidence >= s.threshold}
-
 
 def select(problem: Problem, effects: Sequence[Effect], settings: SelectionSettings) -> Selection:
     """Find the effects that the records ask for.

@@ -16,7 +16,7 @@ from softsample.loop.deviation import (
     log_modulus_deviation,
     relaxing,
 )
-from softsample.loop.diagnose import STIFFNESS, Diagnosis
+from softsample.loop.diagnose import Diagnosis
 from softsample.loop.effects import ends, library, specimen_stiffness
 from softsample.loop.effects.base import Effect, Values
 from softsample.loop.errors import Errors
@@ -380,7 +380,7 @@ def _stiffness_report(diagnosis: Diagnosis, noise: NoiseSettings) -> dict[str, A
         for piece, x in diagnosis.posed.stiffness.items()
     }
     evidence = diagnosis.posed.first.misfit - diagnosis.selection.base.misfit
-    return _named(specimen_stiffness.EFFECT, [STIFFNESS], sizes, evidence)
+    return _named(specimen_stiffness.EFFECT, [specimen_stiffness.EFFECT.name], sizes, evidence)
 
 
 def _effect_report(effect: Effect, selection: Selection, noise: NoiseSettings) -> dict[str, Any]:

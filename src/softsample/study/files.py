@@ -120,6 +120,10 @@ class Files:
             "json", self.plan.samples_of(group)[0], geometry or self.plan.best(group)
         )
 
+    def calibration_of_pool(self, geometry: str) -> str:
+        """Calibration of the first of the groups that tell of each other."""
+        return self.calibration_of_group(next(iter(self.plan.in_turn(geometry))), geometry)
+
     def fitted_curves(self, sample: str) -> list[str]:
         """Calibrated curves of the sample's group on its geometries."""
         return [self.calibration("csv", sample, name) for name in self.plan.geometries(sample)]
@@ -169,9 +173,14 @@ class Files:
         }
         return best | ideal
 
-    def others_verdicts(self, kind: str, group: str) -> list[str]:
-        """Verdicts of the groups that tell of one, `alone`, or on `whole` records."""
-        return [f"{RESULTS}loop/{name}/{kind}/verdict.json" for name in self.plan.others(group)]
+    def verdicts_in_turn(self, kind: str, geometry: str) -> list[str]:
+        """Verdicts of the groups that tell of each other, `alone`, or on `whole` records."""
+        return [f"{RESULTS}loop/{name}/{kind}/verdict.json" for name in self.plan.in_turn(geometry)]
+
+    def told(self, group: str) -> list[str]:
+        """What other groups tell of one, if they do."""
+        plan = self.plan
+        return [f"{RESULTS}loop/pool_{plan.best(group)}.json"] if plan.is_told(group) else []
 
     def open_ends_verdicts(self, group: str) -> list[str]:
         """Verdicts that tell what the platens do to ends that are open."""

@@ -225,11 +225,22 @@ class Plan:
         best = self.best(_known(group, self.groups, "group"))
         return [name for name in self.groups if self.best(name) == best]
 
-    def others(self, group: str) -> dict[str, list[str]]:
-        """Samples of the other groups that tell of one, by group; none if they are not held out."""
-        alike = self._alike(group)
-        pooled = in_turn(self.hold_out, self.leave_out, alike)
-        return {name: self.groups[name] for name in alike if pooled and name != group}
+    def in_turn(self, geometry: str) -> dict[str, list[str]]:
+        """Samples of groups that tell of each other, by group: those of one best geometry.
+
+        None if what the study holds out is not held out of one group at a time.
+        """
+        alike = {name: names for name, names in self.groups.items() if self.best(name) == geometry}
+        return alike if in_turn(self.hold_out, self.leave_out, alike) else {}
+
+    def is_told(self, group: str) -> bool:
+        """Whether other groups tell of one."""
+        return group in self.in_turn(self.best(_known(group, self.groups, "group")))
+
+    def pool(self, geometry: str) -> list[str]:
+        """Samples of the groups that tell of each other."""
+        groups = self.in_turn(geometry)
+        return [name for name, row in self.rows.items() if row["group"] in groups]
 
     def open_others(self, group: str) -> list[str]:
         """Other groups of open ends, which tell what the platens do to those of the group."""
@@ -258,28 +269,28 @@ class Plan:
         None where the study holds something out of one group at a time.
         """
         if self.leave_out == "group":
-            return {} if self.others(group) else {f"leave_out_{group}": self.samples_of(group)}
+            return {} if self.is_told(group) else {f"leave_out_{group}": self.samples_of(group)}
         rows = [self.rows[name] for name in self.samples_of(group)]
         return {f"leave_out_{value}": names for value, names in folds(rows, self.leave_out)}
 
     def diagnosed(self, group: str) -> list[str]:
         """Samples that a diagnosis is told of: of the group, or of all alike if one is left out."""
-        if self.leave_out != "group":
+        if self.leave_out != "group" or self.is_told(group):
             return self.samples_of(group)
         alike = self._alike(group)
         return [name for name, row in self.rows.items() if row["group"] in alike]
 
-    def diagnosed_open(self, group: str) -> list[str]:
-        """The same if the ends of one of them are open, else none."""
-        return found if self._open.intersection(found := self.diagnosed(group)) else []
+    def opened(self, samples: Sequence[str]) -> Sequence[str]:
+        """The same samples if the ends of one of them are open, else none."""
+        return samples if self._open.intersection(samples) else []
 
-    def bonded_by_rule(self, group: str) -> list[bool]:
-        """Whether each of the samples of a diagnosis has its real top bonded by a rule."""
-        return [self.piece_of[name] in self.bonded for name in self.diagnosed(group)]
+    def bonded_by_rule(self, samples: Sequence[str]) -> list[bool]:
+        """Whether each of some samples has its real top bonded by a rule."""
+        return [self.piece_of[name] in self.bonded for name in samples]
 
-    def diagnosed_bonded(self, group: str) -> list[str]:
-        """Those of them that have."""
-        return [name for name in self.diagnosed(group) if self.piece_of[name] in self.bonded]
+    def only_bonded(self, samples: Sequence[str]) -> list[str]:
+        """Those of some samples that have."""
+        return [name for name in samples if self.piece_of[name] in self.bonded]
 
     def real_of(self, sample: str) -> list[str]:
         """The sample, if its group has the real geometry."""

@@ -182,18 +182,31 @@ def chosen(samples, choose):
     return wraps(samples)(lambda *given, **known: choose(samples(*given, **known)))
 
 
-def responses(samples=PLAN.diagnosed, fit=FILES.calibration_of_group, **fixed):
-    """What a diagnosis predicts records with, on the best geometry if none is fixed."""
+def of_model(samples, ends="", **fixed):
+    """Curves of samples and of changed models, on the best geometry if none is fixed."""
     curves, changes = "<results>/curves/{piece}/{geometry}", "<results>/loop/perturbations/{piece}"
-    opened = chosen(samples, PLAN.opened)
     return {
-        "curves": each(samples, f"{curves}/ogden2.csv", **fixed),
-        "perturbations": each(samples, f"{changes}_{{geometry}}.csv", **fixed),
-        "sliding_curves": each(opened, f"{curves}/ogden2{{ends}}.csv", **fixed),
-        "sliding_perturbations": each(opened, f"{changes}_{{geometry}}{{ends}}.csv", **fixed),
-        "fit": of(fit, **fixed),
+        "curves": each(samples, f"{curves}/ogden2{ends}.csv", **fixed),
+        "perturbations": each(samples, f"{changes}_{{geometry}}{ends}.csv", **fixed),
+    }
+
+
+def recorded(samples):
+    """Records of samples, and dimensions of the ideal shapes."""
+    return {
         "records": each(samples, "<results>/records/{sample}.csv"),
         "cuboids": each(samples, "<results>/cuboid/{piece}.json"),
+    }
+
+
+def responses(**fixed):
+    """What a diagnosis predicts records with, on the best geometry if none is fixed."""
+    sliding = of_model(chosen(PLAN.diagnosed, PLAN.opened), "{ends}", **fixed)
+    return {
+        **of_model(PLAN.diagnosed, **fixed),
+        **{f"sliding_{name}": files for name, files in sliding.items()},
+        **recorded(PLAN.diagnosed),
+        "fit": of(FILES.calibration_of_group, **fixed),
     }
 
 

@@ -164,14 +164,29 @@ use rule diagnose as diagnose_ideal with:
         "Diagnose the residual of the idealised shape: group {wildcards.group}"
 
 
+OF_POOL = {
+    **recorded(PLAN.pool),
+    "fit": of(FILES.calibration_of_pool),
+    "bonds": each(chosen(PLAN.pool, PLAN.only_bonded), "<results>/bond/{piece}.json"),
+    "whole": of(FILES.verdicts_in_turn, "whole"),
+    "alone": of(FILES.verdicts_in_turn, "alone"),
+    "code": library("workflow/scripts/pool.py"),
+}
+OF_GROUPS = {
+    "groups": of(PLAN.in_turn),
+    "rows": rows(PLAN.pool),
+    "bonded": of(chosen(PLAN.pool, PLAN.bonded_by_rule)),
+    "release": config["contact"]["release"],
+    "loop": config["loop"],
+    "hold_out": HOLD_OUT,
+}
+
+
 # What each group is told by the others, of those whose geometry is known as well.
 rule pool:
     input:
-        **responses(PLAN.pool, FILES.calibration_of_pool),
-        bonds=each(chosen(PLAN.pool, PLAN.only_bonded), "<results>/bond/{piece}.json"),
-        whole=of(FILES.verdicts_in_turn, "whole"),
-        alone=of(FILES.verdicts_in_turn, "alone"),
-        code=library("workflow/scripts/pool.py"),
+        **of_model(PLAN.pool),
+        **OF_POOL,
     output:
         told="<results>/loop/pool_{geometry}.json",
     log:
@@ -181,16 +196,29 @@ rule pool:
     conda:
         "../envs/softsample.yaml"
     params:
-        groups=of(PLAN.in_turn),
-        rows=rows(PLAN.pool),
-        bonded=of(chosen(PLAN.pool, PLAN.bonded_by_rule)),
-        release=config["contact"]["release"],
-        loop=config["loop"],
-        hold_out=HOLD_OUT,
+        **OF_GROUPS,
+        sliding=False,
     message:
-        "What groups tell of each other, {wildcards.geometry} geometry"
+        "What groups tell of each other: {wildcards.geometry} geometry"
     script:
         "../scripts/pool.py"
+
+
+use rule pool as pool_sliding with:
+    input:
+        **of_model(PLAN.pool, "{ends}"),
+        **OF_POOL,
+    output:
+        told="<results>/loop/pool_{geometry}_sliding.json",
+    log:
+        "<logs>/pool/{geometry}_sliding.log",
+    benchmark:
+        "<benchmarks>/pool/{geometry}_sliding.tsv"
+    params:
+        **OF_GROUPS,
+        sliding=True,
+    message:
+        "What groups with sliding ends tell of each other: {wildcards.geometry} geometry"
 
 
 # Verdicts that take files of other groups: rules of their own, since a cluster's profile makes one

@@ -2,7 +2,7 @@
 
 from softsample import io
 from softsample.constitutive.ogden import of_fit
-from softsample.from_files.diagnosis import groups_of_ends
+from softsample.from_files.diagnosis import groups_in_turn
 from softsample.loop.pool import documents
 from softsample.loop.posed import LoopSettings
 from softsample.workflow import logged_to, progress_bar, provenance
@@ -10,6 +10,6 @@ from softsample.workflow import logged_to, progress_bar, provenance
 with logged_to(snakemake):
     given, files = snakemake.params, snakemake.input
     settings, solid = LoopSettings.of_config(given.loop), of_fit(io.read_json(files.fit))
-    models = groups_of_ends(files, given, settings, solid)
-    told = documents(models, settings.selection, progress_bar())
-    io.write_json(snakemake.output.told, {"models": told, "provenance": provenance(snakemake)})
+    groups = groups_in_turn(files, given, settings, solid)
+    told = documents(groups, settings.selection, progress_bar())
+    io.write_json(snakemake.output.told, {"groups": told, "provenance": provenance(snakemake)})

@@ -40,21 +40,20 @@ def assumed_ends(
         The law of the study.
     """
     recorded = _Recorded.of(files, given, solid)
-    told = read_json(files["told"])["models"] if files.get("told") else []
+    told = [read_json(path)["groups"][given.group] for path in files.get("told", [])]
     models = []
     for k in range(len(recorded.tables)):
         every = recorded.tests(k, given.hold_out)
         own = [test for test in every if test.name in given.samples]
-        chosen = told[k][given.group] if told else None
-        pooled = Pooled.of_document(chosen) if chosen else None
+        pooled = Pooled.of_document(told[k]) if told and told[k] else None
         models.append(AssumedEnds(own, every, recorded.effects(own), pooled))
     return models
 
 
-def groups_of_ends(
+def groups_in_turn(
     files: Files, given: Any, settings: LoopSettings, solid: Material
-) -> list[dict[str, Group]]:
-    """Groups that tell of each other, by name, with the ends of `assumed_ends`.
+) -> dict[str, Group]:
+    """Groups that tell of each other, by name, with the study's ends, or bonded or sliding ones.
 
     Parameters
     ----------
@@ -64,21 +63,18 @@ def groups_of_ends(
         As of `assumed_ends`.
     """
     recorded = _Recorded.of(files, given, solid)
+    every, groups = [recorded.tests(0, []), recorded.tests(0, given.hold_out)], {}
     verdicts = [[read_json(path) for path in files[kind]] for kind in ("whole", "alone")]
-    models = []
-    for k in range(len(recorded.tables)):
-        every, groups = [recorded.tests(k, []), recorded.tests(k, given.hold_out)], {}
-        for (name, samples), whole, alone in zip(given.groups.items(), *verdicts, strict=True):
-            own = [[test for test in tests if test.name in samples] for tests in every]
-            posed = [Posed.of(tests, settings) for tests in own]
-            effects = [
-                one.open_to(recorded.effects(tests), settings)
-                for one, tests in zip(posed, own, strict=True)
-            ]
-            found = [with_ends(verdict, bool(k)) for verdict in (whole, alone)]
-            groups[name] = Group.of(posed, effects, found, alone)
-        models.append(groups)
-    return models
+    for (name, samples), whole, alone in zip(given.groups.items(), *verdicts, strict=True):
+        own = [[test for test in tests if test.name in samples] for tests in every]
+        posed = [Posed.of(tests, settings) for tests in own]
+        effects = [
+            one.open_to(recorded.effects(tests), settings)
+            for one, tests in zip(posed, own, strict=True)
+        ]
+        found = [with_ends(verdict, given.sliding) for verdict in (whole, alone)]
+        groups[name] = Group.of(posed, effects, found, alone)
+    return groups
 
 
 @dataclass(frozen=True)

@@ -272,31 +272,27 @@ class Pooled:
 
 
 def documents(
-    models: Sequence[Mapping[str, Group]],
+    groups: Mapping[str, Group],
     rules: SelectionSettings,
     progress: Callable[[str, float], None] | None = None,
-) -> list[dict[str, dict[str, Any] | None]]:
+) -> dict[str, dict[str, Any] | None]:
     """What the others have chosen for each group, as JSON, see `pooled`; None if nothing.
 
     Parameters
     ----------
-    models : sequence of mapping
-        The groups by name, with each model of the ends.
+    groups : mapping
+        The groups by name.
     rules : SelectionSettings
         As of the selection in one group.
     progress : callable, optional
         Told the group and the finished part.
     """
-    found: list[dict[str, dict[str, Any] | None]] = []
-    count = sum(len(groups) for groups in models)
-    for groups in models:
-        told: dict[str, dict[str, Any] | None] = {}
-        for name, own in groups.items():
-            if progress is not None:
-                progress(name, (sum(len(one) for one in found) + len(told)) / count)
-            chosen = pooled(own, [one for one in groups.values() if one is not own], rules)
-            told[name] = chosen.document() if chosen else None
-        found.append(told)
+    found = {}
+    for done, (name, own) in enumerate(groups.items()):
+        if progress is not None:
+            progress(name, done / len(groups))
+        told = pooled(own, [one for one in groups.values() if one is not own], rules)
+        found[name] = told.document() if told else None
     return found
 
 

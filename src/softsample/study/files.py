@@ -178,9 +178,10 @@ class Files:
         return [f"{RESULTS}loop/{name}/{kind}/verdict.json" for name in self.plan.in_turn(geometry)]
 
     def told(self, group: str) -> list[str]:
-        """What other groups tell of one, if they do."""
-        plan = self.plan
-        return [f"{RESULTS}loop/pool_{plan.best(group)}.json"] if plan.is_told(group) else []
+        """What other groups tell of one, if they do: with sliding ends too, if these are open."""
+        plan, geometry = self.plan, self.plan.best(group)
+        ends = ("", "_sliding") if plan.opened(plan.pool(geometry)) else ("",)
+        return [f"{RESULTS}loop/pool_{geometry}{e}.json" for e in ends if plan.is_told(group)]
 
     def open_ends_verdicts(self, group: str) -> list[str]:
         """Verdicts that tell what the platens do to ends that are open."""

@@ -589,6 +589,34 @@ def test_what_a_fold_leaves_out_stays_unknown_to_it():
     assert after.rms == pytest.approx(before.rms, rel=0.3)
 
 
+@pytest.mark.parametrize("name", ["viscoelastic_relaxation", "displacement_zero"])
+def test_an_effect_that_a_fold_does_not_show_leaves_no_more_there_than_none(problem, name):
+    """Wherever the fit of all records was; else what is left out would look all the likelier."""
+    plain, effect = problem.fit_material(), library()[name]
+    far = {p.name: p.high - 0.02 * (p.high - p.low) for p in effect.sizes}
+    far = {p.name: 0.5 * (p.low + p.high) for p in effect.parameters} | far
+    fit = problem.at(Model((effect,)), replace(plain.state, values={name: far}))
+    without, found = (cross_validated(of) for of in (plain, fit))
+    for fold, rest in found.items():
+        assert rest.fit.cost < without[fold].fit.cost + 0.1, fold
+
+
+def test_the_slope_by_the_modulus_fraction_is_finite_where_curves_go_with_its_root(perfect):
+    """It is part of the evidence, which would else depend on how near to 1 a fit has come."""
+    (tension,) = (specimen for specimen in perfect if specimen.mode == "tension")
+    travel = tension.elastic.curves.displacement
+    fractions = np.array([0.0, 0.36, 0.64, 0.91, 1.0])
+    forces = [1e-4 * (1.0 + np.sqrt(1.0 - r)) * (travel / travel[-1]) ** 2 for r in fractions]
+    curves = ResponseCurves(fractions, travel, np.stack(forces), "smooth")
+    rooted = replace(tension, elastic=replace(tension.elastic, curves=curves, laws=None))
+    problem, _ = pose([rooted], SETTINGS)
+    slopes = [
+        np.linalg.norm(problem.at(Model(), State(Material(1000.0, r))).jacobian[:, 1])
+        for r in (0.99, 1.0 - 1e-4, 1.0)
+    ]
+    assert max(slopes) < 3.0 * min(slopes)
+
+
 def test_folds_allow_for_errors_of_form_as_the_final_fit_does():
     """What relaxation takes goes up and down by a twentieth."""
     lab, elastic = (laboratory.Lab(seed=3, relaxed=part).specimens() for part in (0.4, 0.0))

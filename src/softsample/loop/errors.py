@@ -11,7 +11,7 @@ from softsample.loop.model import FIXED, State, residuals
 from softsample.loop.noise import Noise
 from softsample.loop.same_piece import same_piece
 from softsample.loop.scale import Scales, scale_of
-from softsample.loop.screen import LEAST_SIGNATURE
+from softsample.loop.screen import LEAST_SIGNATURE, faint
 from softsample.loop.specimen import Array, Mask, Specimen, blocks
 
 TOUCHED = 0.1
@@ -178,7 +178,12 @@ def cross_validated(fit: Fit, names: Collection[str] | None = None) -> dict[str,
             continue
         if name not in fit.folds:
             kept = [w.on(w.keep & ~mask) for w, mask in zip(problem.whiteners, masks, strict=True)]
-            fit.folds[name] = replace(problem, whiteners=kept).fit(fit.model, fit.state)
+            rest, state = replace(problem, whiteners=kept), fit.state
+            fewer = [
+                state.with_values(e.name, {**state.values[e.name], **faint(e)})
+                for e in fit.model.effects  # of which the rest may have none
+            ]
+            fit.folds[name] = rest.fit(fit.model, state, fewer)
         found[name] = Fold(masks, fit.folds[name])
     return found
 

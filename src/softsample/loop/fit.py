@@ -11,6 +11,7 @@ from scipy.optimize import OptimizeResult, least_squares
 from softsample.loop.model import (
     CONTACT_ZERO,
     FIXED,
+    FRACTION,
     SOFTEST,
     STIFFEST,
     Material,
@@ -36,8 +37,9 @@ FLAT = 12.0
 RANGES = (np.log(STIFFEST / SOFTEST), 1.0, 2.0)
 """Ranges of the packed ln(mu), fraction and contact-point offset; all others are one long."""
 
-DIFFERENCE = 1e-5
-"""Step of the packed parameters for derivatives."""
+DIFFERENCE, OF_FRACTION = 1e-5, 0.01
+"""Step of the packed parameters for derivatives, and that of the modulus fraction: interpolated
+curves go with the root of what is left to 1, where their slope is infinite."""
 
 SETTLED = 0.01
 """Fall of half the sum of squares over each of two steps that ends a fit: evidence counts from
@@ -437,6 +439,8 @@ class Problem:
 
         def slope(vector: Array) -> Array:
             steps = np.where(vector + DIFFERENCE > packing.high, -DIFFERENCE, DIFFERENCE)
+            back = vector[FRACTION] >= packing.low[FRACTION] + OF_FRACTION
+            steps[FRACTION] = -OF_FRACTION if back else OF_FRACTION
             moved = [packing.unpack(vector + step) for step in np.diag(steps)]
             here = predicted(vector)
             there = [self._beside(model, here, state, k) for k, state in enumerate(moved)]

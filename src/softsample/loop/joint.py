@@ -10,7 +10,7 @@ import numpy as np
 from softsample.loop.effects.base import Effect
 from softsample.loop.fit import Fit, Problem
 from softsample.loop.model import Model, State
-from softsample.loop.screen import Signature, nominal_step, orthonormal
+from softsample.loop.screen import Signature, faint, nominal_step, orthonormal
 
 FAR_MORE = 2.0
 """How much more than another a fit changes what is held out for the other to be preferred."""
@@ -51,8 +51,7 @@ def joint_fit(current: Fit, signature: Signature, tie: float) -> Fit:
         margin = 0.02 * (p.high - p.low)
         size = p.neutral + x * nominal_step(p)
         estimate[p.name] = float(np.clip(size, p.low + margin, p.high - margin))
-    small = {p.name: p.neutral + 0.01 * nominal_step(p) for p in effect.sizes}
-    starts = [estimate, {**signature.start, **small}]
+    starts = [estimate, signature.start | faint(effect)]
     if len(effect.sizes) < 3 and not effect.is_law:
         starts += [{**estimate, **point} for point in effect.points]
     promised = current.cost - 0.95 * signature.gain(current.white)

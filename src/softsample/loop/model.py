@@ -254,8 +254,8 @@ class State:
         return replace(self, values={**self.values, name: {**values}})
 
 
-FIXED, CONTACT_ZERO = 3, 2
-"""Entries of a packed state before the effects: ln mu, r, contact-point offset; and its place."""
+FIXED, FRACTION, CONTACT_ZERO = 3, 1, 2
+"""Entries of a packed state before the effects: ln mu, r, contact-point offset; and two places."""
 
 
 class Packing:

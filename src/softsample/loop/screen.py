@@ -104,6 +104,11 @@ def nominal_step(parameter: Parameter) -> float:
     return parameter.nominal - parameter.neutral or 0.1 * (parameter.high - parameter.neutral)
 
 
+def faint(effect: Effect) -> dict[str, float]:
+    """Sizes of an effect at which it hardly acts: a hundredth of the nominal ones."""
+    return {p.name: p.neutral + 0.01 * nominal_step(p) for p in effect.sizes}
+
+
 def orthonormal(columns: Array) -> Array:
     """Orthonormal basis of the columns, those that vanish left out."""
     if columns.shape[1] == 0:

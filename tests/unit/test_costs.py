@@ -1,6 +1,14 @@
 import pytest
 
-from softsample.costs import cost_table, job_costs, mesh_memory_mb, mesh_runtime_min
+from softsample.costs import (
+    cost_table,
+    diagnosis_runtime_min,
+    job_costs,
+    mesh_memory_mb,
+    mesh_runtime_min,
+    pool_memory_mb,
+    pool_runtime_min,
+)
 from softsample.errors import InputError
 from softsample.workflow import FINISHED
 
@@ -34,3 +42,11 @@ def test_smaller_elements_and_a_second_attempt_ask_for_more(size, memory, minute
     for attempt in (1, 2):
         assert mesh_memory_mb(size, attempt) == attempt * memory
         assert mesh_runtime_min(size, attempt) == attempt * minutes
+
+
+def test_verdicts_ask_for_more_than_the_default_and_more_by_tests_folds_and_groups():
+    assert diagnosis_runtime_min(3, 0, 1) == 10
+    assert diagnosis_runtime_min(12, 9, 2) == 2 * diagnosis_runtime_min(12, 9, 1) > 400
+    assert pool_runtime_min(6, 1) > 3 * 13  # measured, beside other work
+    assert pool_runtime_min(6, 2) == 2 * pool_runtime_min(6, 1)
+    assert 530 < pool_memory_mb(6, 1) == 0.5 * pool_memory_mb(6, 2)

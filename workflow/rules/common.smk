@@ -27,7 +27,13 @@ search_path = [str(SOURCES)] if CLONE else []
 search_path += filter(None, os.environ.get("PYTHONPATH", "").split(os.pathsep))
 os.environ.update(PYTHONPATH=os.pathsep.join(dict.fromkeys(search_path)))
 
-from softsample.costs import mesh_memory_mb, mesh_runtime_min
+from softsample.costs import (
+    diagnosis_runtime_min,
+    mesh_memory_mb,
+    mesh_runtime_min,
+    pool_memory_mb,
+    pool_runtime_min,
+)
 from softsample.dependencies import dependencies, state_of_kernels
 from softsample.errors import SoftsampleError
 from softsample.holdout import check_hold_out

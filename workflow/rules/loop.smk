@@ -97,6 +97,10 @@ rule diagnose:
         "<benchmarks>/diagnose/{group}.tsv"
     conda:
         "../envs/softsample.yaml"
+    resources:
+        runtime=lambda wildcards, attempt: diagnosis_runtime_min(
+            len(PLAN.samples_of(wildcards.group)), len(PLAN.folds(wildcards.group)), attempt
+        ),
     params:
         **OF_DIAGNOSES,
         hold_out=HOLD_OUT,
@@ -195,6 +199,13 @@ rule pool:
         "<benchmarks>/pool/{geometry}.tsv"
     conda:
         "../envs/softsample.yaml"
+    resources:
+        mem_mb=lambda wildcards, attempt: pool_memory_mb(
+            len(PLAN.in_turn(wildcards.geometry)), attempt
+        ),
+        runtime=lambda wildcards, attempt: pool_runtime_min(
+            len(PLAN.in_turn(wildcards.geometry)), attempt
+        ),
     params:
         **OF_GROUPS,
         sliding=False,

@@ -165,6 +165,10 @@ def test_a_model_that_ended_in_another_minimum_is_fitted_from_the_values_of_othe
         own, found = (s.values["compressible_foam"][name] for s in (fit.state, again))
         assert found == pytest.approx(own, abs=0.02 * abs(own) + 0.01)
     assert good.refitted([]) is good
+    off = np.exp(0.2 / np.linalg.norm(fit.jacobian[:, 0]))  # a fit ends so near to its minimum
+    material = replace(fit.state.material, mu=off * fit.state.material.mu)
+    near = replace(good, whole=fit.problem.at(fit.model, replace(fit.state, material=material)))
+    assert near.refitted([guide]) is near
 
 
 def test_an_effect_holds_in_a_group_unless_it_ends_at_a_bound_there():

@@ -36,6 +36,9 @@ BRANCHES = 2
 GUESSES = 2
 """Values of other groups, the likeliest, from which a group is fitted again."""
 
+BETTER = 0.1
+"""Fall of the sum of squares from which on a fit is another one: fits end within less."""
+
 Told = Mapping[str, Mapping[str, tuple[float, float]]]
 """Mean and standard deviation of parameters, by effect and parameter."""
 
@@ -126,7 +129,7 @@ class Group:
         """
         guesses = sorted(map(self._guess, others), key=lambda guess: guess.left)[:GUESSES]
         best = min(guesses, key=lambda guess: guess.fit.cost, default=None)
-        return best.group if best and best.fit.cost < self.whole.cost else self
+        return best.group if best and best.fit.cost < self.whole.cost - BETTER else self
 
     def _guess(self, other: "Group") -> "_Guess":
         """What another group tells a fit of this one."""

@@ -55,6 +55,7 @@ from softsample.loop.noise import (
     measure_noise,
     shared,
 )
+from softsample.loop.pool import BETTER
 from softsample.loop.posed import LoopSettings, pose
 from softsample.loop.rounds import Candidate, Round, SelectionSettings, _may_be_chosen
 from softsample.loop.screen import Signature, family_wise, null_threshold, penalty, signatures
@@ -598,7 +599,7 @@ def test_an_effect_that_a_fold_does_not_show_leaves_no_more_there_than_none(prob
     fit = problem.at(Model((effect,)), replace(plain.state, values={name: far}))
     without, found = (cross_validated(of) for of in (plain, fit))
     for fold, rest in found.items():
-        assert rest.fit.cost < without[fold].fit.cost + 0.1, fold
+        assert rest.fit.cost < without[fold].fit.cost + BETTER, fold
 
 
 def test_the_slope_by_the_modulus_fraction_is_finite_where_curves_go_with_its_root(perfect):

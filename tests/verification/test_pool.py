@@ -129,18 +129,13 @@ def test_forces_that_are_held_out_of_the_group_change_nothing(found, told, verdi
 
 def test_what_a_group_is_told_does_not_depend_on_searches_for_others(told, verdicts):
     """Which share their fits; and the document tells all of it."""
-    named = dict(zip(GROUPS, groups(verdicts), strict=True))
+    first, *others = zip(GROUPS, groups(verdicts), strict=True)
     progress = []
     documents = pool.documents(
-        dict(reversed(named.items())), SETTINGS.selection, lambda *at: progress.append(at)
+        dict([*others, first]), SETTINGS.selection, lambda *at: progress.append(at)
     )
-    assert progress == [("d", 0.0), ("c", 0.25), ("b", 0.5), ("a", 0.75)]
-    found = documents["a"]
-    assert set(found["classes"]) == set(told.classes)
-    for name, parameters in told.told.items():
-        for parameter, values in parameters.items():
-            assert found["told"][name][parameter] == pytest.approx(values, rel=1e-3, abs=1e-3)
-    assert found["left"] == pytest.approx(told.document()["left"][::-1], abs=0.02)
+    assert progress == [("b", 0.0), ("c", 0.25), ("d", 0.5), ("a", 0.75)]
+    assert documents["a"] == told.document()
     again = Pooled.of_document(json.loads(json.dumps(told.document())))
     one, two = (diagnose(PART[:1], SETTINGS, effects(PART[0]), of) for of in (told, again))
     assert one.final.state == two.final.state

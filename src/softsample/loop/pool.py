@@ -17,7 +17,7 @@ from softsample.holdout import FEWEST_OTHERS
 from softsample.loop.discrepancy import settled
 from softsample.loop.effects.base import Effect, Parameter, Values
 from softsample.loop.errors import held_out_errors
-from softsample.loop.fit import Fit
+from softsample.loop.fit import SETTLED, Fit
 from softsample.loop.joint import joint_fit, law_fit
 from softsample.loop.model import FIXED, Model, State
 from softsample.loop.posed import Posed
@@ -36,8 +36,9 @@ BRANCHES = 2
 GUESSES = 2
 """Values of other groups, the likeliest, from which a group is fitted again."""
 
-BETTER = 0.1
-"""Fall of the sum of squares from which on a fit is another one: fits end within less."""
+BETTER = 10.0 * SETTLED
+"""Fall of the sum of squares from which on a fit is another one: two fits that ended after steps of
+`SETTLED` may lie so far apart."""
 
 Told = Mapping[str, Mapping[str, tuple[float, float]]]
 """Mean and standard deviation of parameters, by effect and parameter."""

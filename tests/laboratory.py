@@ -105,7 +105,17 @@ def elastic(mode):
     }
     laws = LawResponse(curves, SHAPE, mode, ALPHA, 0.49)
     laws = replace(laws, runs={alpha: run(laws, alpha) for alpha in (-45.0, 40.0)})
-    return Elastic(curves, changes, contact=mode == "compression", laws=laws, height=SHAPE.height)
+    return Elastic(
+        curves, alike(curves, changes), mode == "compression", laws=laws, height=SHAPE.height
+    )
+
+
+def alike(curves, changes):
+    """Changes (n,) at the displacements of some curves, the same for all fractions."""
+    return {
+        name: ResponseCurves(np.array([0.5]), curves.displacement, change[None], curves.before)
+        for name, change in changes.items()
+    }
 
 
 def run(laws, alpha):

@@ -110,7 +110,7 @@ def softer(part, smooth):
     records = []
     for test in laboratory.Lab(seed=3).specimens():
         curves, changes = test.elastic.curves, test.elastic.perturbations["poisson_0.02_less"]
-        lost = np.interp(test.travel, curves.displacement, changes)
+        lost = np.interp(test.travel, curves.displacement, changes.curve(0.5))
         records.append(replace(test, force=test.force + part * laboratory.MU * lost))
     sizes = {"smooth": smooth, "rough": smooth, "history": smooth, "scale": 5.0 * smooth}
     return laboratory.drawn(records, SETTINGS.noise, sizes, seed=1)

@@ -105,7 +105,10 @@ def confirmed(factor, stiffness=None):
     for specimen in laboratory.Lab(seed=5).specimens():
         known, r = specimen.elastic.perturbations, laboratory.FRACTION
         missing = specimen.elastic.change_per_mu("poisson_0.09_less", r, specimen.travel)
-        run = {at_size("poisson_ratio"): factor * known["poisson_0.09_less"]}
+        known_change = known["poisson_0.09_less"].curve(r)
+        run = laboratory.alike(
+            specimen.elastic.curves, {at_size("poisson_ratio"): factor * known_change}
+        )
         specimens.append(
             replace(
                 specimen,

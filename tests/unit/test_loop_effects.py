@@ -37,7 +37,9 @@ def specimens():
     for specimen in found:  # made up as the others: the cuboid is too stiff
         curves = specimen.elastic.curves
         force = curves.force_per_mu(0.7, curves.displacement)
-        specimen.elastic.perturbations.update(real_geometry=-0.1 * force)
+        specimen.elastic.perturbations.update(
+            laboratory.alike(curves, {"real_geometry": -0.1 * force})
+        )
     return [*found, *(replace(s, piece=f"{s.piece}_again") for s in found), with_normal(found[2])]
 
 
@@ -193,7 +195,7 @@ def strip(nu, time, strain):
     base = 2.0 / (1.0 - nu)
     changes = {name: (run - base) * ends for name, run in runs.items()}
     curves = ResponseCurves(np.array([0.5]), ends, base * ends[None])
-    elastic = Elastic(curves, changes, poisson_ratio=nu)
+    elastic = Elastic(curves, laboratory.alike(curves, changes), poisson_ratio=nu)
     phase = np.full(len(time), "ramp")
     return Specimen("strip", "tension", time, strain, np.zeros_like(time), phase, elastic)
 

@@ -810,7 +810,7 @@ def test_what_the_model_is_known_to_leave_out_opens_a_search_of_its_own(monkeypa
     effects, made = [library()[name] for name in names], []
     for specimen in real_shapes():
         curves, fewer = specimen.elastic.curves, specimen.elastic.perturbations["poisson_0.02_less"]
-        lost = np.interp(specimen.travel, curves.displacement, fewer)
+        lost = np.interp(specimen.travel, curves.displacement, fewer.curve(0.5))
         made.append(replace(specimen, force=specimen.force + 2.0 * laboratory.MU * lost))
     problem, rules = pose(made, SETTINGS)[0], LoopSettings().selection
     found = select(problem, effects, rules)
@@ -945,7 +945,8 @@ def test_a_change_of_the_law_within_the_floor_is_told_and_not_named(part, verdic
     records = []
     for specimen in laboratory.Lab(seed=3).specimens():
         model, name = specimen.elastic, "poisson_0.02_less"
-        lost = np.interp(specimen.travel, model.curves.displacement, model.perturbations[name])
+        change = model.perturbations[name].curve(0.5)
+        lost = np.interp(specimen.travel, model.curves.displacement, change)
         records.append(replace(specimen, force=specimen.force + part * laboratory.MU * lost))
     known = [library()[name] for name in ("poisson_ratio", "force_drift")]
     told = judgement(diagnose(records, LoopSettings(), known), LoopSettings())
@@ -964,7 +965,8 @@ def test_errors_that_records_show_may_be_larger_along_a_law(perfect, left, verdi
     records = []
     for specimen in laboratory.drawn(perfect, SETTINGS, sizes, seed=1):
         model, name = specimen.elastic, "poisson_0.02_less"
-        lost = np.interp(specimen.travel, model.curves.displacement, model.perturbations[name])
+        change = model.perturbations[name].curve(0.5)
+        lost = np.interp(specimen.travel, model.curves.displacement, change)
         records.append(replace(specimen, force=specimen.force + 3.0 * laboratory.MU * lost))
     known = [library()[name] for name in ("poisson_ratio", "force_drift")]
     told = judgement(diagnose(records, LoopSettings(), known), LoopSettings())

@@ -5,6 +5,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
+import laboratory
 from softsample.constitutive.ogden import unit_modulus
 from softsample.fem.boundary import ContactSettings
 from softsample.fem.explicit import SolverSettings
@@ -36,7 +37,8 @@ def cycle(*turns):
         "platen_friction_0.1": -0.2 * RUBBING * grid,
         "platen_friction_0.1_loop": -DEPTH * grid[-1] * 4.0 * way * (1.0 - way),
     }
-    elastic = Elastic(ResponseCurves(np.array([0.5]), grid, grid[None]), changes, contact=True)
+    curves = ResponseCurves(np.array([0.5]), grid, grid[None])
+    elastic = Elastic(curves, laboratory.alike(curves, changes), contact=True)
     time = np.arange(len(travel), dtype=float)
     return Specimen("C", "compression", time, 1e-3 * travel, 0.0 * time, phase, elastic)
 
@@ -90,15 +92,15 @@ def test_a_second_larger_cycle_has_a_larger_loop_and_loads_as_the_first_did():
 def test_between_two_runs_the_loop_is_between_theirs():
     """A second run that slips a fifth as much has a loop of half the depth, deepest earlier."""
     specimen = cycle(3.0)
-    variants = specimen.elastic.perturbations
-    grid = specimen.elastic.curves.displacement
+    variants, curves = specimen.elastic.perturbations, specimen.elastic.curves
+    grid = curves.displacement
     way = grid / grid[-1]
     rough = -0.5 * DEPTH * grid[-1] * 6.75 * way * (1.0 - way) ** 2
-    both = {
-        **variants,
-        "platen_friction_0.3": 0.2 * variants["platen_friction_0.1"],
+    weaker = {
+        "platen_friction_0.3": 0.2 * variants["platen_friction_0.1"].curve(0.5),
         "platen_friction_0.3_loop": rough,
     }
+    both = {**variants, **laboratory.alike(curves, weaker)}
     specimen = replace(specimen, elastic=replace(specimen.elastic, perturbations=both))
     less = 0.2 * RUBBING
 

@@ -389,7 +389,7 @@ def test_a_run_of_another_ratio_is_made_where_elements_do_not_stand_the_lowest(m
     curves = ResponseCurves(np.array([0.5]), travel, travel[None])  # no more than zero at rest
     alone = {"poisson_0.02_less": nearer["poisson_0.02_less"]}
     far, near, nothing = (
-        Elastic(curves, changes).ratio_change_per_mu(0.5, travel, 0.46)
+        Elastic(curves, laboratory.alike(curves, changes)).ratio_change_per_mu(0.5, travel, 0.46)
         for changes in (whole, nearer, alone)
     )
     np.testing.assert_allclose(near, far, atol=0.02 * np.abs(far).max())

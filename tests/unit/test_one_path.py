@@ -119,7 +119,7 @@ def test_forces_at_displacements_come_from_one_evaluation():
     *_, answer = elastic["Elastic.force_per_mu"].body
     assert ast.unparse(answer) == "return self.curves.force_per_mu(fraction, displacement)"
     change = ast.unparse(elastic["Elastic.change_per_mu"])
-    assert "self._changes[perturbation].force_per_mu(fraction, displacement)" in change
+    assert "self.perturbations[perturbation].force_per_mu(fraction, displacement)" in change
     of_curves = in_part(definitions("force"), "response/")
     assert of_curves == {
         ("response/curves.py", f"{name}.force") for name in ("ResponseCurves", "Curves", "Scaled")

@@ -71,7 +71,7 @@ def test_the_normal_force_of_another_poissons_ratio_is_that_of_the_solver():
     travel, plain = normal(0.49)
     curves = ResponseCurves(np.array([0.5]), travel, plain[None])
     changes = {lower_ratio(less): normal(0.49 - less)[1] - plain for less in LESS}
-    elastic = Elastic(curves, changes)
+    elastic = Elastic(curves, {name: curves.like(own[None]) for name, own in changes.items()})
     for nu in (0.43, 0.35):
         change = normal(nu)[1] - plain
         found = elastic.ratio_change_per_mu(0.5, travel, nu)

@@ -65,10 +65,9 @@ class Elastic:
     ----------
     curves : ResponseCurves
         Curves for all modulus fractions mu1 / mu.
-    perturbations : mapping of ResponseCurves or (n,) float64
+    perturbations : mapping of ResponseCurves
         Change of the force per modulus [m2] when the model is changed by the step that the
-        perturbation is named after, for all fractions; one curve on the displacements of `curves`
-        if it is the same for all.
+        perturbation is named after, for all fractions.
     contact : bool
         Whether a platen meets the sample: no force before zero displacement.
     poisson_ratio : float
@@ -84,7 +83,7 @@ class Elastic:
     """
 
     curves: ResponseCurves
-    perturbations: Mapping[str, ResponseCurves | Array] = field(default_factory=dict)
+    perturbations: Mapping[str, ResponseCurves] = field(default_factory=dict)
     contact: bool = False
     poisson_ratio: float = 0.49
     laws: LawResponse | None = None
@@ -114,7 +113,7 @@ class Elastic:
             Idealised shape, for the response to other laws, and for how slender it is.
         """
         found = ResponseCurves.of_table(tables.curves, mode, channel)
-        perturbations: dict[str, ResponseCurves | Array] = {}
+        perturbations: dict[str, ResponseCurves] = {}
         runs: dict[float, Array] = {}
         for table in tables.changes:
             of_fraction, fractions = {}, table["mu1_fraction"].unique()
@@ -147,22 +146,10 @@ class Elastic:
         curves, difference = self.curves, self.perturbations.get("real_geometry")
         peaks = np.array([np.abs(curves.curve(r)).max() for r in curves.fractions])
         own = float(np.mean(curves.grain / peaks))
-        if not isinstance(difference, ResponseCurves):
+        if difference is None:
             return own
         real = [np.abs(curves.curve(r) + difference.curve(r)).max() for r in difference.fractions]
         return float(np.hypot(own, np.mean(difference.grain / np.array(real))))
-
-    @cached_property
-    def _changes(self) -> dict[str, ResponseCurves]:
-        """Perturbations, those that are the same for all fractions as one curve."""
-        return {
-            name: change
-            if isinstance(change, ResponseCurves)
-            else ResponseCurves(
-                np.array([0.5]), self.curves.displacement, change[None], self.curves.before
-            )
-            for name, change in self.perturbations.items()
-        }
 
     def force_per_mu(self, fraction: float, displacement: Array) -> Array:
         """Force along the displacement per shear modulus [m2] at platen displacements [m]."""
@@ -172,7 +159,7 @@ class Elastic:
         """Change of that force [m2] by one step of a perturbation; none if it was not simulated."""
         if perturbation not in self.perturbations:
             return np.zeros_like(displacement)
-        return self._changes[perturbation].force_per_mu(fraction, displacement)
+        return self.perturbations[perturbation].force_per_mu(fraction, displacement)
 
     def exponents_change_per_mu(
         self, fraction: float, displacement: Array, alpha: Sequence[float]

@@ -8,6 +8,7 @@ from scipy.sparse.linalg import spsolve
 
 from softsample.arrays import Array, Ids, Mask
 from softsample.imaging.frame import Surface
+from softsample.meshing.levelset import column_heights
 
 BAND = 7.0
 """Distance up to which the nearest triangle is searched for, in grid spacings."""
@@ -177,11 +178,6 @@ def base_centroid(distance: Array, origin: Array, spacing: float) -> Array:
 
 def highest_point(distance: Array, origin: Array, spacing: float) -> Array:
     """Highest point of the surface, (3,) [m]: linear along the columns of the grid."""
-    inside = distance < 0.0
-    top = distance.shape[2] - 1 - np.argmax(inside[:, :, ::-1], axis=2)
-    i, j = np.nonzero(inside.any(axis=2))
-    k = np.minimum(top[i, j], distance.shape[2] - 2)
-    lower, upper = distance[i, j, k], distance[i, j, k + 1]
-    height = k + lower / (lower - upper)
-    best = int(np.argmax(height))
-    return np.asarray(origin + spacing * np.array([i[best], j[best], height[best]]))
+    height = column_heights(distance, origin, spacing)
+    best = np.unravel_index(int(np.argmax(height)), height.shape)
+    return np.array([*(origin[:2] + spacing * np.array(best)), height[best]])

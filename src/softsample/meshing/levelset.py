@@ -137,7 +137,7 @@ class LevelSet:
         None higher than that column is: the spline overshoots at sharp edges.
         """
         _ = self.inside_box  # refuses a surface that leaves the grid
-        height = self._column_heights()
+        height = column_heights(self.distance, self.origin, self.spacing)
         best = np.unravel_index(int(np.argmax(height)), height.shape)
         point = np.array([*(self.origin[:2] + np.array(best) * self.spacing), height[best]])
         reach = self.spacing
@@ -150,16 +150,6 @@ class LevelSet:
             reach *= 0.2
         return np.array([*point[:2], min(point[2], height.max())])
 
-    def _column_heights(self) -> Array:
-        """(nx, ny) height [m] of the uppermost crossing of each grid column; lowest if none."""
-        inside = self.distance < 0.0
-        last = inside.shape[2] - 1 - np.argmax(inside[:, :, ::-1], axis=2)
-        last = np.where(inside.any(axis=2), last, 0)[..., None]
-        below = np.take_along_axis(self.distance, last, axis=2)[..., 0]
-        above = np.take_along_axis(self.distance, last + 1, axis=2)[..., 0]
-        part = np.where(below < 0.0, below / np.where(below < 0.0, below - above, 1.0), 0.0)
-        return self.origin[2] + (last[..., 0] + part) * self.spacing
-
     def _crossing(self, x: Array, y: Array, height: float, reach: float) -> Array:
         """Height [m] within `height` +- `reach` where columns at `x`, `y` (n,) leave the solid."""
         lower, upper = np.full(len(x), height - reach), np.full(len(x), height + reach)
@@ -168,6 +158,20 @@ class LevelSet:
             inside = self(np.column_stack([x, y, middle])) < 0.0
             lower, upper = np.where(inside, middle, lower), np.where(inside, upper, middle)
         return 0.5 * (lower + upper)
+
+
+def column_heights(distance: Array, origin: Array, spacing: float) -> Array:
+    """(nx, ny) height [m] of the uppermost crossing of each grid column; lowest if none.
+
+    The parameters are those of `LevelSet`; no column may be inside in its last layer.
+    """
+    inside = distance < 0.0
+    last = inside.shape[2] - 1 - np.argmax(inside[:, :, ::-1], axis=2)
+    last = np.where(inside.any(axis=2), last, 0)[..., None]
+    below = np.take_along_axis(distance, last, axis=2)[..., 0]
+    above = np.take_along_axis(distance, last + 1, axis=2)[..., 0]
+    part = np.where(below < 0.0, below / np.where(below < 0.0, below - above, 1.0), 0.0)
+    return np.asarray(origin[2] + (last[..., 0] + part) * spacing)
 
 
 @numba.njit(cache=True)

@@ -16,6 +16,7 @@ from softsample.arrays import Array
 from softsample.errors import InputError, SegmentationError
 from softsample.imaging import distance as sdf
 from softsample.imaging import frame
+from softsample.meshing.levelset import column_heights
 from softsample.shapes import IdealShape
 from softsample.units import MM
 
@@ -222,17 +223,10 @@ def _chord(line: Array) -> float:
 
 def top_heights(field: Array, origin: Array, spacing: float) -> Array:
     """Height of the top over each column, (nx, ny) [m]; NaN outside the sample."""
-    inside = field < 0.0
-    if inside[:, :, -1].any():
+    if (field[:, :, -1] < 0.0).any():
         raise SegmentationError("the segmented sample is cut by its grid at the top; look at it")
-    last = field.shape[2] - 1 - np.argmax(inside[:, :, ::-1], axis=2)
-    last = np.minimum(last, field.shape[2] - 2)
-    i, j = np.indices(last.shape)
-    lower, upper = field[i, j, last], field[i, j, last + 1]
-    some = inside.any(axis=2)
-    share = lower / np.where(some, lower - upper, 1.0)
-    height = origin[2] + spacing * (last + share)
-    return np.where(some & (height > 0.0), height, np.nan)
+    height = column_heights(field, origin, spacing)
+    return np.where(height > 0.0, height, np.nan)
 
 
 def _core_heights(top: Array, share: Array) -> tuple[float, float]:
@@ -278,7 +272,7 @@ def _idealised(
         core = (TOP_CORE * length, TOP_CORE * width)
         height, spread = _core_heights(top, _core(kind, top.shape, origin, spacing, core))
         planes = _three_sections(field, origin, spacing, height, settings.section_offset_mm * MM)
-        length, width, sections = sizes_of(planes, spacing, WIDTH_CORE)
+        length, width, sections = sizes_of(planes, spacing)
         if np.allclose(before, [length, width, height], rtol=1e-6, atol=0.0):
             break
     return IdealShape(kind, length, width, height), sections, spread
@@ -298,17 +292,17 @@ def _three_sections(
 
 
 def _straight_sizes(
-    planes: list[Array], spacing: float, core: float
+    planes: list[Array], spacing: float
 ) -> tuple[float, float, dict[str, list[float]]]:
     """Length and width of a cuboid, and those of its sections [m]: mean widths."""
-    lengths = [mean_width(plane, spacing, core) for plane in planes]
-    widths = [mean_width(plane.T, spacing, core) for plane in planes]
+    lengths = [mean_width(plane, spacing, WIDTH_CORE) for plane in planes]
+    widths = [mean_width(plane.T, spacing, WIDTH_CORE) for plane in planes]
     sections = {"length": lengths, "width": widths}
     return float(np.mean(lengths)), float(np.mean(widths)), sections
 
 
 def _round_sizes(
-    planes: list[Array], spacing: float, core: float
+    planes: list[Array], spacing: float
 ) -> tuple[float, float, dict[str, list[float]]]:
     """Diameter of a cylinder, twice, and those of its sections [m]: circles of equal area."""
     areas = np.array([section_area(plane, spacing) for plane in planes])
@@ -319,18 +313,9 @@ def _round_sizes(
 def _areas(
     field: Array, origin: Array, spacing: float, peak: float, settings: MeasurementSettings
 ) -> dict[str, float]:
-    """Areas of the base, of the top, and of what is glued [m2]."""
-    upper, glued = _top_areas(field, origin, spacing, peak, settings)
-    bottom = section_area(section(field, origin, spacing, 0.0), spacing)
-    return {"bottom": bottom, "top": upper, "glued": glued}
+    """Areas of the base, of the top by its normal, and of what is glued by its depth [m2].
 
-
-def _top_areas(
-    field: Array, origin: Array, spacing: float, peak: float, settings: MeasurementSettings
-) -> tuple[float, float]:
-    """Projected area of the top by its normal, and of what is glued by its depth [m2].
-
-    Both take upward facing surface of the upper half, counted as its projection on the base.
+    The last two take upward facing surface, counted as its projection on the base.
     """
     surface = frame.iso_surface(-field, 0.0, frame.grid_affine(origin, spacing))
     vectors, centres = surface.area_vectors, surface.centres
@@ -339,7 +324,11 @@ def _top_areas(
     upper = rising & (centres[:, 2] > 0.5 * peak)
     steep = vectors[:, 2] > np.cos(np.radians(settings.top_normal_deg)) * area
     glued = rising & (centres[:, 2] >= peak - settings.preload_mm * MM)
-    return float(vectors[upper & steep, 2].sum()), float(vectors[glued, 2].sum())
+    return {
+        "bottom": section_area(section(field, origin, spacing, 0.0), spacing),
+        "top": float(vectors[upper & steep, 2].sum()),
+        "glued": float(vectors[glued, 2].sum()),
+    }
 
 
 def _checked(distance: ArrayLike, origin: ArrayLike, spacing: float) -> tuple[Array, Array]:

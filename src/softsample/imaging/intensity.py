@@ -77,7 +77,7 @@ def shared_noise(data: Array, mask: Mask, spacing: Array, margin: float) -> floa
     as they do edges.
     Parameters and errors as of `noise_level`.
     """
-    outside = _outside(data, mask, spacing, margin)
+    outside = _outside(mask, spacing, margin)
     return max(_shared(np.moveaxis(data, a, 0), np.moveaxis(outside, a, 0)) for a in range(3))
 
 
@@ -93,10 +93,10 @@ def _shared(data: Array, outside: Mask) -> float:
 
 def surroundings(data: Array, mask: Mask, spacing: Array, margin: float) -> Array:
     """Values of `data` farther than `margin` [m] from a mask, (n,)."""
-    return np.asarray(data[_outside(data, mask, spacing, margin)])
+    return np.asarray(data[_outside(mask, spacing, margin)])
 
 
-def _outside(data: Array, mask: Mask, spacing: Array, margin: float) -> Mask:
+def _outside(mask: Mask, spacing: Array, margin: float) -> Mask:
     """Voxels farther than `margin` [m] from a mask; refuses fewer than a hundred."""
     outside = ndimage.distance_transform_edt(~mask, sampling=spacing) > margin
     if np.count_nonzero(outside) < 100:

@@ -248,7 +248,7 @@ def base_centre(surface: TriangleSurface) -> Array:
     """
     points = surface.points[surface.triangles]
     low, high = (f(points.reshape(-1, 3), axis=0) for f in (np.min, np.max))
-    base = _base(surface)
+    base = _underside(surface, FLAT)
     area = -surface.area_vectors[base, 2]
     under = -surface.area_vectors[_underside(surface, UNDERSIDE), 2].sum()
     if area.sum() < max(LEAST_BASE * np.prod((high - low)[:2]), MOST_OF_UNDERSIDE * under):
@@ -259,11 +259,6 @@ def base_centre(surface: TriangleSurface) -> Array:
         )
     middle = area @ points[base].mean(axis=1) / area.sum()
     return np.array([middle[0], middle[1], low[2]])
-
-
-def _base(surface: TriangleSurface) -> Mask:
-    """(m,) triangles that look down and lie at the lowest height."""
-    return _underside(surface, FLAT)
 
 
 def _underside(surface: TriangleSurface, part: float) -> Mask:
@@ -277,7 +272,7 @@ def _underside(surface: TriangleSurface, part: float) -> Mask:
 
 def _without_base(surface: TriangleSurface) -> TriangleSurface:
     """Walls and top in the sample frame: the base, now open, at z = 0 about the origin."""
-    centre, base = base_centre(surface), _base(surface)
+    centre, base = base_centre(surface), _underside(surface, FLAT)
     points = surface.points - centre
     points[np.unique(surface.triangles[base]), 2] = 0.0
     return TriangleSurface(points, surface.triangles[~base], surface.source)

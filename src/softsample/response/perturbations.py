@@ -178,9 +178,7 @@ def simulate_perturbations(
         with _left_out(PRESSED):
             changes |= _pressed_changes(model, test, boundary, pace)
     changes |= _law_runs(model, test, boundary, pace)
-    return pace.run.displacement, _by_channel(
-        {name: change * _to_default(name, test.steps) for name, change in changes.items()}
-    )
+    return pace.run.displacement, _by_channel(changes, test.steps)
 
 
 @contextmanager
@@ -230,9 +228,7 @@ def homogeneous_perturbations(
                 stress = fibre_force(test.mode, strain, of.terms[-1], modulus)
                 changes[name] = (shape.area * stress / modulus)[:, None]
     changes["boundary_shift"] = area(shape.grown(1e-3 * test.steps.shift_mm), test.material) - base
-    return travel, _by_channel(
-        {name: change * _to_default(name, test.steps) for name, change in changes.items()}
-    )
+    return travel, _by_channel(changes, test.steps)
 
 
 def _forces(run: Run, test: MechanicalTest) -> Array:
@@ -241,13 +237,13 @@ def _forces(run: Run, test: MechanicalTest) -> Array:
     return np.stack(columns, axis=1)
 
 
-def _by_channel(changes: Mapping[str, Array]) -> dict[str, Array]:
-    """Changes (n, c) as columns, those of the force along z with `NORMAL` behind their names."""
+def _by_channel(changes: Mapping[str, Array], steps: PerturbationSettings) -> dict[str, Array]:
+    """Changes (n, c) by default steps as columns; `NORMAL` ends names of the force along z."""
     names = ("", NORMAL)
     return {
         f"{name}{names[channel]}": column
         for name, change in changes.items()
-        for channel, column in enumerate(change.T)
+        for channel, column in enumerate((change * _to_default(name, steps)).T)
     }
 
 

@@ -6,7 +6,7 @@ so that one run per modulus fraction mu1 / mu serves every modulus.
 
 import logging
 import time
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Iterable, Iterator, Sequence
 from dataclasses import dataclass
 from typing import Any
 
@@ -371,7 +371,7 @@ def homogeneous_response(
         force = homogeneous_area(shape, mode, displacement, solid)
         normal = homogeneous_area(shape, mode, displacement, solid, normal=True)
         parts.append((np.full(len(force), r), displacement, force, force, -force, normal))
-    return dict(zip(COLUMNS, map(np.concatenate, zip(*parts, strict=True)), strict=True)), {
+    return _joined(parts), {
         "method": CLOSED_FORM,
         "error_bound_percent": 0.0,
         "travel_mm": 1e3 * travel,
@@ -412,20 +412,23 @@ COLUMNS = (
 )  # fmt: skip
 
 
+def _joined(parts: Iterable[tuple[Array, ...]]) -> dict[str, Array]:
+    """The `COLUMNS` of several fractions, one after the other."""
+    return dict(zip(COLUMNS, map(np.concatenate, zip(*parts, strict=True)), strict=True))
+
+
 def _curves(fractions: Sequence[float], runs: list[Run], modulus: float) -> dict[str, Array]:
-    points = len(runs[0].displacement)
-    columns = {
-        name: np.concatenate([getattr(run, name) for run in runs]) / scale
-        for name, scale in (
-            ("displacement", 1.0),
-            ("force", modulus),
-            ("platen_force", modulus),
-            ("base_force", modulus),
+    return _joined(
+        (
+            np.full(len(run.displacement), float(r)),
+            run.displacement,
+            run.force / modulus,
+            run.platen_force / modulus,
+            run.base_force / modulus,
+            run.force_vector[:, 2] / modulus,
         )
-    }
-    normal = np.concatenate([run.force_vector[:, 2] for run in runs]) / modulus
-    found = {"mu1_fraction": np.repeat(np.asarray(fractions, float), points), **columns}
-    return {**found, "normal_force": normal}
+        for r, run in zip(fractions, runs, strict=True)
+    )
 
 
 def run_report(run: Run) -> dict[str, Any]:

@@ -4,7 +4,7 @@ No rule reads a force, so that what is held out cannot be chosen by what it woul
 """
 
 from collections.abc import Collection, Mapping, Sequence
-from dataclasses import dataclass, fields
+from dataclasses import dataclass
 from fnmatch import fnmatchcase
 from typing import Any, Self
 
@@ -181,8 +181,7 @@ def check_hold_out(rows: Sequence[Row], selections: Sequence[Mapping[str, Any]])
 
 def _there(selection: Selection, rows: Sequence[Row]) -> str:
     """Values in the table of the keys that a selection uses."""
-    used = [field.name for field in fields(selection) if field.name in OF_ROWS]
-    used = [name for name in used if getattr(selection, name)]
+    used = [name for name in OF_ROWS if getattr(selection, name)]
     values = {name: dict.fromkeys(resolved(row)[name] for row in rows) for name in used}
     listed = [f"{name}: {', '.join(names)}" for name, names in values.items()]
     return f"there are {'; '.join(listed)}"

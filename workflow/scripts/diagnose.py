@@ -17,7 +17,7 @@ from softsample.workflow import logged_to, progress_bar, provenance
 with logged_to(snakemake):
     given, files, out = snakemake.params, snakemake.input, snakemake.output
     settings, solid = LoopSettings.of_config(given.loop), of_fit(io.read_json(files.fit))
-    models = assumed_ends(files, given, settings, solid)
+    models = assumed_ends(files, given, solid)
     others = [io.read_json(path) for path in files.get("ends_of_others", [])]
     elsewhere = sum(for_sliding(verdict) for verdict in others)
     found = diagnose_ends(models, settings, elsewhere)

@@ -23,9 +23,7 @@ Files = Mapping[str, Any]
 """Files, or lists of files, by name: input of a rule."""
 
 
-def assumed_ends(
-    files: Files, given: Any, settings: LoopSettings, solid: Material
-) -> list[AssumedEnds]:
+def assumed_ends(files: Files, given: Any, solid: Material) -> list[AssumedEnds]:
     """A group beside its responses: of the study's ends, or of bonded and of sliding ones.
 
     Parameters
@@ -34,8 +32,6 @@ def assumed_ends(
         Input of the rule `diagnose`.
     given : object
         Its parameters.
-    settings : LoopSettings
-        Of the diagnosis.
     solid : Material
         The law of the study.
     """
@@ -59,8 +55,10 @@ def groups_in_turn(
     ----------
     files, given
         Input and parameters of the rule `pool`.
-    settings, solid
-        As of `assumed_ends`.
+    settings : LoopSettings
+        Of the diagnosis.
+    solid : Material
+        The law of the study.
     """
     recorded = _Recorded.of(files, given, solid)
     every, groups = [recorded.tests(0, []), recorded.tests(0, given.hold_out)], {}

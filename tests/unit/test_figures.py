@@ -276,6 +276,11 @@ def test_geometry_figure(segmented, cuboid, renderer):
         assert bool(ax.images) == (renderer == "vtk")
 
 
+def deformed(mesh, displacement_mm, strain, cut=False):
+    cells = {"max_principal_hencky_strain": strain}
+    return Deformed.of_fields(mesh, {"displacement_mm": displacement_mm}, cells, cut)
+
+
 @pytest.mark.parametrize("renderer", ["vtk", "matplotlib"])
 def test_strain_figure(ball, cuboid, renderer):
     if renderer == "vtk" and not offscreen.rendering_works():
@@ -283,7 +288,7 @@ def test_strain_figure(ball, cuboid, renderer):
     displacement = np.zeros_like(cuboid.points)
     displacement[:, 0] = 0.3 * cuboid.points[:, 2] / MM
     strain = cuboid.points[cuboid.hexes].mean(axis=1)[:, 2] / MM
-    shape = Deformed.of_run(cuboid, displacement, strain)
+    shape = deformed(cuboid, displacement, strain)
     both = {"real": shape, "ideal": shape}
     row = StrainRow("S1", "shear", 0.3, level_surface(*ball), both)
     figure = strain_figure([row], renderer)
@@ -305,7 +310,7 @@ def test_strain_figure(ball, cuboid, renderer):
 
 def strained(cuboid, mode="tension"):
     strain = cuboid.points[cuboid.hexes].mean(axis=1)[:, 2] / MM
-    ideal = Deformed.of_run(cuboid, np.zeros_like(cuboid.points), strain)
+    ideal = deformed(cuboid, np.zeros_like(cuboid.points), strain)
     return StrainRow("D1", mode, 0.3, None, {"ideal": ideal})
 
 
@@ -323,7 +328,7 @@ def test_strain_of_ideal_shapes_alone_is_one_panel_a_row(cuboid):
 def test_strain_below_an_indenter_is_shown_in_a_section(cuboid, kind):
     """2 x 2 x 2 mm: of the two halves the one in front, which would hide the indent, is gone."""
     ahead = np.where(cuboid.points[cuboid.hexes].mean(axis=1)[:, 1] < 0.0, 9.0, 0.2)
-    cut = Deformed.of_run(cuboid, np.zeros_like(cuboid.points), ahead, cut=True)
+    cut = deformed(cuboid, np.zeros_like(cuboid.points), ahead, cut=True)
     after, seen = cut.after, np.unique(cut.after.faces)
     assert np.max(after.values[seen]) == pytest.approx(0.2)  # noqa: PD011 - no pandas here
     assert after.points[seen, 1].min() == pytest.approx(0.0, abs=1e-9)

@@ -8,7 +8,7 @@ from matplotlib.figure import Figure
 from matplotlib.patches import Rectangle
 
 from softsample.arrays import Array, Mask
-from softsample.figures.geometry import CONTOUR, Scan, draw_slice, extent
+from softsample.figures.geometry import CONTOUR, Scan, draw_slices
 from softsample.figures.style import (
     MODE_COLOURS,
     PAGE_WIDTH_MM,
@@ -55,13 +55,9 @@ def inspected_figure(
     rows = 1 if image is None else 2
     figure = page_figure(ROW_MM * rows, ALONE_MM if alone else PAGE_WIDTH_MM)
     parts: Any = figure.subfigures(rows, 1, squeeze=False)[:, 0]
-    letters = iter("abcde")
+    letters = iter("ab" if image is None else "de")
     if image is not None:
-        widths = [extent(image, axis)[0] for axis, _ in image.views]
-        slices = parts[0].subplots(1, 3, width_ratios=widths)
-        for ax, (axis, name) in zip(slices, image.views, strict=True):
-            draw_slice(ax, image, axis)
-            label_panel(ax, next(letters), name)
+        draw_slices(parts[0], image)
     *outline, curve = np.atleast_1d(parts[-1].subplots(1, 1 if surface is None else 2))
     if surface is not None:
         _draw_outline(outline[0], surface, shape)

@@ -52,19 +52,6 @@ class Deformed:
     after: Surface
 
     @classmethod
-    def of_run(
-        cls, mesh: HexMesh, displacement_mm: Array, strain: Array, cut: bool = False
-    ) -> Self:
-        """Surfaces of a run, of the half behind the plane y = 0 alone if it is to be cut there.
-
-        Nodal displacement (n_nodes, 3) [mm], strain of elements (n_elements,).
-        """
-        if cut:
-            behind = mesh.points[mesh.hexes].mean(axis=1)[:, 1] > -1e-6 * mesh.edge_length
-            mesh, strain = HexMesh(mesh.points, mesh.hexes[behind]), strain[behind]
-        return cls(mesh_surface(mesh), mesh_surface(mesh, displacement_mm, strain))
-
-    @classmethod
     def of_fields(
         cls,
         mesh: HexMesh,
@@ -72,9 +59,12 @@ class Deformed:
         cells: Mapping[str, Array],
         cut: bool = False,
     ) -> Self:
-        """Surfaces of a run from its `fields` file."""
-        displacement_mm, strain = points["displacement_mm"], cells["max_principal_hencky_strain"]
-        return cls.of_run(mesh, displacement_mm, strain, cut)
+        """Surfaces of a run, of the half behind the plane y = 0 alone if it is to be cut there."""
+        strain = cells["max_principal_hencky_strain"]
+        if cut:
+            behind = mesh.points[mesh.hexes].mean(axis=1)[:, 1] > -1e-6 * mesh.edge_length
+            mesh, strain = HexMesh(mesh.points, mesh.hexes[behind]), strain[behind]
+        return cls(mesh_surface(mesh), mesh_surface(mesh, points["displacement_mm"], strain))
 
 
 def moved_surface(*fields: *Fields) -> tuple[Array, Array, Ids, Array]:

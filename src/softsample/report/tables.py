@@ -239,18 +239,24 @@ WORDED: Mapping[str, tuple[str, Callable[[float], str]]] = {
 
 def _beside_paper(table: pd.DataFrame, model: str, paper: pd.DataFrame | None) -> pd.DataFrame:
     """`table` with the paper's columns, empty where the paper has no such group."""
-    names = {column: f"paper_{column}" for column in table.columns.drop(["group", "mode", "note"])}
-    if paper is None:
-        table = table.assign(**dict.fromkeys(names.values(), np.nan))
-    else:
-        rows = paper.loc[paper["table"] == PAPER_TABLE[model], ["group", *names]]
-        table = table.merge(rows.rename(columns=names), on="group", how="left")
+    rows = None if paper is None else paper[paper["table"] == PAPER_TABLE[model]]
+    table = _joined(table, rows, ["group"], table.columns.drop(["group", "mode", "note"]))
     for geometry in GEOMETRIES:
         ratio = table[f"mu_{geometry}_pa"] / table[f"paper_mu_{geometry}_pa"]
         table[f"mu_{geometry}_against_paper_percent"] = 100.0 * (ratio - 1.0)
     bias = table["difference_percent"] - table["paper_difference_percent"]
     table = table.assign(difference_against_paper_points=bias)
     return table[[*table.columns.drop("note"), "note"]]
+
+
+def _joined(
+    table: pd.DataFrame, paper: pd.DataFrame | None, on: list[str], columns: Iterable[str]
+) -> pd.DataFrame:
+    """`table` with `columns` of the paper, with `paper_` before their names."""
+    names = {column: f"paper_{column}" for column in columns}
+    if paper is None:
+        return table.assign(**dict.fromkeys(names.values(), np.nan))
+    return table.merge(paper[[*on, *names]].rename(columns=names), on=on, how="left")
 
 
 def geometry_table(
@@ -324,11 +330,7 @@ def summary_table(
         if model in moduli:
             rows += _by_mode(name, moduli[model], "difference_percent")
     table = pd.DataFrame(rows, columns=STATISTICS)
-    names = {column: f"paper_{column}" for column in ("mean_percent", "sd_percent")}
-    if paper is None:
-        table = table.assign(**dict.fromkeys(names.values(), np.nan))
-    else:
-        table = table.merge(paper.rename(columns=names), on=["quantity", "mode"], how="left")
+    table = _joined(table, paper, ["quantity", "mode"], ["mean_percent", "sd_percent"])
     points = table["mean_percent"] - table["paper_mean_percent"]
     return table.assign(against_paper_points=points)
 

@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 from softsample.fem.boundary import BONDED, Boundary, ContactSettings, Ends, mode_boundary
 from softsample.fem.explicit import ExplicitModel, SolverSettings
 from softsample.meshing.mesh import HexMesh
-from softsample.meshing.regions import relative_stiffness
+from softsample.meshing.regions import stiffness_of
 
 Sample = tuple[HexMesh, Mapping[str, NDArray[Any]], Mapping[str, NDArray[Any]]]
 """Mesh [m], node data and element data, as `softsample.io.read_mesh_with_data` returns them."""
@@ -41,11 +41,7 @@ def set_up(
         If an element has no positive volume.
     """
     mesh, point_data, cell_data = sample
-    stiffness = (
-        relative_stiffness(cell_data["region"], sections["material"]["region_stiffness"])
-        if "region" in cell_data
-        else None
-    )
+    stiffness = stiffness_of(cell_data, sections["material"].get("region_stiffness"))
     model = ExplicitModel(mesh, SolverSettings(**sections["solver"]), stiffness)
     glued = np.flatnonzero(point_data["glued"])
     contact = ContactSettings(**sections["contact"])

@@ -1,8 +1,10 @@
 """Regions of different stiffness in a sample."""
 
 from collections.abc import Mapping
+from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 
 from softsample.arrays import Array, Ids
 from softsample.errors import InputError
@@ -25,6 +27,13 @@ def element_regions(mesh: HexMesh, labels: MarkedImage) -> Ids:
             "sample's image, or leave labels empty"
         )
     return regions
+
+
+def stiffness_of(
+    cell_data: Mapping[str, NDArray[Any]], mapping: Mapping[int | str, float] | None
+) -> Array | None:
+    """`relative_stiffness` of the elements of a mesh, None if it has no regions."""
+    return relative_stiffness(cell_data["region"], mapping or {}) if "region" in cell_data else None
 
 
 def relative_stiffness(regions: Ids, mapping: Mapping[int | str, float]) -> Array:

@@ -16,7 +16,7 @@ from softsample.fem.explicit import ExplicitModel, SolverSettings
 from softsample.fem.motion import PLATEN
 from softsample.fem.setup import Sample, set_up
 from softsample.meshing.bond import bonded_area
-from softsample.meshing.regions import relative_stiffness
+from softsample.meshing.regions import stiffness_of
 from softsample.meshing.sample import SampleMesh
 from softsample.response.curves import Curves, Scaled
 from softsample.response.unit import paced
@@ -217,8 +217,7 @@ def bonded_by_contact(
         If the platen touches nothing.
     """
     fill = settings.fill_mm * MM
-    region = sample.cell_data.get("region")
-    stiffness = None if region is None else relative_stiffness(region, region_stiffness or {})
+    stiffness = stiffness_of(sample.cell_data, region_stiffness)
     model = ExplicitModel(sample.mesh, solver, stiffness)
     ids = touched_nodes(model, preload, fill, alpha, poisson_ratio, contact)
     if len(ids) == 0:

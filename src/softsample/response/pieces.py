@@ -13,7 +13,7 @@ from softsample.fem.boundary import Boundary, ContactSettings, Ends, mode_bounda
 from softsample.fem.explicit import ExplicitModel, SolverSettings
 from softsample.meshing.marks import MarkedImage
 from softsample.meshing.mesh import HexMesh
-from softsample.meshing.regions import relative_stiffness
+from softsample.meshing.regions import stiffness_of
 from softsample.meshing.sample import SampleMesh, mesh_ideal, mesh_real
 from softsample.protocol import PRESSED_MODES
 from softsample.response.bond import CONTACT, BondSettings, bonded_by_contact
@@ -152,8 +152,7 @@ class MeshedSample:
     @classmethod
     def of(cls, made: SampleMesh, known: Mapping[int | str, float] | None = None) -> Self:
         """From a mesh, and the relative stiffness of its regions by their label."""
-        region = made.cell_data.get("region")
-        stiffness = None if region is None else relative_stiffness(region, known or {})
+        stiffness = stiffness_of(made.cell_data, known)
         return cls(made.mesh, np.flatnonzero(made.point_data["glued"]), stiffness)
 
     def model(self, solver: SolverSettings) -> ExplicitModel:

@@ -1,7 +1,6 @@
 """Numerical choices whose effect on a curve every study measures."""
 
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
@@ -19,33 +18,14 @@ DOUBLE = f"{COARSE}, double precision"
 """Names of the changes. Rounding changes so little that it is looked at where it costs little."""
 
 
-@dataclass(frozen=True)
-class Change:
-    """One choice made otherwise.
-
-    Parameters
-    ----------
-    name : str
-        What is changed.
-    coarse : bool
-        Whether the mesh has elements of twice the size.
-    solver : mapping
-        Settings of the solver that differ.
-    """
-
-    name: str
-    coarse: bool
-    solver: Mapping[str, Any]
-
-
-def numerical_changes(hourglass_coefficient: float) -> list[Change]:
-    """All changes, about a coefficient of the hourglass control."""
-    return [
-        Change(SOFTER, False, {"hourglass_coefficient": 0.5 * hourglass_coefficient}),
-        Change(STIFFER, False, {"hourglass_coefficient": 2.0 * hourglass_coefficient}),
-        Change(COARSE, True, {}),
-        Change(DOUBLE, True, {"precision": "float64"}),
-    ]
+def numerical_changes(hourglass_coefficient: float) -> dict[str, tuple[str, dict[str, Any]]]:
+    """By name of each change: which mesh, `mesh` or `coarse`, and settings of the solver."""
+    return {
+        SOFTER: ("mesh", {"hourglass_coefficient": 0.5 * hourglass_coefficient}),
+        STIFFER: ("mesh", {"hourglass_coefficient": 2.0 * hourglass_coefficient}),
+        COARSE: ("coarse", {}),
+        DOUBLE: ("coarse", {"precision": "float64"}),
+    }
 
 
 def forces_with_changes(
@@ -79,16 +59,16 @@ def forces_with_changes(
     mode, sections, ends = test
     changes = numerical_changes(sections["solver"]["hourglass_coefficient"])
     displacement, force = reference
-    forces = {change.name: force for change in changes}
+    forces = dict.fromkeys(changes, force)
     if response["method"] == CLOSED_FORM:  # which has no mesh, and nothing to choose
         return forces
-    for done, change in enumerate(changes):
-        progress(change.name, done / len(changes))
-        solver = {**sections["solver"], **change.solver}
-        changed = {name: sections[name] for name in ("contact", "material")} | {"solver": solver}
-        model, boundary = set_up(meshes["coarse" if change.coarse else "mesh"], mode, changed, ends)
+    for done, (name, (mesh, settings)) in enumerate(changes.items()):
+        progress(name, done / len(changes))
+        solver = {**sections["solver"], **settings}
+        changed = {part: sections[part] for part in ("contact", "material")} | {"solver": solver}
+        model, boundary = set_up(meshes[mesh], mode, changed, ends)
         run = model.run(material, boundary, travel, loading_time=loading_time(response, model))
-        forces[change.name] = np.interp(displacement, run.displacement, run.force)
+        forces[name] = np.interp(displacement, run.displacement, run.force)
     return forces
 
 

@@ -39,6 +39,8 @@ class Segmentation:
         Rigid map from the sample frame to world RAS+ [m].
     sigma : (mx, my, mz) float64
         One standard deviation of the position of the surface nearest to each grid point [m].
+    flags : tuple of str
+        Peculiarities a person should look at.
     film : float
         Mean thickness of the film of fluid that was taken off [m].
     point_spread : str or None
@@ -49,10 +51,8 @@ class Segmentation:
         Robust standard deviation of the base about its plane [m].
     snr, noise, tissue_level, threshold : float
         Signal to noise ratio, standard deviation of the noise, median level of the tissue and
-        median threshold at the boundary, intensities as in the image. NaN for a given mask, the
-        first two also where the surroundings have no noise.
-    flags : tuple of str
-        Peculiarities a person should look at.
+        median threshold at the boundary, intensities as in the image. NaN for a given mask or
+        surface, the first two also where the surroundings have no noise.
     doubts : tuple of str
         Why this may be something else than the sample, with cures.
     """
@@ -63,16 +63,16 @@ class Segmentation:
     spacing: float
     sample_to_world: Array
     sigma: Array
-    film: float
-    point_spread: str | None
-    tilt: float
-    base_spread: float
-    snr: float
-    noise: float
-    tissue_level: float
-    threshold: float
     flags: tuple[str, ...]
-    doubts: tuple[str, ...]
+    film: float = 0.0
+    point_spread: str | None = None
+    tilt: float = 0.0
+    base_spread: float = 0.0
+    snr: float = np.nan
+    noise: float = np.nan
+    tissue_level: float = np.nan
+    threshold: float = np.nan
+    doubts: tuple[str, ...] = ()
 
     @property
     def grids_mm(self) -> dict[str, NDArray[np.float32]]:
@@ -202,14 +202,6 @@ def segmentation_from_mask(
         mask=solid,
         fluid=np.zeros_like(solid),
         hole=np.zeros_like(solid),
-        power=None,
-        relative_noise=None,
-        texture=0.0,
-        snr=np.nan,
-        noise=np.nan,
-        level=np.nan,
-        threshold=np.nan,
-        shared_noise=0.0,
         left_out=left_out,
     )
     # a segmentation made elsewhere has its say

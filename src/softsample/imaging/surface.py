@@ -66,16 +66,7 @@ def segmentation_from_surface(
         spacing=spacing,
         sample_to_world=frame.rigid(x, up, to_world[:3, :3] @ base_centre(turned)),
         sigma=np.full(distance.shape, GRID_ERROR * spacing),
-        film=0.0,
-        point_spread=None,
-        tilt=0.0,
-        base_spread=0.0,
-        snr=np.nan,
-        noise=np.nan,
-        tissue_level=np.nan,
-        threshold=np.nan,
         flags=frame.told_turn(x, shear),
-        doubts=(),
     )
 
 

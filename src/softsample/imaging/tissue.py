@@ -65,6 +65,8 @@ class TissueShare:
         Smoothed image on the scale from surroundings (0) to the tissue nearby (1).
     mask, fluid, hole : (nx, ny, nz) bool
         Sample, free fluid (drops), and holes of the sample that were filled (bubbles).
+    left_out : float
+        Volume [m3] of another region that is large enough for a person to look at, or zero.
     power, relative_noise : (nx, ny, nz) float64, or None
         Square of the intensity over that of the tissue nearby, less the surroundings'; noise over
         that of the tissue nearby. None for a given mask, if no film is looked for, or if the
@@ -75,23 +77,21 @@ class TissueShare:
         As in `Segmentation`.
     shared_noise : float
         Part of the noise's variance that neighbouring voxels share.
-    left_out : float
-        Volume [m3] of another region that is large enough for a person to look at, or zero.
     """
 
     share: Array
     mask: Mask
     fluid: Mask
     hole: Mask
-    power: Array | None
-    relative_noise: Array | None
-    texture: float
-    snr: float
-    noise: float
-    level: float
-    threshold: float
-    shared_noise: float
     left_out: float
+    power: Array | None = None
+    relative_noise: Array | None = None
+    texture: float = 0.0
+    snr: float = np.nan
+    noise: float = np.nan
+    level: float = np.nan
+    threshold: float = np.nan
+    shared_noise: float = 0.0
 
 
 def tissue_share(image: Array, spacing: Array, settings: SegmentationSettings) -> TissueShare:

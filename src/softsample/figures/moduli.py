@@ -257,12 +257,7 @@ def _keys_of_moduli(
     if intervals:
         keys.append(Line2D([], [], color="black", lw=0.8, label=r"interval of $\mu$"))
     if moduli["paper_mu_real_pa"].notna().any():
-        marker: dict[str, Any] = {
-            "marker": "D",
-            "ms": 3.4,
-            "mfc": "white",
-            "mec": "black",
-            "mew": 0.8,
-        }
-        keys.append(Line2D([], [], ls="", label=r"$\mu$ in the paper", **marker))
+        marker = Line2D([], [], ls="", marker="D", ms=3.4, mfc="white", mec="black", mew=0.8)
+        marker.set_label(r"$\mu$ in the paper")
+        keys.append(marker)
     return keys

@@ -20,6 +20,8 @@ SIZES = (
 
 RECORD = ("travel_mm", "ramp_speed_mm_s", "peak_force_N", "force_noise_N")
 
+EFFECT = ("class", "parameters", "evidence", "separating_experiment")
+
 BRIEF = (
     "group", "modulus to quote [Pa]", "calibrated [Pa]", "ideal shape [Pa]", "bias", "verdict",
 )  # fmt: skip
@@ -93,9 +95,7 @@ def _calibration(fit: Report, intervals: pd.DataFrame) -> dict[str, Any]:
     keys = ("group", "geometry", "model")
     chosen = (intervals[list(keys)] == [fit[key] for key in keys]).all(axis="columns")
     return {
-        "samples": fit["samples"],
-        "alpha": fit["alpha"],
-        "poisson_ratio": fit["poisson_ratio"],
+        **{key: fit[key] for key in ("samples", "alpha", "poisson_ratio")},
         "moduli": {
             row["modulus"]: {
                 key: None if pd.isna(row[key]) else row[key]
@@ -117,15 +117,7 @@ def _verdict(verdict: Report) -> dict[str, Any]:
         "modulus_to_quote": {
             f"{key}_pa": verdict["recommended"]["mu"][key] for key in ("value", "low", "high")
         },
-        "effects": [
-            {
-                "class": effect["class"],
-                "parameters": effect["parameters"],
-                "evidence": effect["evidence"],
-                "separating_experiment": effect["separating_experiment"],
-            }
-            for effect in verdict["effects"]
-        ],
+        "effects": [{key: effect[key] for key in EFFECT} for effect in verdict["effects"]],
         "error_before_percent": _errors(verdict["error_before"]),
         "error_after_percent": _errors(verdict["error_after"]),
     }

@@ -4,7 +4,7 @@ from collections.abc import Iterator
 
 import numpy as np
 from scipy import ndimage
-from scipy.spatial import ConvexHull
+from skimage.morphology import convex_hull_image
 
 from softsample.arrays import Array, Mask
 from softsample.imaging.boundary import Boundary
@@ -133,8 +133,6 @@ def _notch(section: Mask) -> float:
     points = np.argwhere(section)
     if len(points) < 3 or min(np.ptp(points, axis=0)) == 0:
         return 0.0
-    planes = ConvexHull(points).equations
-    everywhere = np.indices(section.shape).reshape(2, -1).T
-    hull = np.all(everywhere @ planes[:, :2].T + planes[:, 2] <= 1e-9, axis=1)
-    depth = ndimage.distance_transform_edt(np.pad(hull.reshape(section.shape), 1))[1:-1, 1:-1]
+    hull = convex_hull_image(section, offset_coordinates=False)
+    depth = ndimage.distance_transform_edt(np.pad(hull, 1))[1:-1, 1:-1]
     return float(depth[~ndimage.binary_fill_holes(section)].max())

@@ -178,26 +178,11 @@ def distance_grid(
 
 def signed_distances(surface: TriangleSurface, points: Array) -> Array:
     """(n,) signed distance [m] of `points` (n, 3) [m] to the triangles, negative inside."""
-    from vtkmodules.util.numpy_support import numpy_to_vtk, numpy_to_vtkIdTypeArray, vtk_to_numpy
-    from vtkmodules.vtkCommonCore import vtkDoubleArray, vtkPoints
-    from vtkmodules.vtkCommonDataModel import vtkCellArray, vtkPolyData
-    from vtkmodules.vtkFiltersCore import vtkImplicitPolyDataDistance
+    import pyvista
 
-    corners = vtkPoints()
-    corners.SetData(numpy_to_vtk(np.ascontiguousarray(surface.points), deep=True))
-    cells = vtkCellArray()
-    starts = 3 * np.arange(len(surface.triangles) + 1, dtype=np.int64)
-    cells.SetData(
-        numpy_to_vtkIdTypeArray(starts, deep=True),
-        numpy_to_vtkIdTypeArray(np.ascontiguousarray(surface.triangles).ravel(), deep=True),
-    )
-    mesh = vtkPolyData()
-    mesh.SetPoints(corners)
-    mesh.SetPolys(cells)
-    function, values = vtkImplicitPolyDataDistance(), vtkDoubleArray()
-    function.SetInput(mesh)
-    function.FunctionValue(numpy_to_vtk(np.ascontiguousarray(points), deep=True), values)
-    return np.asarray(vtk_to_numpy(values), dtype=np.float64).copy()
+    mesh = pyvista.PolyData.from_regular_faces(surface.points, surface.triangles)
+    found = pyvista.PolyData(points).compute_implicit_distance(mesh)
+    return np.array(found["implicit_distance"])
 
 
 def boundary_surface(mesh: HexMesh) -> TriangleSurface:

@@ -14,26 +14,13 @@ from softsample.meshing.mesh import HexMesh
 OFFSETS = np.array([[i & 1, i >> 1 & 1, i >> 2 & 1] for i in range(8)])
 
 
-def _connected(cells: list[int]) -> bool:
-    """Whether the cells of a 2 x 2 x 2 block hang together by faces (true for none)."""
-    reached, todo = set(cells[:1]), list(cells[:1])
-    while todo:
-        cell = todo.pop()
-        for bit in (1, 2, 4):
-            if (cell ^ bit) in cells and (cell ^ bit) not in reached:
-                reached.add(cell ^ bit)
-                todo.append(cell ^ bit)
-    return len(reached) == len(cells)
-
-
 def _torn_patterns() -> Mask:
-    """(256,) which occupations of the eight cells around a node make a non-manifold surface."""
-    torn = np.zeros(256, dtype=bool)
-    for pattern in range(256):
-        inside = [i for i in range(8) if pattern >> i & 1]
-        outside = [i for i in range(8) if not pattern >> i & 1]
-        torn[pattern] = not (_connected(inside) and _connected(outside))
-    return torn
+    """(256,) which occupations of the eight cells around a node make a non-manifold surface.
+
+    That is where those inside, or those outside, do not hang together by faces.
+    """
+    blocks = (np.arange(256)[:, None] >> np.arange(8) & 1).reshape(-1, 2, 2, 2)
+    return np.array([max(label(block)[1], label(1 - block)[1]) > 1 for block in blocks])
 
 
 TORN = _torn_patterns()

@@ -79,11 +79,14 @@ def _disc(radius: float, across: int, rings: int) -> tuple[Array, Ids]:
     around = (1.0 - part) * square[border] + part * circle
     ring = np.vstack([border, node.size + np.arange(around[..., 0].size).reshape(rings, -1)])
     ring = np.column_stack([ring, ring[:, 0]])
-    quads = [
-        np.stack([g[:-1, :-1], g[1:, :-1], g[1:, 1:], g[:-1, 1:]], axis=-1).reshape(-1, 4)
-        for g in (node, ring)
-    ]
-    return np.concatenate([square, around.reshape(-1, 2)]), np.concatenate(quads)
+    points = np.concatenate([square, around.reshape(-1, 2)])
+    return points, np.concatenate([_quads_of(node), _quads_of(ring)])
+
+
+def _quads_of(grid: Ids) -> Ids:
+    """Quads (m, 4) between the nodes of a grid."""
+    corners = [grid[:-1, :-1], grid[1:, :-1], grid[1:, 1:], grid[:-1, 1:]]
+    return np.stack(corners, axis=-1).reshape(-1, 4)
 
 
 def disc_of(rings: Array, near: float) -> tuple[Array, Ids]:
@@ -106,10 +109,8 @@ def disc_of(rings: Array, near: float) -> tuple[Array, Ids]:
     circles = rings[inside + 1 :, None, None] * np.column_stack([np.cos(angle), np.sin(angle)])
     ids = np.vstack([wall, len(plane) + np.arange(circles[..., 0].size).reshape(-1, len(wall))])
     ids = np.column_stack([ids, ids[:, 0]])
-    around = np.stack([ids[:-1, :-1], ids[1:, :-1], ids[1:, 1:], ids[:-1, 1:]], axis=-1)
-    return np.concatenate([plane, circles.reshape(-1, 2)]), np.concatenate(
-        [quads, around.reshape(-1, 4)]
-    )
+    points = np.concatenate([plane, circles.reshape(-1, 2)])
+    return points, np.concatenate([quads, _quads_of(ids)])
 
 
 def extruded(plane: Array, quads: Ids, heights: Array) -> HexMesh:

@@ -254,15 +254,13 @@ def _show_surface(file: str, picture: str) -> None:
 
 
 def _show_mesh(file: str, picture: str) -> None:
-    from softsample.figures.quicklook import owners
-
     mesh, point_data, cell_data = read_mesh_with_data(file)
     print(f"{len(mesh.hexes)} elements, {len(mesh.points)} nodes")
     for kind, arrays in (("node", point_data), ("element", cell_data)):
         for name, values in arrays.items():
             print(f"{kind} data {name}: {values.min():g} to {values.max():g}")
     first = next(iter(cell_data), None)
-    colours = None if first is None else cell_data[first][owners(mesh)]
+    colours = None if first is None else cell_data[first][mesh.boundary_owners]
     _draw(file, picture, mesh.points[mesh.boundary_quads], first, colours)
 
 

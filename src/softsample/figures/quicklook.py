@@ -9,8 +9,7 @@ from matplotlib.figure import Figure
 from mpl_toolkits.mplot3d.art3d import Poly3DCollection
 from numpy.typing import NDArray
 
-from softsample.arrays import Array, Ids
-from softsample.meshing.mesh import FACES, HexMesh
+from softsample.arrays import Array
 from softsample.units import MM
 
 LABELS = {
@@ -86,13 +85,6 @@ def faces(
     ax.set_box_aspect(high - low)
     ax.set(xlabel="x [mm]", ylabel="y [mm]", zlabel="z [mm]", title=title)
     return figure
-
-
-def owners(mesh: HexMesh) -> Ids:
-    """(n_quads,) element that each quad of the boundary belongs to, in the boundary's order."""
-    quads = np.sort(mesh.hexes[:, FACES].reshape(-1, 4), axis=1)
-    _, first, count = np.unique(quads, axis=0, return_index=True, return_counts=True)
-    return np.sort(first[count == 1]) // len(FACES)
 
 
 def render(path: str, cell_name: str | None) -> NDArray[np.uint8]:

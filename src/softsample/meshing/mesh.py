@@ -49,13 +49,21 @@ class HexMesh:
     hexes: Ids
 
     @cached_property
+    def _boundary_faces(self) -> Ids:
+        """(n_quads,) faces that belong to one element only, counted element by element."""
+        quads = np.sort(self.hexes[:, FACES].reshape(-1, 4), axis=1)
+        _, first, count = np.unique(quads, axis=0, return_index=True, return_counts=True)
+        return np.sort(first[count == 1])
+
+    @cached_property
     def boundary_quads(self) -> Ids:
-        """(n_quads, 4) faces that belong to one element only, normals outward."""
-        quads = self.hexes[:, FACES].reshape(-1, 4)
-        _, first, count = np.unique(
-            np.sort(quads, axis=1), axis=0, return_index=True, return_counts=True
-        )
-        return quads[np.sort(first[count == 1])]
+        """(n_quads, 4) those faces, normals outward."""
+        return self.hexes[:, FACES].reshape(-1, 4)[self._boundary_faces]
+
+    @property
+    def boundary_owners(self) -> Ids:
+        """(n_quads,) element that each of `boundary_quads` belongs to."""
+        return self._boundary_faces // len(FACES)
 
     def quads_among(self, nodes: Ids) -> Ids:
         """(n_quads, 4) places of the corners of `boundary_quads` in `nodes` (n,), -1 for others."""

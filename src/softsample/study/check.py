@@ -238,7 +238,7 @@ def _check_row(
         "record", lambda path: _record(path, row, (size, known), where, settings, result, told)
     )
     if image:
-        attempt("bond_mask", lambda path: _glued(path, image))
+        attempt("bond_mask", lambda path: _marked(path, ("bond_mask",), image))
         attempt("labels", lambda path: _labels(path, image, settings))
     record, facts = tested or (None, None)
     small = coarsened(*image) if image else None
@@ -350,16 +350,15 @@ def _mask(path: str, segments: Sequence[str], image: Volume) -> NDArray[np.float
     return on_grid_of(image, one_label(mask, path), affine, path)
 
 
-def _glued(path: str, image: Volume) -> None:
-    data, affine = read_image(path, ("bond_mask",))
-    MarkedImage.in_world(data, affine, np.eye(4), path)
+def _marked(path: str, segments: Sequence[str], image: Volume) -> MarkedImage:
+    data, affine = read_image(path, segments)
+    marked = MarkedImage.in_world(data, affine, np.eye(4), path)
     on_grid_of(image, data, affine, path)
+    return marked
 
 
 def _labels(path: str, image: Volume, settings: Mapping[str, Any]) -> None:
-    data, affine = read_image(path)
-    marked = MarkedImage.in_world(data, affine, np.eye(4), path)
-    on_grid_of(image, data, affine, path)
+    marked = _marked(path, (), image)
     try:
         relative_stiffness(np.unique(marked.values), settings["material"]["region_stiffness"])
     except InputError as error:

@@ -97,12 +97,8 @@ class Boundary:
         return Platens(
             (self._glued(BASE), self._glued(PLATEN)), self.candidates, self.planes,
             np.array(self.ball), np.array(self.friction), self.direction, self.spin, self.release,
-            self._mobile(),
+            np.where(np.isin(np.arange(3), self.confined), 0.0, 1.0),
         )  # fmt: skip
-
-    def _mobile(self) -> Array:
-        """One for axes along which nodes may move, zero for confined ones."""
-        return np.where(np.isin(np.arange(3), self.confined), 0.0, 1.0)
 
     def _glued(self, holder: int) -> NDArray[np.int32]:
         """Nodes held for good: those held from the start that their platen cannot let go."""

@@ -12,7 +12,7 @@ from softsample.laws.candidates import Shape
 from softsample.laws.fit import LawFit, Problem
 
 OPEN = 1.0
-"""Singular value of the white sensitivities to whole ranges below which a direction is open: all
+"""Singular value of the white changes by whole ranges below which a direction is open: all
 of the range then changes the deviance by less than this."""
 
 LEADING = 0.5

@@ -31,6 +31,9 @@ MOST_TERMS = 6
 PULL = 1e-3
 """Traction at which a platen releases, over the shear modulus; FEBio takes 0 for 'never'."""
 
+STEPS = 20
+"""Number of time steps."""
+
 TISSUE = 1
 """Material number of the sample; rigid bodies follow."""
 
@@ -39,13 +42,7 @@ TURNED = "TURNED"
 
 
 def write_febio(
-    path: PathLike,
-    mesh: HexMesh,
-    material: Material,
-    boundary: Boundary,
-    travel: float,
-    *,
-    steps: int = 20,
+    path: PathLike, mesh: HexMesh, material: Material, boundary: Boundary, travel: float
 ) -> None:
     """Write a static test as input of FEBio 4 (febio_spec 4.0), atomically.
 
@@ -62,8 +59,6 @@ def write_febio(
         touch: rigid bodies with sticky or sliding contact.
     travel : float
         Travel of the moving platen [m], > 0, in proportion to time from 0 to 1.
-    steps : int
-        Number of time steps.
 
     Raises
     ------
@@ -84,7 +79,7 @@ def write_febio(
     root = ET.Element("febio_spec", version="4.0")
     root.extend(ET.Comment(f" {line} ") for line in test.header)
     ET.SubElement(root, "Module", type="solid")
-    _control(ET.SubElement(root, "Control"), steps)
+    _control(ET.SubElement(root, "Control"))
     _materials(ET.SubElement(root, "Material"), test)
     _mesh(ET.SubElement(root, "Mesh"), test)
     _domains(ET.SubElement(root, "MeshDomains"), test)
@@ -99,14 +94,14 @@ def write_febio(
     write_text(path, '<?xml version="1.0" encoding="UTF-8"?>\n' + ET.tostring(root, "unicode"))
 
 
-def _control(control: ET.Element, steps: int) -> None:
+def _control(control: ET.Element) -> None:
     """Static analysis with full Newton iterations and steps that can be cut back."""
-    _fill(control, analysis="STATIC", time_steps=steps, step_size=1.0 / steps)
+    _fill(control, analysis="STATIC", time_steps=STEPS, step_size=1.0 / STEPS)
     solver = ET.SubElement(control, "solver", type="solid")
     _fill(solver, symmetric_stiffness="symmetric", max_refs=25, dtol=1e-3, etol=1e-3, rtol=0)
     _fill(ET.SubElement(solver, "qn_method", type="BFGS"), max_ups=0)
     stepper = ET.SubElement(control, "time_stepper", type="default")
-    _fill(stepper, max_retries=10, opt_iter=15, dtmin=1e-3 / steps, dtmax=1.0 / steps)
+    _fill(stepper, max_retries=10, opt_iter=15, dtmin=1e-3 / STEPS, dtmax=1.0 / STEPS)
 
 
 def _bodies(test: StaticTest) -> dict[str, tuple[Array, bool]]:

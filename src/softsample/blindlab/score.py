@@ -1,6 +1,6 @@
 """Frozen answers against what was planted: goals with bounds, confusion of effects."""
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
 
@@ -160,12 +160,13 @@ def score(cases: Sequence[Case]) -> list[Row]:
     have none.
     """
     rows = []
-    for key, group in _by(cases, "design", "floor_percent").items():
-        setting = dict(zip(("design", "floor_percent"), key, strict=True))
+    settings = _by(cases, lambda case: (case.planted["design"], case.planted["floor_percent"]))
+    for (design, floor), group in settings.items():
+        setting = {"design": design, "floor_percent": floor}
         rows += [{**row, **setting, "size": None} for row in _overall(group)]
         singles = [case for case in group if case.planted["kind"] == "effect"]
         left = _left_undisturbed(group)
-        for (size,), of_size in _by(singles, "size").items():
+        for size, of_size in _by(singles, lambda case: case.planted["size"]).items():
             rows += [{**row, **setting, "size": size} for row in _effects(of_size, left)]
     return rows
 
@@ -180,16 +181,20 @@ def _left_undisturbed(cases: Sequence[Case]) -> dict[str, float]:
     }
 
 
-def _by(cases: Sequence[Case], *keys: str) -> dict[tuple[Any, ...], list[Case]]:
-    groups: dict[tuple[Any, ...], list[Case]] = {}
+def _by(cases: Sequence[Case], key: Callable[[Case], Any]) -> dict[Any, list[Case]]:
+    groups: dict[Any, list[Case]] = {}
     for case in cases:
-        groups.setdefault(tuple(case.planted[key] for key in keys), []).append(case)
+        groups.setdefault(key(case), []).append(case)
     return dict(sorted(groups.items()))
+
+
+def _by_names(cases: Sequence[Case]) -> dict[str, list[Case]]:
+    return _by(cases, lambda case: " and ".join(case.names))
 
 
 def _overall(cases: Sequence[Case]) -> Iterator[Row]:
     """Goals that need no effect at one size: nulls, scales, strangers, pairs, cost."""
-    kinds = {kind: cs for (kind,), cs in _by(cases, "kind").items()}
+    kinds = _by(cases, lambda case: case.planted["kind"])
     yield share("1 false alarms", [c.noticed for c in kinds.get("null", [])], "upper")
     yield share("scale not called identifiable", [
         not any({"gain", "rate_stiffening"} & set(names) for names in c.classes) and not c.named
@@ -197,7 +202,7 @@ def _overall(cases: Sequence[Case]) -> Iterator[Row]:
     ], "lower")  # fmt: skip
     strangers = kinds.get("stranger", [])
     yield share("6 out of library: unknown or none", [not c.named for c in strangers], "lower")
-    for (names,), of_kind in _by_names(strangers).items():
+    for names, of_kind in _by_names(strangers).items():
         yield share(f"6 {names}", [not c.named for c in of_kind], "lower")
     pairs = kinds.get("pair", [])
     yield share("8 pairs: both classes", [c.found == 2 for c in pairs], "lower")
@@ -222,25 +227,18 @@ def _calibration(cases: Sequence[Case]) -> Row:
     return {"goal": goal, "value": abs(float(np.mean(off))), "bound": None, "n": len(off)}
 
 
-def _by_names(cases: Sequence[Case]) -> dict[tuple[str], list[Case]]:
-    groups: dict[tuple[str], list[Case]] = {}
-    for case in cases:
-        groups.setdefault((" and ".join(case.names),), []).append(case)
-    return dict(sorted(groups.items()))
-
-
 def _strong(cases: Sequence[Case]) -> set[str]:
     """Effects that are noticed nearly always."""
     return {
         names
-        for (names,), of_name in _by_names(cases).items()
+        for names, of_name in _by_names(cases).items()
         if np.mean([c.noticed for c in of_name]) >= POWER
     }
 
 
 def _effects(cases: Sequence[Case], left: Mapping[str, float]) -> Iterator[Row]:
     """Goals on single effects of one size; `left` is what undisturbed records leave, by fold."""
-    for (names,), of_name in _by_names(cases).items():
+    for names, of_name in _by_names(cases).items():
         yield share(f"2 power {names}", [c.noticed for c in of_name], "lower")
     strong = _strong(cases)
     yield {
@@ -255,7 +253,7 @@ def _effects(cases: Sequence[Case], left: Mapping[str, float]) -> Iterator[Row]:
     yield share("4 exact effect first", [c.first == c.names[0] for c in noticed], "lower")
     wrong = [c.named and not c.found for c in cases]
     yield share("5 confidently wrong", wrong, "upper")
-    for (names,), of_name in _by_names(cases).items():
+    for names, of_name in _by_names(cases).items():
         yield share(f"5 wrong {names}", [c.named and not c.found for c in of_name], "upper")
     yield share("wrong extra class", [c.extra for c in noticed], "upper")
     yield share("7 called unknown", [c.answer["verdict"] == "unknown" for c in cases], "upper")

@@ -38,13 +38,18 @@ def _smooth(random: np.random.Generator) -> Curve:
     return lambda x: np.cos(np.outer(x, wave) + phase).sum(axis=1) * np.sqrt(2.0 / 64.0)
 
 
-def _rough(random: np.random.Generator) -> Curve:
-    """Random function of standard deviation 1 with corners everywhere: Ornstein and Uhlenbeck's."""
-    grid = np.linspace(-0.2, 1.2, 1401)
-    keep = np.exp(-(grid[1] - grid[0]) / FLOOR_LENGTH)
-    kicks = random.normal(0.0, np.sqrt(1.0 - keep**2), len(grid))
+def _wandering(random: np.random.Generator, size: float, step: float, count: int) -> Array:
+    """Ornstein and Uhlenbeck's noise (count,) of a standard deviation; steps in its own length."""
+    keep = np.exp(-step)
+    kicks = random.normal(0.0, size * np.sqrt(1.0 - keep**2), count)
     kicks[0] /= np.sqrt(1.0 - keep**2)
-    values = np.asarray(lfilter([1.0], [1.0, -keep], kicks))
+    return np.asarray(lfilter([1.0], [1.0, -keep], kicks))
+
+
+def _rough(random: np.random.Generator) -> Curve:
+    """Random function of standard deviation 1 with corners everywhere."""
+    grid = np.linspace(-0.2, 1.2, 1401)
+    values = _wandering(random, 1.0, (grid[1] - grid[0]) / FLOOR_LENGTH, len(grid))
     return lambda x: np.interp(x, grid, values)
 
 
@@ -231,10 +236,8 @@ def _table(test: Trial, force: Array, random: np.random.Generator) -> pd.DataFra
     """Every so many steps of the clock, with the noise of cell and reading."""
     kept = slice(None, None, FINER)
     n = len(test.time[kept])
-    keep = np.exp(-1.0 / RATE / SLOW_TIME)
-    kicks = random.normal(0.0, SLOW * np.sqrt(1.0 - keep**2), n)
-    kicks[0] /= np.sqrt(1.0 - keep**2)
-    noise = np.asarray(lfilter([1.0], [1.0, -keep], kicks)) + random.normal(0.0, WHITE, n)
+    slow = _wandering(random, SLOW, 1.0 / RATE / SLOW_TIME, n)
+    noise = slow + random.normal(0.0, WHITE, n)
     return pd.DataFrame(
         {
             "time_s": test.time[kept],

@@ -1,8 +1,7 @@
 """Elastic curves of a body, plain and changed, by runs of the solver on the laboratory's mesh."""
 
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import replace
-from functools import partial
 
 import numpy as np
 import pandas as pd
@@ -116,30 +115,29 @@ def _cuboid_runs(
                 run = model.run(tissue(body), held, reach)
                 yield name, size, mode, run.displacement, run.force
                 if name == "slip":
-                    back = _way_back(model, body, held, mode, solver)
-                    yield SLIP_BACK, size, mode, run.displacement, run.force + back(run)
+                    more = _more_on_unloading(model, body, held, run.displacement, solver)
+                    yield SLIP_BACK, size, mode, run.displacement, run.force + more
             if mode == "shear":
                 run = _from_pressed(model, body, plain, reach, PRESSED * size, solver)
                 yield "pressed", size, mode, run.displacement, run.force
-            for name, make in _meshes(body, mesh, size_mm, size, solver).items():
-                changed, on = make()
+            for name, changed, on in _samples(body, mesh, size_mm, size, solver):
                 held = mode_boundary(on.mesh, mode, glued(on), ContactSettings())
                 run = changed.run(tissue(body), held, reach)
                 yield name, size, mode, run.displacement, run.force
 
 
-def _way_back(
-    model: ExplicitModel, body: Body, held: Boundary, mode: str, solver: SolverSettings
-) -> Callable[[Run], Array]:
-    """What the force is more on unloading, on the travels of a run; friction turns round."""
-    stroke = MM * body.stroke(mode)
+def _more_on_unloading(
+    model: ExplicitModel, body: Body, held: Boundary, travel: Array, solver: SolverSettings
+) -> Array:
+    """What the force is more on unloading from compression, by travel; friction turns round."""
+    stroke = MM * body.stroke("compression")
     there_and_back = History(np.array([0.0, 1.0, 2.0]), np.array([0.0, stroke, 0.0]))
     cycle = model.run(
         tissue(body), held, there_and_back, loading_time=SLOWER * solver.loading_time_s
     )
     turn = len(cycle.displacement) // 2
     loop = cycle.force[turn:][::-1] - cycle.force[: turn + 1]
-    return lambda run: np.interp(run.displacement, cycle.displacement[: turn + 1], loop)
+    return np.interp(travel, cycle.displacement[: turn + 1], loop)
 
 
 def _from_pressed(
@@ -184,24 +182,21 @@ def _boundaries(body: Body, mesh: SampleMesh, mode: str, size: float) -> dict[st
     }
 
 
-def _meshes(
+def _samples(
     body: Body, mesh: SampleMesh, size_mm: float, size: float, solver: SolverSettings
-) -> dict[str, Callable[[], tuple[ExplicitModel, SampleMesh]]]:
+) -> Iterator[tuple[str, ExplicitModel, SampleMesh]]:
     """Changed samples: larger all round, and with a stiff inclusion."""
-
-    def larger() -> tuple[ExplicitModel, SampleMesh]:
-        shifted = cuboid_mesh(body, size_mm, 0.1 * size)
-        return ExplicitModel(shifted.mesh, solver), shifted
-
-    return {"larger": larger, "inclusion": partial(_with_inclusion, body, mesh, size, solver)}
+    larger = cuboid_mesh(body, size_mm, 0.1 * size)
+    yield "larger", ExplicitModel(larger.mesh, solver), larger
+    yield "inclusion", _with_inclusion(body, mesh, size, solver), mesh
 
 
 def _with_inclusion(
     body: Body, mesh: SampleMesh, size: float, solver: SolverSettings
-) -> tuple[ExplicitModel, SampleMesh]:
+) -> ExplicitModel:
     """A ball in the upper half, off the axis, 1 + 5 times as stiff at size 1."""
     middle = mesh.mesh.points[mesh.mesh.hexes].mean(axis=1) / MM
     x, y = body.toward()
     centre = np.array([0.2 * body.length * x, 0.2 * body.width * y, 0.65 * body.height])
     inside = np.linalg.norm(middle - centre, axis=1) < 0.3 * body.height
-    return ExplicitModel(mesh.mesh, solver, np.where(inside, 1.0 + 5.0 * size, 1.0)), mesh
+    return ExplicitModel(mesh.mesh, solver, np.where(inside, 1.0 + 5.0 * size, 1.0))

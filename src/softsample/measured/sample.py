@@ -3,8 +3,11 @@
 from collections.abc import Mapping
 from dataclasses import dataclass
 
+import numpy as np
 import pandas as pd
 from numpy.typing import ArrayLike
+
+from softsample.arrays import Array
 
 KPA = 1e-3
 """One kPa [N/mm2]."""
@@ -72,3 +75,10 @@ def record(
         "force_normal_N": force_normal_N,
     }
     return pd.DataFrame({name: x for name, x in columns.items() if x is not None})
+
+
+def outward(along: Array, force: Array, sign: float) -> tuple[Array, Array]:
+    """What lies on one side of zero or at it, from zero outward."""
+    chosen = np.flatnonzero(sign * along >= 0.0)
+    order = chosen[np.argsort(sign * along[chosen])]
+    return along[order], force[order]

@@ -7,7 +7,7 @@ import pandas as pd
 
 from softsample.errors import InputError
 from softsample.measured.files import finite, headed, sheets
-from softsample.measured.sample import KPA, Sample, cuboid, record
+from softsample.measured.sample import KPA, Sample, cuboid, outward, record
 
 ABOUT = (
     "Human brain of four regions (cortex CX, corona radiata CR, basal ganglia BG, corpus callosum "
@@ -45,9 +45,9 @@ def _region(path: Path, sheet: pd.DataFrame, region: str) -> list[Sample]:
     stretch, axial = _columns(path, sheet, f"{region}-comten")
     shear, tangential = _columns(path, sheet, f"{region}-shr")
     branches = {
-        "tension": _branch(stretch - 1.0, axial, 1.0),
-        "compression": _branch(stretch - 1.0, axial, -1.0),
-        "shear": _branch(shear, tangential, 1.0),
+        "tension": outward(stretch - 1.0, axial, 1.0),
+        "compression": outward(stretch - 1.0, axial, -1.0),
+        "shear": outward(shear, tangential, 1.0),
     }
     shape = cuboid(EDGE_MM, EDGE_MM, EDGE_MM)
     return [
@@ -61,13 +61,6 @@ def _region(path: Path, sheet: pd.DataFrame, region: str) -> list[Sample]:
         )
         for mode, (strain, stress) in branches.items()
     ]
-
-
-def _branch(strain: np.ndarray, stress: np.ndarray, sign: float) -> tuple[np.ndarray, np.ndarray]:
-    """What lies on one side of zero, from zero outward."""
-    chosen = np.flatnonzero(sign * strain >= 0.0)
-    order = chosen[np.argsort(sign * strain[chosen])]
-    return strain[order], stress[order]
 
 
 def _columns(path: Path, sheet: pd.DataFrame, title: str) -> tuple[np.ndarray, np.ndarray]:

@@ -7,7 +7,7 @@ import numpy as np
 from softsample.errors import InputError
 from softsample.measured.files import lines_of, numbers
 from softsample.measured.readers.clots import check_shear
-from softsample.measured.sample import Sample, cuboid, record
+from softsample.measured.sample import Sample, cuboid, outward, record
 
 ABOUT = (
     "Right ventricular myocardium of sheep, eleven hearts, in six modes of simple shear and three "
@@ -71,7 +71,8 @@ def read_mode(heart: Path, mode: int) -> list[Sample]:
         found = record(travel, table["Fx"], force_normal_N=axial)
         along = {"material_z": loaded, "material_x": SHEARED[loaded][(mode - 1) % AXIAL]}
         return [Sample(name, group, "shear", shape, found, specimen, **along)]
-    ways = {"tension": _outward(travel, axial, 1.0), "compression": _outward(travel, axial, -1.0)}
+    travel, axial = travel[travel != 0.0], axial[travel != 0.0]
+    ways = {"tension": outward(travel, axial, 1.0), "compression": outward(travel, axial, -1.0)}
     return [
         Sample(f"{name}_{way}", group, way, shape, record(*curve), specimen, material_z=loaded)
         for way, curve in ways.items()
@@ -93,10 +94,3 @@ def sizes(path: Path) -> np.ndarray:
     if not np.all((edges > 1.0) & (edges < 50.0)):
         raise InputError(f"{path}: an edge is not between 1 and 50 mm; is the file in m?")
     return edges
-
-
-def _outward(travel: np.ndarray, force: np.ndarray, sign: float) -> tuple[np.ndarray, np.ndarray]:
-    """What lies on one side of zero, from zero outward."""
-    chosen = np.flatnonzero(sign * travel > 0.0)
-    order = chosen[np.argsort(sign * travel[chosen])]
-    return travel[order], force[order]

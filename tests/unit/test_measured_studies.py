@@ -21,7 +21,7 @@ from softsample.measured.folder import (
 from softsample.measured.readers import READERS
 from softsample.measured.sample import Sample, cuboid, cylinder, record
 from softsample.study import ROOT
-from softsample.validation import refusals
+from softsample.validation import overlaid, refusals
 
 HELD_OUT = {"hold_out", "leave_out"}
 SELECTIONS = {field.name for field in fields(Selection)}
@@ -113,14 +113,7 @@ def test_settings_of_a_study_follow_the_schema(name):
     schema = read_yaml(ROOT / "workflow/schemas/config.schema.yaml")
     known = {key: value for key, value in settings.items() if key in schema["properties"]}
     assert set(settings) - set(known) <= HELD_OUT
-    assert list(refusals(merged(config, known), schema)) == []
-
-
-def merged(config, changes):
-    """A configuration with the keys of another one on top, as Snakemake merges files."""
-    if not isinstance(changes, dict):
-        return changes
-    return {**config, **{key: merged(config.get(key, {}), value) for key, value in changes.items()}}
+    assert list(refusals(overlaid(config, known), schema)) == []
 
 
 def test_a_table_without_samples_has_its_columns():

@@ -147,7 +147,9 @@ def check_config(config: Mapping[str, Any], schema: Schema, source: str) -> None
 def _contradictions(config: Mapping[str, Any]) -> Iterator[tuple[str, str]]:
     """Places of values that are right each for itself, but not beside another one."""
     yield from _of_accuracy(config["floor"], config["solver"], config["checks"])
-    yield from _of_material(config["material"]["alpha"])
+    alpha = config["material"]["alpha"]
+    if alpha[0] == alpha[1]:
+        yield "material.alpha", f"{alpha} is one term twice; its shares cannot be told apart"
     ranges = {
         "calibration.mu_pa_min": [config["calibration"][f"mu_pa_{end}"] for end in ("min", "max")],
         **{f"exponents.{name}": config["exponents"][name] for name in ("alpha1", "alpha2")},
@@ -181,11 +183,6 @@ def _of_accuracy(
             f"{error} is above checks.error_bound_percent_max, {bound}, so that each run would "
             "fail its check; raise both",
         )
-
-
-def _of_material(alpha: Sequence[float]) -> Iterator[tuple[str, str]]:
-    if alpha[0] == alpha[1]:
-        yield "material.alpha", f"{alpha} is one term twice; its shares cannot be told apart"
 
 
 @dataclass(frozen=True)
@@ -263,7 +260,6 @@ def sample_rows(table: pd.DataFrame, source: str) -> Rows:
     """The rows of a table of samples, unchecked; there has to be one."""
     if table.empty:
         raise InputError(f"{source} has no rows; add one line for each sample")
-    lines = table.index if table.index.name == "line" else range(2, len(table) + 2)
     columns = [str(column) for column in table.columns]
     return {
         int(line): {
@@ -271,7 +267,7 @@ def sample_rows(table: pd.DataFrame, source: str) -> Rows:
             for column, value in zip(columns, values, strict=True)
             if str(value).strip()
         }
-        for line, values in zip(lines, table.to_numpy().tolist(), strict=True)
+        for line, values in zip(table.index, table.to_numpy().tolist(), strict=True)
     }
 
 
@@ -326,7 +322,7 @@ def _wrong_cells(
     if row.get("mode") == "compression" and "bond_mask" in row:
         yield "bond_mask", "the top is not bonded in compression; leave the cell empty"
     yield from _wrong_directions(row)
-    loading, shear = (row.get(name, default) for name, default in DEFAULT_AXES.items())
+    loading, shear = axes_of(row).values()
     if loading[-1] == shear[-1]:
         yield (
             "shear_axis",

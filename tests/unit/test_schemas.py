@@ -218,9 +218,9 @@ def test_all_faults_of_a_config_are_named_at_once():
 ROW = {"sample": "A1", "group": "G", "mode": "shear", "image": "a.nii.gz", "record": "a.csv"}
 
 
-def table(*changes):
-    rows = [{**ROW, **change} for change in changes]
-    return pd.DataFrame(rows, dtype=str).fillna("")
+def table(*changes, row=ROW):
+    lines = range(2, len(changes) + 2)
+    return pd.DataFrame([{**row, **change} for change in changes], lines, dtype=str).fillna("")
 
 
 def test_the_shipped_table_is_accepted():
@@ -341,9 +341,7 @@ CYLINDER = {"shape": "cylinder", "diameter_mm": "8", "height_mm": "4.0"}
 
 def stated(*changes):
     """Table of samples whose geometry is no image."""
-    rows = [{name: cell for name, cell in ROW.items() if name != "image"} for _ in changes]
-    rows = [{**row, **change} for row, change in zip(rows, changes, strict=True)]
-    return pd.DataFrame(rows, dtype=str).fillna("")
+    return table(*changes, row={name: cell for name, cell in ROW.items() if name != "image"})
 
 
 GEOMETRIES = [

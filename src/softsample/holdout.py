@@ -145,11 +145,10 @@ def selecting(
         Of the undeformed sample [m]; None if it is not known.
     """
     there = [name for name in CHANNELS if getattr(record, name) is not None]
-    tall = 0.0 if height is None else height
     return {
         number
         for number, selection in enumerate(map(Selection.of, selections))
-        if any(selection.mask(record, row, tall, channel).any() for channel in there)
+        if any(selection.mask(record, row, height or 0.0, channel).any() for channel in there)
     }
 
 

@@ -157,12 +157,8 @@ def _outside(values: Mapping[str, float], limits: Limits) -> list[str]:
 
 def _widened(bounds: tuple[float, float], value: float) -> list[float]:
     """Limits that a value is within, with a digit or two."""
-    low, high = (_rounded(value, factor) for factor in (0.8, 1.25))
+    low, high = (float(f"{factor * value:.2g}") for factor in (0.8, 1.25))
     return [min(bounds[0], low), max(bounds[1], high)]
-
-
-def _rounded(value: float, factor: float) -> float:
-    return float(f"{factor * value:.2g}")
 
 
 POWERS = {

@@ -1,5 +1,6 @@
 """Images as labs keep them: NIfTI, NRRD, segmentations of 3D Slicer, DICOM folders."""
 
+import math
 import os
 import re
 from collections.abc import Iterable, Iterator, Sequence
@@ -92,10 +93,7 @@ def damage_refused(path: PathLike) -> Iterator[None]:
 def check_size(sizes: Iterable[int], path: PathLike) -> None:
     """Refuse a volume whose header claims an impossible number of voxels."""
     numbers = [int(size) for size in sizes]
-    count = 1
-    for number in numbers:
-        count *= number
-    if min(numbers, default=0) < 1 or count > MOST_VOXELS:
+    if min(numbers, default=0) < 1 or math.prod(numbers) > MOST_VOXELS:
         raise InputError(
             f"{path}: a volume of {' x '.join(map(str, numbers))} voxels cannot be read; crop the "
             "image to the sample, or export it again"

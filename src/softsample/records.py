@@ -51,8 +51,6 @@ RELAXED = 0.9
 """A loading at whose end less than this part of its largest force is left is doubted."""
 COLUMNS = {"displacement": "displacement_mm", "force": "force_N"}
 """Quantities with a sign and a zero that every record has, and their columns."""
-ZEROED = {**COLUMNS, "force_normal": "force_normal_N", "torque": "torque_Nmm"}
-"""Quantities with a zero, and their columns."""
 STANDS_FOR = {"displacement": ("strain",), "force": ("stress",)}
 COUNTED = ("loading", "tension", "compression")
 """What may count as positive; `loading` is right for most machines, whatever the mode."""
@@ -66,6 +64,8 @@ UNITS = {
     "torque": ("torque_Nmm", MM),
 }
 """Column of each quantity of a `Record`, and its unit in ours."""
+ZEROED = {name: column for name, (column, _) in UNITS.items() if name != "time"}
+"""Quantities with a zero, and their columns."""
 
 
 @dataclass(frozen=True)
@@ -452,7 +452,6 @@ def _checked(
     """The record of a table with its phases and cycles, and what it holds."""
     _refuse(_no_numbers(table, source))
     _refuse(_out_of_bounds(table, schema, source))
-    _refuse(_wrong_time(table, source))
     try:
         record = Record.of_table(table)
         course = record.course(mode)

@@ -34,6 +34,8 @@ def turned():
 
 
 AXES = turned()  # columns: directions of i, j, k in RAS
+AFFINE = np.eye(4)
+AFFINE[:3, :3], AFFINE[:3, 3] = AXES * VOXEL, ORIGIN
 
 
 def phantom():
@@ -54,9 +56,7 @@ def brightest(volume):
 
 
 def save_nifti(path):
-    affine = np.eye(4)
-    affine[:3, :3], affine[:3, 3] = AXES * VOXEL, ORIGIN
-    nibabel.save(nibabel.Nifti1Image(phantom(), affine), path)
+    nibabel.save(nibabel.Nifti1Image(phantom(), AFFINE), path)
 
 
 def nrrd_header(space="left-posterior-superior"):
@@ -407,10 +407,8 @@ def test_a_doubtful_segmentation_is_refused(tmp_path, segments, fields, message)
 
 def test_a_segmentation_is_written_as_slicer_expects_it(tmp_path):
     inner, _ = parts()
-    affine = np.eye(4)
-    affine[:3, :3], affine[:3, 3] = AXES * VOXEL, ORIGIN
     path = tmp_path / "T7.seg.nrrd"
-    write_segmentation(path, inner, affine, "T7")
+    write_segmentation(path, inner, AFFINE, "T7")
     data, header = nrrd.read(str(path))
     np.testing.assert_array_equal(data, inner)
     assert header["space"] == "left-posterior-superior"
@@ -423,24 +421,22 @@ def test_a_segmentation_is_written_as_slicer_expects_it(tmp_path):
     assert header["Segmentation_SourceRepresentation"] == "Binary labelmap"
     back, back_affine = read_image(path, ("T7",))
     np.testing.assert_array_equal(back, inner)
-    np.testing.assert_allclose(back_affine, affine)
+    np.testing.assert_allclose(back_affine, AFFINE)
     first = path.read_bytes()
-    write_segmentation(path, inner, affine, "T7")
+    write_segmentation(path, inner, AFFINE, "T7")
     assert path.read_bytes() == first  # no date: an equal result is an equal file
     assert gzip.decompress(first[first.index(b"\n\n") + 2 :]) == inner.tobytes(order="F")
 
 
 def test_a_cropped_segmentation_comes_back_on_the_grid_of_the_image():
     inner, _ = parts()
-    affine = np.eye(4)
-    affine[:3, :3], affine[:3, 3] = AXES * VOXEL, ORIGIN
-    cropped = affine.copy()
+    cropped = AFFINE.copy()
     cropped[:3, 3] = world((2, 1, 1))
-    image = (phantom().astype(np.float32), affine)
+    image = (phantom().astype(np.float32), AFFINE)
     found = on_grid_of(image, inner[2:7, 1:5, 1:].astype(np.float32), cropped, "a")
     np.testing.assert_array_equal(found, inner)
     fine = np.kron(inner, np.ones((3, 3, 3)))  # thirds of voxels, centres included
-    third = affine @ np.diag([1 / 3, 1 / 3, 1 / 3, 1])
+    third = AFFINE @ np.diag([1 / 3, 1 / 3, 1 / 3, 1])
     third[:3, 3] = world((-1 / 3, -1 / 3, -1 / 3))
     np.testing.assert_array_equal(on_grid_of(image, fine.astype(np.float32), third, "a"), inner)
 

@@ -146,22 +146,15 @@ class Record:
         """Phases and loadings of the record as a test of a mode."""
         return Course.of(self.time, self.displacement, mode)
 
-    def marked(self, mode: str, which: str = LARGEST) -> Self:
-        """The record with phases, cycles and the loading that is calibrated.
-
-        Parameters
-        ----------
-        mode
-            Of the test, a key of `softsample.protocol.DIRECTIONS`.
-        which
-            The loading: `largest`, `first`, `last` or a number (`Course.chosen`).
+    def marked(self, mode: str) -> Self:
+        """The record as a test of a mode: with phases, cycles and its largest loading.
 
         Raises
         ------
         InputError
-            If there is no such loading.
+            If there is no loading.
         """
-        return self._marked_by(self.course(mode), which)
+        return self._marked_by(self.course(mode), LARGEST)
 
     def _marked_by(self, course: Course, which: str) -> Self:
         calibrated = np.zeros(len(self.force), dtype=bool)
@@ -175,11 +168,10 @@ def reach(records: Iterable[Record], mode: str) -> float:
 
     What lies beyond in a hold is noise of the reading.
     """
-    sign = 0.0 if mode in SHEARED_MODES else travel_sign(mode)
     found = []
     for record in records:
         loading = record.displacement[(record.phase == "ramp") | record.calibrated]
-        along = np.abs(loading) if sign == 0.0 else sign * loading
+        along = np.abs(loading) if mode in SHEARED_MODES else travel_sign(mode) * loading
         found.append(float(along.max()))
     return max(found)
 

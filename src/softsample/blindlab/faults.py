@@ -386,7 +386,9 @@ def _mixed_labels(random: Random, body: Body, size: float) -> Fault:
     return Fault("mixed_labels", swap=("tension", "shear"))
 
 
-def _of_curve(name: str, curve: str, sizes: Callable[[float], Mapping[str, float]]) -> Maker:
+def _of_curve(
+    name: str, curve: str, sizes: Callable[[float], Mapping[str, float]] = lambda size: {}
+) -> Maker:
     """A changed model, simulated beforehand."""
     return lambda random, body, size: Fault(name, sizes(size), curve=curve)
 
@@ -442,7 +444,7 @@ EFFECTS: dict[str, Kind] = {
         "own run, any direction",
     ),
     "real_geometry": Kind(
-        _of_curve("real_geometry", "shape", lambda s: {}),
+        _of_curve("real_geometry", "shape"),
         "a random phantom",
         "own run on its mesh",
         imperfect=True,
@@ -464,13 +466,13 @@ EFFECTS: dict[str, Kind] = {
         "own run of a larger cuboid",
     ),
     "ogden_exponents": Kind(
-        _of_curve("ogden_exponents", "third_term", lambda s: {}),
+        _of_curve("ogden_exponents", "third_term"),
         "3.3 % of mu at alpha -15",
         "own run with three terms",
     ),
     "tension_compression_asymmetry": Kind(_asymmetry, "10 %", "hyperbolic tangent of the strain"),
     "anisotropy": Kind(
-        _of_curve("anisotropy", "fibres", lambda s: {}),
+        _of_curve("anisotropy", "fibres"),
         "k1 4 % of mu",
         "own run, fibres 15 degrees off the axis",
     ),
@@ -494,9 +496,7 @@ SCALES: dict[str, Kind] = {
 
 STRANGERS: dict[str, Kind] = {
     "stiff_inclusion": Kind(
-        _of_curve("stiff_inclusion", "inclusion", lambda s: {}),
-        "a ball, six times as stiff",
-        "own run",
+        _of_curve("stiff_inclusion", "inclusion"), "a ball, six times as stiff", "own run"
     ),
     "cell_nonlinearity": Kind(_bent_cell, "2 %", "sine of the force, 1.2 N long"),
     "clock_jitter": Kind(_jitter, "25 pauses of up to 0.6 s", "late time stamps"),

@@ -68,13 +68,12 @@ class Selection:
     @classmethod
     def of(cls, settings: Mapping[str, Any]) -> Self:
         """Selection of an item of `hold_out`, whose values are single ones or lists."""
-        strain = settings.get("strain_above")
-        values = {name: value for name, value in settings.items() if name != "strain_above"}
         lists = {
             name: tuple(value) if isinstance(value, list) else (value,)
-            for name, value in values.items()
+            for name, value in settings.items()
+            if name != "strain_above"
         }
-        return cls(**lists, strain_above=strain)
+        return cls(**lists, strain_above=settings.get("strain_above"))
 
     @property
     def of_samples(self) -> bool:

@@ -53,18 +53,8 @@ NAMES = {
 BESIDE = {
     *("axial", "tensile", "compressive", "crosshead", "elapsed", "total", "test", "corrected"),
     *("cell", "channel", "engineering", "nominal", "shear", "grip", "actuator", "machine"),
-    *(
-        "platen",
-        "plate",
-        "indenter",
-        "applied",
-        "measured",
-        "actual",
-        "digital",
-        "primary",
-        "ch",
-        "running",
-    ),
+    *("platen", "plate", "indenter", "applied", "measured", "actual", "digital", "primary", "ch"),
+    "running",
 }
 """Words of a title that do not change what it names."""
 

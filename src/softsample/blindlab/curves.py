@@ -18,7 +18,8 @@ from softsample.meshing.sample import SampleMesh, mesh_ideal, mesh_real
 from softsample.protocol import History
 from softsample.units import MM
 
-Curve = tuple[str, float, str, Array, Array]
+Planted = tuple[str, float, str, Run]
+"""Name of a curve, multiple of its size, mode, and the run that it is of."""
 
 MODULUS = 1000.0  # Pa, of the runs
 MARGIN = 1.08  # runs go on beyond the stroke, for shifts of the travel
@@ -78,15 +79,15 @@ def planted_curves(
     runs = _imperfect_runs if body.imperfect else _cuboid_runs
     rows = [
         {"curve": name, "size": size, "mode": mode, "displacement_mm": u, "area_mm2": area}
-        for name, size, mode, travel, force in runs(body, sizes, size_mm, solver)
-        for u, area in zip(travel / MM, force / MODULUS / MM**2, strict=True)
+        for name, size, mode, run in runs(body, sizes, size_mm, solver)
+        for u, area in zip(run.displacement / MM, run.force / MODULUS / MM**2, strict=True)
     ]
     return pd.DataFrame(rows)
 
 
 def _imperfect_runs(
     body: Body, sizes: Sequence[float], size_mm: float, solver: SolverSettings
-) -> Iterator[Curve]:
+) -> Iterator[Planted]:
     """The phantom with bumps of each size; `plain` is not needed."""
     for size in sizes:
         mesh = imperfect_mesh(body, size_mm, bumps=size)
@@ -94,36 +95,33 @@ def _imperfect_runs(
         for mode in MODES:
             held = mode_boundary(mesh.mesh, mode, glued(mesh), ContactSettings())
             run = model.run(tissue(body), held, MARGIN * MM * body.stroke(mode))
-            yield "shape", size, mode, run.displacement, run.force
+            yield "shape", size, mode, run
 
 
 def _cuboid_runs(
     body: Body, sizes: Sequence[float], size_mm: float, solver: SolverSettings
-) -> Iterator[Curve]:
+) -> Iterator[Planted]:
     mesh = cuboid_mesh(body, size_mm)
     model = ExplicitModel(mesh.mesh, solver)
     for mode in MODES:
         reach = MARGIN * MM * body.stroke(mode)
         plain = mode_boundary(mesh.mesh, mode, glued(mesh), ContactSettings())
-        run = model.run(tissue(body), plain, reach)
-        yield "plain", 0.0, mode, run.displacement, run.force
+        yield "plain", 0.0, mode, model.run(tissue(body), plain, reach)
         for size in sizes:
             for name, material in _materials(body, size).items():
-                run = model.run(material, plain, reach)
-                yield name, size, mode, run.displacement, run.force
+                yield name, size, mode, model.run(material, plain, reach)
             for name, held in _boundaries(body, mesh, mode, size).items():
                 run = model.run(tissue(body), held, reach)
-                yield name, size, mode, run.displacement, run.force
+                yield name, size, mode, run
                 if name == "slip":
                     more = _more_on_unloading(model, body, held, run.displacement, solver)
-                    yield SLIP_BACK, size, mode, run.displacement, run.force + more
+                    yield SLIP_BACK, size, mode, replace(run, force=run.force + more)
             if mode == "shear":
                 run = _from_pressed(model, body, plain, reach, PRESSED * size, solver)
-                yield "pressed", size, mode, run.displacement, run.force
+                yield "pressed", size, mode, run
             for name, changed, on in _samples(body, mesh, size_mm, size, solver):
                 held = mode_boundary(on.mesh, mode, glued(on), ContactSettings())
-                run = changed.run(tissue(body), held, reach)
-                yield name, size, mode, run.displacement, run.force
+                yield name, size, mode, changed.run(tissue(body), held, reach)
 
 
 def _more_on_unloading(

@@ -108,6 +108,20 @@ def test_what_is_left_far_above_the_floor_is_more_than_floor():
         assert 0.3 < np.hypot(left["smooth"], left["kinked"]) / (percent / np.sqrt(2.0)) < 3.0
 
 
+@pytest.mark.parametrize("tests", [slice(None), slice(2, None)])
+def test_a_long_rest_hides_no_error_of_the_ramp(tests):
+    """A fifth of the bond tears off within a ramp of 10 to 22 s, before a rest of 60."""
+
+    def torn(s):
+        since = s.time - s.time[np.argmax(s.travel > 0.6 * s.reach)]
+        return replace(s, force=s.force * (1.0 - 0.2 * np.clip(since / 0.3, 0.0, 1.0)))
+
+    records = [torn(s) for s in laboratory.Lab(seed=5).specimens()[tests]]
+    found = diagnose(records, LoopSettings(), [OFFSET])
+    assert found.verdict == "unknown"
+    assert re.fullmatch(r"an error of .* is left that no effect explains", found.objection)
+
+
 def test_an_effect_that_leaves_most_of_an_error_above_the_floor_is_no_explanation():
     """A tissue that becomes 6 % softer within seconds of a hold does not relax."""
 

@@ -8,7 +8,7 @@ from numpy.typing import NDArray
 
 from softsample.loop.fit import Fit, Problem, labels
 from softsample.loop.model import FIXED, State, residuals
-from softsample.loop.noise import Noise
+from softsample.loop.noise import STILL, Noise
 from softsample.loop.same_piece import same_piece
 from softsample.loop.scale import Scales, scale_of
 from softsample.loop.screen import LEAST_SIGNATURE, faint
@@ -82,14 +82,23 @@ def errors(fit: Fit, noises: Sequence[float]) -> dict[str, dict[str, Error]]:
 
 
 def form_error(fit: Fit, noises: Sequence[float]) -> float:
-    """Error of the form of the records [% of peak]: without noise, and whatever their scale."""
-    problem, squares = fit.problem, []
+    """Error of the form of the records [% of peak]: without noise, and whatever their scale.
+
+    That of whole records, or of a phase in which the platen moves if that is larger: a long rest
+    repeats one force.
+    """
+    problem = fit.problem
+    squares: dict[str, list[float]] = {}
     forces = problem.predicted(fit.model, fit.state)
-    for specimen, w, force, noise in problem.each(forces, noises):
+    for k, (specimen, w, force, noise) in enumerate(problem.each(forces, noises)):
         left, model = w.blocks(specimen.force - force), w.blocks(force)
         left = left - model * (left @ model) / max(float(model @ model), 1e-300)
-        squares.append(error_of(left, noise, specimen.peak).structured ** 2 / specimen.peak**2)
-    return float(100.0 * np.sqrt(np.mean(squares)))
+        phase = phase_of_blocks(problem, k)[w.keep]
+        for name in ("all", *sorted({*phase} - {*STILL})):
+            of_phase = left[(phase == name) | (name == "all")]
+            error = error_of(of_phase, noise, specimen.peak).structured / specimen.peak
+            squares.setdefault(name, []).append(error**2)
+    return float(100.0 * np.sqrt(max(np.mean(of) for of in squares.values())))
 
 
 def repeat_error(fit: Fit) -> float:

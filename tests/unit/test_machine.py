@@ -1,5 +1,6 @@
 """Test records of machines: the same test comes out of every file, and nothing is guessed."""
 
+from datetime import timedelta
 from pathlib import Path
 
 import numpy as np
@@ -9,6 +10,7 @@ import pytest
 
 import machines
 from softsample.errors import InputError
+from softsample.formats.columns import Column
 from softsample.formats.machine import described, read
 from softsample.io import read_table, read_yaml
 from softsample.records import RecordSettings, aligned_record
@@ -647,6 +649,28 @@ def test_a_workbook_is_told_by_its_content(tmp_path):
     np.testing.assert_allclose(imported(text)[0]["force_N"], TEST[2], atol=2e-6)
     book = workbook(tmp_path / "r.xlsx", {"A": rows()}).rename(tmp_path / "b.csv")
     np.testing.assert_allclose(imported(book)[0]["force_N"], TEST[2], atol=2e-6)
+
+
+def test_elapsed_times_of_a_workbook_go_on_after_a_day(tmp_path):
+    since = [timedelta(hours=23, minutes=59, seconds=50.0 + t) for t in TEST[0].tolist()]
+    test = [rows()[0], *([t, *more] for t, (_, *more) in zip(since, rows()[1:], strict=True))]
+    record, _ = imported(workbook(tmp_path / "r.xlsx", {"A": test}))
+    np.testing.assert_allclose(record["time_s"] - record["time_s"].iloc[0], TEST[0], atol=1e-6)
+
+
+def test_a_text_may_begin_as_an_archive_does(tmp_path):
+    first = pd.DataFrame({"PK": TEST[0], **dict(zip(rows()[0], TEST, strict=True))})
+    path = machines.write(tmp_path / "r.csv", first.to_csv(index=False))
+    np.testing.assert_allclose(imported(path)[0]["force_N"], TEST[2])
+
+
+@pytest.mark.parametrize(
+    ("title", "is_positive"),
+    [("Compressive force", True), ("Druckkraft", True), ("Decompression", False),
+     ("Uncompressed height", False), ("Depth", True), ("Load", False)],
+)  # fmt: skip
+def test_titles_that_say_that_compression_is_positive(title, is_positive):
+    assert Column("force", 0, title, "N").compressive == is_positive
 
 
 def old_workbook(path, monkeypatch, content, kinds=()):

@@ -57,6 +57,8 @@ def test_each_effect_has_its_own_form_and_leaves_the_rest():
     assert np.abs(gap["force_N"][gap["displacement_mm"] > -0.45]).max() < 0.4
     assert gap["time_s"].is_monotonic_increasing
     assert len(gap) == len(one) + 10
+    resting = pd.concat([one.iloc[:1].assign(time_s=0.5 * t - 15.0) for t in range(30)] + [one])
+    assert len(EFFECTS["late_contact"][0](resting, 0.5)) == len(resting) + 10
 
 
 def test_an_effect_is_added_where_it_would_be_seen(results, tmp_path):

@@ -98,7 +98,7 @@ class Column:
     @property
     def compressive(self) -> bool:
         """Whether the title says that compression is positive."""
-        return any(word in self.title.lower() for word in COMPRESSIVE)
+        return COMPRESSIVE.search(self.title) is not None
 
     @property
     def factor(self) -> float:

@@ -45,7 +45,7 @@ def read_lines(path: PathLike, cure: str) -> tuple[list[str], list[str]]:
     except (OSError, ValueError) as error:
         raise InputError(f"{path}: cannot be read ({error}); {cure}") from error
     text, notes = _decoded(raw)
-    if raw.startswith(b"PK") or NO_TEXT.search(text):
+    if NO_TEXT.search(text):
         raise InputError(f"{path}: not a text file; {cure}")
     return text.replace("\r\n", "\n").replace("\r", "\n").split("\n"), notes
 

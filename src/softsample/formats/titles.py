@@ -67,11 +67,12 @@ TRUE = {
 NUMBERED = re.compile(r"(ch)?\d+", re.ASCII)
 """Words that tell specimens or channels apart, and do not change what a title names either."""
 
-COMPRESSIVE = (
-    *("compress", "druckkraft", "druckspannung", "stauchung"),
-    *("depth", "indentation", "penetration", "eindring", "profondeur", "profundidad"),
+COMPRESSIVE = re.compile(
+    "(?<!de)(?<!un)compress|druckkraft|druckspannung|stauchung"
+    "|depth|indentation|penetration|eindring|profondeur|profundidad",
+    re.IGNORECASE,
 )
-"""Parts of a title that say that compression is positive."""
+"""Part of a title that says that compression is positive."""
 
 
 def _all(*spelled: tuple[Iterable[str], float]) -> dict[str, float]:

@@ -4,6 +4,7 @@ import csv
 import io
 import zipfile
 from collections.abc import Iterable, Iterator, Sequence
+from datetime import timedelta
 from pathlib import Path
 from typing import Any
 
@@ -115,5 +116,8 @@ def _lines(rows: Rows, path: PathLike) -> list[str]:
 
 
 def _text(cell: Any) -> str:
-    """A cell as text in one line; a number with a decimal point."""
+    """A cell as text in one line; a number with a decimal point, elapsed time in hours."""
+    if isinstance(cell, timedelta):  # whose own text counts days
+        minutes, seconds = divmod(cell.total_seconds(), 60.0)
+        return f"{minutes // 60.0:.0f}:{minutes % 60.0:02.0f}:{seconds:09.6f}"
     return "" if cell is None else " ".join(str(cell).split())

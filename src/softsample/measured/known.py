@@ -48,8 +48,9 @@ def _compliance(record: Record, size: float) -> Record:
 def _gap(record: Record, size: float) -> Record:
     """A platen that starts `size` [mm] above the sample, at the speed of the record's beginning."""
     way = record["displacement_mm"].to_numpy()
-    sign, step = np.sign(way[np.argmax(np.abs(way))]), np.median(np.abs(np.diff(way))[:20])
-    count = max(2, round(size / max(step, 1e-6 * size)))
+    moves = np.abs(np.diff(way))
+    sign, step = np.sign(way[np.argmax(np.abs(way))]), np.median(moves[moves > 0.0][:20])
+    count = max(2, round(size / step))
     resting = np.random.default_rng(count).choice(record["force_N"].to_numpy()[:5], count)
     before = pd.DataFrame(0.0, index=range(count), columns=record.columns)
     before["displacement_mm"] = sign * np.linspace(0.0, size, count, endpoint=False)

@@ -108,6 +108,13 @@ def test_what_is_left_far_above_the_floor_is_more_than_floor():
         assert 0.3 < np.hypot(left["smooth"], left["kinked"]) / (percent / np.sqrt(2.0)) < 3.0
 
 
+def test_without_effects_the_model_after_is_the_one_before():
+    found = judgement(diagnose(laboratory.Lab(seed=8).specimens(), LoopSettings(), [OFFSET]),
+                      LoopSettings())  # fmt: skip
+    assert found["verdict"] == "none"
+    assert found["theta_after"] == found["theta_before"]
+
+
 @pytest.mark.parametrize("tests", [slice(None), slice(2, None)])
 def test_a_long_rest_hides_no_error_of_the_ramp(tests):
     """A fifth of the bond tears off within a ramp of 10 to 22 s, before a rest of 60."""

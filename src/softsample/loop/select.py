@@ -106,7 +106,7 @@ def select(problem: Problem, effects: Sequence[Effect], settings: SelectionSetti
     return Selection(
         library,
         first.base,
-        best.fit,
+        best.fit if best.classes else first.base,
         search.steps,
         {**best.classes, **_alone(step, best.classes)},
         weak,

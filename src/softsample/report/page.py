@@ -4,11 +4,11 @@ from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 
-import jinja2
 import numpy as np
 import pandas as pd
 
 from softsample.report.geometry_effects import spoken as experiment
+from softsample.report.template import render
 from softsample.wording import significant, spoken, true_minus
 
 MISSING = "–"
@@ -31,15 +31,9 @@ def render_page(template: Path, tables: Mapping[str, pd.DataFrame]) -> str:
     jinja2.UndefinedError
         If the template uses a table or column that is not there.
     """
-    environment = jinja2.Environment(
-        loader=jinja2.FileSystemLoader(template.parent), undefined=jinja2.StrictUndefined,
-        trim_blocks=True, lstrip_blocks=True, keep_trailing_newline=True, autoescape=False,
-    )  # fmt: skip
-    environment.filters |= {"fixed": fixed, "signed": signed, "mean": mean}
-    environment.filters["loading"] = spoken
-    environment.globals |= {"spoken": experiment}
     rows = {name: table.to_dict("records") for name, table in tables.items()}
-    return environment.get_template(template.name).render(**rows)
+    values = {**rows, "spoken": experiment}
+    return render(template, values, fixed=fixed, signed=signed, mean=mean, loading=spoken)
 
 
 def fixed(value: Any, digits: int = 1) -> str:

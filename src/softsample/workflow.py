@@ -230,8 +230,8 @@ def provenance(job: Job) -> dict[str, Any]:
     Parameters
     ----------
     job
-        Snakemake's `snakemake` object; inputs that end in `.py` are counted as code. A folder
-        stands for its files, which are inputs as well.
+        Snakemake's `snakemake` object; inputs that end in `.py` or `.j2` (templates) are counted as
+        code. A folder stands for its files, which are inputs as well.
 
     Returns
     -------
@@ -240,7 +240,7 @@ def provenance(job: Job) -> dict[str, Any]:
         (file: sha256), `code_sha256`. Equal inputs give equal records: no time, no host.
     """
     files = sorted({str(name) for name in job.input if not Path(name).is_dir()})
-    code = [name for name in files if name.endswith(".py")]
+    code = [name for name in files if name.endswith((".py", ".j2"))]
     settings = json.loads(json.dumps(dict(job.params.items()), sort_keys=True, default=str))
     return {
         "rule": job.rule,

@@ -123,9 +123,14 @@ def test_only_progress_and_warnings_reach_the_terminal(tmp_path, capsys):
 
 def test_provenance_names_inputs_settings_and_code(tmp_path):
     data, code = tmp_path / "a.csv", tmp_path / "a.py"
+    words = tmp_path / "a.md.j2"
     data.write_text("1\n")
     code.write_text("x = 1\n")
+    words.write_text("one\n")
     first = provenance(job(None, [str(data), str(code)], size=0.5))
+    worded = provenance(job(None, [str(data), str(code), str(words)], size=0.5))
+    assert worded["inputs"] == first["inputs"]
+    assert worded["code_sha256"] != first["code_sha256"]
     assert first["inputs"] == {str(data): sha256(data)}
     assert first["settings"] == {"size": 0.5}
     assert {"softsample", "python", "numpy", "numba"} <= set(first["versions"])

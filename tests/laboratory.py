@@ -4,6 +4,8 @@ Nothing here comes from `softsample.loop.effects`; curves are simple formulas, n
 """
 
 from dataclasses import dataclass, field, replace
+from functools import partial
+from pathlib import Path
 
 import numpy as np
 import pandas as pd
@@ -15,6 +17,7 @@ from softsample.loop.model import Material, Model, State
 from softsample.loop.noise import Noise, covariances
 from softsample.loop.specimen import Specimen, blocks
 from softsample.records import Record
+from softsample.report import verdict
 from softsample.response.curves import ResponseCurves, before_zero
 from softsample.response.elastic import Elastic, Tables
 from softsample.response.law_response import LawResponse
@@ -25,6 +28,9 @@ from softsample.response.unit import (
     response_table,
 )
 from softsample.shapes import IdealShape
+
+page = partial(verdict.page, Path(__file__).parents[1] / "workflow/report/verdict.md.j2")
+"""Page of a group and its verdict, in the words of the workflow."""
 
 MODES = ("tension", "compression", "shear")
 SIGN = {"tension": 1.0, "compression": -1.0, "shear": 1.0}

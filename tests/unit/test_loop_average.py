@@ -8,6 +8,7 @@ import pytest
 from scipy.stats import norm
 
 import laboratory
+from laboratory import page
 from softsample.loop.average import Weighed, averaged, weighed
 from softsample.loop.deviation import birge_ratio, bond_deviation, log_modulus_deviation
 from softsample.loop.diagnose import diagnose
@@ -15,7 +16,6 @@ from softsample.loop.effects import library
 from softsample.loop.posed import LoopSettings, pose
 from softsample.loop.screen import penalty
 from softsample.loop.verdict import report
-from softsample.report.verdict import page
 
 SETTINGS = LoopSettings()
 

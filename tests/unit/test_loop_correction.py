@@ -7,6 +7,7 @@ import numpy as np
 import pytest
 
 import laboratory
+from laboratory import page
 from softsample.figures.loop import loop_figure
 from softsample.loop.correction import NAME, _can_tell, _stage, _within, best_predictor, learned
 from softsample.loop.diagnose import diagnose
@@ -18,7 +19,6 @@ from softsample.loop.select import select
 from softsample.loop.specimen import Specimen
 from softsample.loop.verdict import judgement, report
 from softsample.report.residual import residual_table
-from softsample.report.verdict import page
 from softsample.response.curves import ResponseCurves
 
 SETTINGS = LoopSettings()

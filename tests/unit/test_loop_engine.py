@@ -12,7 +12,7 @@ from scipy.linalg import block_diag
 from scipy.ndimage import gaussian_filter1d
 
 import laboratory
-from laboratory import elastic
+from laboratory import elastic, page
 from softsample.blindlab.resample import confidence, resampled
 from softsample.loop import choose
 from softsample.loop.average import weighed
@@ -64,7 +64,6 @@ from softsample.loop.specimen import Specimen, blocks
 from softsample.loop.usable import unusable
 from softsample.loop.verdict import judgement, report
 from softsample.record_noise import SCATTER, white_noise
-from softsample.report.verdict import page
 from softsample.response.curves import ResponseCurves
 from softsample.response.elastic import Elastic
 

@@ -7,6 +7,7 @@ import numpy as np
 import pytest
 
 import laboratory
+from laboratory import page
 from softsample.loop import accept
 from softsample.loop import verdict as of_verdict
 from softsample.loop.accept import objection_to
@@ -18,7 +19,6 @@ from softsample.loop.posed import LoopSettings, pose
 from softsample.loop.usable import driven_to_an_end
 from softsample.loop.verdict import error_report, judgement, overloaded, report
 from softsample.report.loop import verdict_table
-from softsample.report.verdict import _path, page
 
 OFFSET = library()["force_offset"]
 
@@ -289,7 +289,8 @@ def test_evidence_near_its_threshold_shows_on_which_side_it_is(evidence, thresho
     step = {"threshold": threshold, "candidates": others} | dict.fromkeys(
         ("chosen", "evidence", "refused", "why")
     )
-    assert _path({"path": [step], "effects": []}) == [line]
+    verdict = report(judged(0.0), LoopSettings())
+    assert f"\n\n{line}\n\n" in page("A7", {**verdict, "path": [step]})
 
 
 def test_none_says_what_is_left_beyond_the_discrepancy():

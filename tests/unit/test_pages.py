@@ -15,7 +15,9 @@ from softsample.report.page import fixed, mean, render_page, signed
 ROOT = Path(__file__).resolve().parents[2]
 DOCS = ROOT / "docs"
 DATA, FIGURES = DOCS / "data/reproduction", DOCS / "figures/reproduction"
-TEMPLATES = sorted((ROOT / "workflow/report").glob("*.md.j2"))
+OF_RUNS = ROOT / "workflow/report/verdict.md.j2"
+"""Template of pages that a study writes; docs/ has none of them."""
+TEMPLATES = sorted({*(ROOT / "workflow/report").glob("*.md.j2")} - {OF_RUNS})
 PAGES = [template.name.removesuffix(".j2") for template in TEMPLATES]
 OURS = ROOT / "results"
 

@@ -8,6 +8,7 @@ import numpy as np
 import pandas as pd
 import pytest
 
+from laboratory import page
 from softsample.constitutive.homogeneous import homogeneous_force
 from softsample.constitutive.ogden import unit_modulus
 from softsample.fem.boundary import ContactSettings, mode_boundary
@@ -28,7 +29,6 @@ from softsample.loop.verdict import document, judgement, report
 from softsample.meshing.sample import mesh_ideal
 from softsample.protocol import travel_sign
 from softsample.records import Record
-from softsample.report.verdict import page
 from softsample.response.elastic import Tables
 from softsample.response.perturbations import perturbations_of
 from softsample.response.pieces import MechanicalTest, MeshedSample, PerturbationSettings

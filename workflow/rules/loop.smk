@@ -25,10 +25,14 @@ OF_DIAGNOSES = {
 BY_ITSELF = {**OF_DIAGNOSES, "leave_out": None}
 
 
+VERDICT_PAGE = str(ROOT / "workflow/report/verdict.md.j2")
+
+
 # What a diagnosis reads: of the nearest geometry, or of the ideal shape beside the real one.
 OF_BEST = {
     **responses(),
     "bonds": each(chosen(PLAN.diagnosed, PLAN.only_bonded), "<results>/bond/{piece}.json"),
+    "template": VERDICT_PAGE,
     "code": library("workflow/scripts/diagnose.py"),
 }
 OF_IDEAL = {
@@ -37,6 +41,7 @@ OF_IDEAL = {
     "sliding_real": each(
         chosen(PLAN.diagnosed, PLAN.opened), "<results>/curves/{piece}/real/ogden2{ends}.csv"
     ),
+    "template": VERDICT_PAGE,
     "code": library("workflow/scripts/diagnose.py"),
 }
 OTHER_ENDS = of(FILES.open_ends_verdicts)

@@ -25,6 +25,6 @@ with logged_to(snakemake):
     rule = hold_out_text(given.hold_out, given.leave_out, bool(files.get("told")))
     verdict = document(found, left_out, settings, solid, given.rows, rule)
     io.write_json(out.verdict, {**verdict, "provenance": provenance(snakemake)})
-    io.write_text(out.page, page(snakemake.wildcards.group, verdict))
+    io.write_text(out.page, page(files.template, snakemake.wildcards.group, verdict))
     write(loop_figure(found), out.figure)
     io.write_table(out.residual, residual_table(found))

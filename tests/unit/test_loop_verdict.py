@@ -19,6 +19,7 @@ from softsample.loop.posed import LoopSettings, pose
 from softsample.loop.usable import driven_to_an_end
 from softsample.loop.verdict import error_report, judgement, overloaded, report
 from softsample.report.loop import verdict_table
+from softsample.report.verdict import _unwrapped
 
 OFFSET = library()["force_offset"]
 
@@ -291,6 +292,12 @@ def test_evidence_near_its_threshold_shows_on_which_side_it_is(evidence, thresho
     )
     verdict = report(judged(0.0), LoopSettings())
     assert f"\n\n{line}\n\n" in page("A7", {**verdict, "path": [step]})
+
+
+def test_lines_of_a_paragraph_are_one_line_of_the_page():
+    text = "\n\n# A\n\nOne (two\n).\nThree\n, four.\n\n\n\n| a |\n| - |\n\n1. b\nc\n2. d\n\n\n"
+    page = "# A\n\nOne (two). Three, four.\n\n| a |\n| - |\n\n1. b c\n2. d\n"
+    assert _unwrapped(text) == page
 
 
 def test_none_says_what_is_left_beyond_the_discrepancy():

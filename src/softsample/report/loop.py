@@ -1,6 +1,6 @@
 """Verdicts of all groups as tables."""
 
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Callable, Mapping
 from typing import Any
 
 import numpy as np
@@ -67,16 +67,16 @@ def _held_out(verdict: Mapping[str, Any], when: str, of: Callable[[list[float]],
     return float(of(parts)) if parts else float("nan")
 
 
-def declared(
-    folds: Mapping[str, Mapping[str, Mapping[str, float]]] | None,
-) -> Iterator[tuple[str, Mapping[str, float]]]:
-    """Name and error of each test that the study holds or leaves out; other folds check the fit."""
-    for fold, tests in (folds or {}).items():
+def held_out_percent(verdict: Mapping[str, Any], when: str) -> dict[str, float]:
+    """Error [% of peak] of each test that the study holds or leaves out, not of other folds."""
+    found = {}
+    for fold, tests in (verdict[f"held_out_{when}"] or {}).items():
         for test, error in tests.items():
             if fold == HELD_OUT:
-                yield test, error
+                found[test] = error["rms_percent"]
             elif fold.startswith("leave_out_"):
-                yield fold if len(tests) == 1 else f"{test} of {fold}", error
+                found[fold if len(tests) == 1 else f"{test} of {fold}"] = error["rms_percent"]
+    return found
 
 
 def error_table(verdicts: Verdicts) -> pd.DataFrame:

@@ -7,7 +7,7 @@ import numpy as np
 import pandas as pd
 
 from softsample.arrays import root_mean_square
-from softsample.report.loop import declared
+from softsample.report.loop import held_out_percent
 
 Verdict = Mapping[str, Any]
 
@@ -54,10 +54,7 @@ def _cells(group: str, verdict: Verdict) -> tuple[Any, ...]:
         correction = verdict["correction"]
         effects = "; ".join([f"class: {correction['class']}", *correction["with"]])
     errors = (
-        *(
-            root_mean_square([e["rms_percent"] for _, e in declared(verdict[f"held_out_{when}"])])
-            for when in WHEN
-        ),
+        *(root_mean_square([*held_out_percent(verdict, when).values()]) for when in WHEN),
         *(root_mean_square([*fitted(verdict[f"error_{when}"])]) for when in WHEN),
     )
     law = (verdict["elastic_law"] or {}).get("name", "")

@@ -8,7 +8,7 @@ from typing import Any
 
 from softsample.arrays import root_mean_square
 from softsample.loop.effects import library
-from softsample.report.loop import declared
+from softsample.report.loop import held_out_percent
 from softsample.report.template import render
 from softsample.wording import (
     NO_ERROR,
@@ -48,7 +48,7 @@ def page(template: str | os.PathLike[str], group: str, verdict: Mapping[str, Any
     Parameters
     ----------
     template : path
-        `verdict.md.j2`. In it, each part of the verdict stands under its own name.
+        `verdict.md.j2`, which has the parts of the verdict and what is added here by name.
     group : str
         Name of the group.
     verdict : mapping
@@ -59,7 +59,7 @@ def page(template: str | os.PathLike[str], group: str, verdict: Mapping[str, Any
     in_models = {name for one in models for name in one["effects"]}
     counted = in_models.union(effect["name"] for effect in verdict["effects"])
     limits = sorted(size_of, key=lambda name: -abs(size_of[name]["modulus_percent"]))
-    prepared = {
+    added = {
         "group": group,
         "title": verdict_words(verdict["verdict"]),
         "overloaded": OVERLOADED,
@@ -80,13 +80,14 @@ def page(template: str | os.PathLike[str], group: str, verdict: Mapping[str, Any
         "limits": limits,
     }
     words = {"significant": significant, "fitted": fitted, "code": "`{}`".format}
-    return _unwrapped(render(template, {**verdict, **prepared}, **words))
+    return _unwrapped(render(template, {**verdict, **added}, **words))
 
 
 def _unwrapped(text: str) -> str:
     """Markdown with each paragraph on one line, and no more than one empty line between two.
 
-    A line goes on with the next unless that is a row of a table or a number of a list.
+    A line goes on with the next unless that is a row of a table or begins an entry of a list;
+    no space comes before a mark.
     """
     text = re.sub(r"\n{2,}", "\n\n", text.strip())
     text = re.sub(r"(?<!\n)\n(?=[.,;)])", "", text)
@@ -97,10 +98,7 @@ def _predicted(verdict: Mapping[str, Any]) -> dict[str, Any] | None:
     """How well a verdict with effects predicts what the study holds out, and what it does not."""
     if not verdict.get("rule") or verdict["verdict"] not in ("explained", "explained_class"):
         return None
-    before, after = (
-        {name: error["rms_percent"] for name, error in declared(verdict[f"held_out_{when}"])}
-        for when in ("before", "after")
-    )
+    before, after = (held_out_percent(verdict, when) for when in ("before", "after"))
     if not before:
         return None
     least = FAR * verdict["floor"]["floor_percent"]

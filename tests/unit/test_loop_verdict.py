@@ -376,7 +376,8 @@ def test_values_at_a_bound_are_zero_and_an_error_below_the_noise_says_so():
     text = page("A7", {**verdict, "verdict": "explained_class"})
     assert "| share | 0 | 0 to 0.01 | 1 |" in text
     assert "| 0 | 0 to 0.2 | 1 |" in text
-    assert "noise taken out, from 9 % of the peak to less than the noise. It was" in text
+    left = "is predicted from the rest to less than the noise, and to 9 % without it"
+    assert f"{left} (noise taken out). It was" in text
     assert ": a smooth part. " in text
     assert re.search(r"\de-\d", text) is None
 
@@ -418,8 +419,39 @@ def test_what_is_withheld_together_is_told_once_and_with_what_its_error_is():
     }  # fmt: skip
     assert told(correction) == [f"Not reported: `b` (mN 2 mN), since R. {error}", last]
     text = page("A7", {**verdict, "verdict": "explained_class", "correction": correction})
-    assert "(class: zero): `a` (mN 2 mN). It takes" in text
-    assert "noise taken out, from 9 % of the peak to 112 % of the peak. " in text
+    assert "(class: zero): `a` (mN 2 mN). With it, " in text
+    assert "is predicted from the rest to 112 % of the peak, and to 9 % without it" in text
+
+
+def test_the_page_says_which_effects_of_the_quoted_models_are_not_named():
+    verdict = report(judged(15.0), LoopSettings())
+    verdict["recommended"]["models"] = [
+        {"effects": ["force_offset", name], "mu": 805.4, "weight": 0.5}
+        for name in ("channel_lag", "backlash")
+    ]
+    saying = " may be there, but the evidence does not suffice to name "
+    opening = page("A7", verdict).split("##")[0]
+    assert f"`backlash` and `channel_lag`{saying}them." in opening
+    verdict["effects"][0]["class"] = ["force_offset", "backlash"]
+    assert f" `channel_lag`{saying}it." in page("A7", verdict).split("##")[0]
+    verdict["correction"] = {
+        "class": "drift", "smooth_part": False, "with": ["channel_lag"], "domain_mm": {},
+        "parameters": {}, "modulus_factors": {}, "left_out_before_percent": 9.0,
+        "left_out_after_percent": 1.0, "separating_experiment": "more",
+    }  # fmt: skip
+    assert saying not in page("A7", verdict)
+
+
+def test_the_page_says_which_folds_are_predicted_worse_with_the_effects():
+    verdict = report(judged(15.0), LoopSettings())
+    saying = "With the effects the prediction of"
+    verdict["folds_after"] = verdict["folds_before"]
+    assert saying not in page("A7", verdict)
+    fold, tests = next(iter(verdict["folds_before"].items()))
+    worse = {test: {**error, "rms_N": 2.0 * error["rms_N"]} for test, error in tests.items()}
+    verdict["folds_after"] = {**verdict["folds_after"], fold: worse}
+    assert f"{saying} `{fold}` is worse: " in page("A7", verdict)
+    assert saying not in page("A7", {**verdict, "effects": []})
 
 
 def test_a_modulus_is_of_one_model_only_if_that_has_all_the_weight():

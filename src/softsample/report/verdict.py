@@ -2,7 +2,7 @@
 
 import os
 import re
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator, Mapping, Sequence
 from itertools import groupby
 from typing import Any
 
@@ -58,6 +58,8 @@ def page(template: str | os.PathLike[str], group: str, verdict: Mapping[str, Any
     models = [one for one in quoted["models"] if one["weight"] >= WORTH_A_NAME]
     in_models = {name for one in models for name in one["effects"]}
     counted = in_models.union(effect["name"] for effect in verdict["effects"])
+    explained = {name for effect in verdict["effects"] for name in effect["class"]}
+    explained |= {effect["name"] for effect in verdict["withheld"]}
     limits = sorted(size_of, key=lambda name: -abs(size_of[name]["modulus_percent"]))
     added = {
         "group": group,
@@ -67,6 +69,7 @@ def page(template: str | os.PathLike[str], group: str, verdict: Mapping[str, Any
         "as_expected": round(verdict["birge_ratio"]["after"], 2) == 1.0,
         "models": models,
         "all_models": round(sum(one["weight"] for one in models), 2) == 1.0,
+        "possible": sorted(in_models - explained - {*_corrects(verdict)}),
         "relaxing": [name for name in RELAXING if name in in_models],
         "relaxed": quoted.get("mu_relaxed"),
         "predicted": _predicted(verdict),
@@ -76,6 +79,7 @@ def page(template: str | os.PathLike[str], group: str, verdict: Mapping[str, Any
         "no_error": NO_ERROR,
         "not_reported": list(_not_reported(verdict)),
         "rule": verdict.get("rule"),
+        "worse": list(_worse(verdict)),
         "rounds": list(_rounds(verdict)),
         "limits": limits,
     }
@@ -121,12 +125,26 @@ def _scale(verdict: Mapping[str, Any]) -> float | None:
     return found if found > FAR * verdict["floor"]["scale_percent"] else None
 
 
+def _corrects(verdict: Mapping[str, Any]) -> Sequence[str]:
+    """Effects of the correction, if there is one."""
+    return verdict["correction"]["with"] if verdict["correction"] else ()
+
+
+def _worse(verdict: Mapping[str, Any]) -> Iterator[str]:
+    """Folds that are predicted worse with the effects that are named."""
+    for fold, tests in verdict["folds_before"].items() if verdict["effects"] else ():
+        errors = [(was["rms_N"], verdict["folds_after"][fold][test]["rms_N"])
+                  for test, was in tests.items()]  # fmt: skip
+        before, after = map(root_mean_square, zip(*errors, strict=True))
+        if after > before:
+            yield fold
+
+
 def _not_reported(verdict: Mapping[str, Any]) -> Iterator[dict[str, Any]]:
     """What was selected and is not given, what was refused together at once.
 
     Errors are with all effects up to there. What corrects the model is told with the correction.
     """
-    corrects = verdict["correction"]["with"] if verdict["correction"] else []
     given: list[str] = []
     for (reason, would), together in groupby(
         verdict["withheld"], key=lambda effect: (effect["reason"], effect["held_out_if_given"])
@@ -134,7 +152,7 @@ def _not_reported(verdict: Mapping[str, Any]) -> Iterator[dict[str, Any]]:
         effects = list(together)
         given = [*given, *(effect["name"] for effect in effects)]
         errors = [test["rms_percent"] for tests in would.values() for test in tests.values()]
-        if shown := [effect for effect in effects if effect["name"] not in corrects]:
+        if shown := [effect for effect in effects if effect["name"] not in _corrects(verdict)]:
             yield {
                 "effects": shown,
                 "reason": reason,

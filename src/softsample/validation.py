@@ -32,6 +32,9 @@ OF_SHAPES = ("pure_shear", "confined_compression", "indentation", "torsion")
 FILE_COLUMNS = ("image", "surface", "record", "segmentation", "bond_mask", "labels")
 """Columns of the study table that name files of the study folder."""
 
+SHAPE_FILES = tuple(column for column in FILE_COLUMNS if column != "record")
+"""Those of them that the sample's shape comes from."""
+
 DEFAULT_AXES = {"loading_axis": "+z", "shear_axis": "+x"}
 """Image world axes of the test where the table does not name others."""
 

@@ -224,7 +224,7 @@ def test_facts_of_a_sample_of_stated_dimensions():
     cylinder = {"shape": "cylinder", "diameter_mm": 20.0, "height_mm": 10.0}
     mesh = {"ideal": {"elements": 800, "min_scaled_jacobian": 0.5}}
     run = {"ideal": {"travel_mm": 4.0, "against_calibrated_curve_percent": 0.1}}
-    facts = dict(sample_facts({"record": RECORD}, None, cylinder, mesh, run))
+    facts = dict(sample_facts(RECORD, None, None, cylinder, mesh, run))
     assert list(facts) == ["Record", "Cylinder", "Meshes", "Run at the optimum"]
     assert facts["Cylinder"].startswith("diameter 20 mm, height 10 mm, as stated")
     assert "the bias, is not known" in facts["Cylinder"]
@@ -235,10 +235,10 @@ def test_facts_of_a_surface_have_no_film_and_no_sigma():
     cuboid = {"length_mm": 20.0, "width_mm": 10.0, "height_mm": 10.0}
     cuboid |= {"bottom_difference_percent": 1.0, "top_difference_percent": -20.0}
     segmented = {"volume_mm3": 1900.0, "boundary_sigma_mm": 0.1, "film_mm": 0.0, "tilt_deg": 2.0}
-    facts = dict(sample_facts({"record": RECORD}, segmented, cuboid, {}, {}))
+    facts = dict(sample_facts(RECORD, None, segmented, cuboid, {}, {}))
     assert facts["Surface"] == "1900 mm³, as given"
     image = {"shape": [40, 40, 20], "voxel_mm": [0.5, 0.5, 1.0]}
-    facts = dict(sample_facts({"record": RECORD, "image": image}, segmented, cuboid, {}, {}))
+    facts = dict(sample_facts(RECORD, image, segmented, cuboid, {}, {}))
     assert facts["Surface"].endswith("film of 0 mm corrected for, tilt of 2° too")
     assert next(iter(facts)) == "Image"
     assert facts["Cuboid"] == (

@@ -38,6 +38,7 @@ def test_a_missing_file_is_told_and_no_input(tmp_path):
     files = study(tmp_path / "lab")
     assert files.missing("A1") == {}
     assert files.missing("T1") == {"image": str(tmp_path / "lab/t1.nii")}
+    assert files.missing("T1", ["record"]) == {}
     assert files.there("image", "T1") == files.image("image", "T1") == []
     assert study(tmp_path).missing("T1") == {}
     assert study(tmp_path).there("image", "T1") == str(tmp_path / "t1.nii")

@@ -21,7 +21,7 @@ NOTHING = "Nothing to be done"
 
 
 def checked(project, sample="A"):
-    return project.results / f"inputs/{sample}.json"
+    return project.results / f"records/{sample}.json"
 
 
 def made(path):
@@ -37,17 +37,17 @@ def noted_as_finished(project, sample):
         notes = project.folder / ".snakemake"
         return (notes / "metadata" / name).exists() and not (notes / "incomplete" / name).exists()
 
-    return noted(f"inputs/{sample}.json") and noted(f"records/{sample}.csv")
+    return noted(f"records/{sample}.json") and noted(f"records/{sample}.csv")
 
 
 def test_a_killed_job_stops_itself_alone_and_is_named(project):
-    held = project.hold("check_inputs", "A")
+    held = project.hold("check_record", "A")
     targets = [str(checked(project, sample)) for sample in "AB"]
     run = project.start(*targets)
     os.kill(held.pid(), signal.SIGKILL)
     assert run.wait() == 1
     text = project.printed.read_text()
-    assert f"check_inputs/A: {KILLED}" in text
+    assert f"check_record/A: {KILLED}" in text
     assert not checked(project, "A").exists()
     finished = made(checked(project, "B"))
     held.release()
@@ -57,7 +57,7 @@ def test_a_killed_job_stops_itself_alone_and_is_named(project):
 
 
 def test_after_a_kill_of_snakemake_its_jobs_end_and_the_study_goes_on(project):
-    held = project.hold("check_inputs", "A")
+    held = project.hold("check_record", "A")
     targets = [str(checked(project, sample)) for sample in "AB"]
     run = project.start(*targets)
     job = held.pid()
@@ -79,7 +79,7 @@ def test_after_a_kill_of_snakemake_its_jobs_end_and_the_study_goes_on(project):
 
 
 def test_two_runs_in_one_folder_do_not_meet(project):
-    held = project.hold("check_inputs", "A")
+    held = project.hold("check_record", "A")
     target = str(checked(project, "A"))
     run = project.start(target)
     held.pid()
@@ -99,7 +99,7 @@ def test_two_runs_in_one_folder_do_not_meet(project):
 
 def test_an_input_that_changes_meanwhile_gives_no_result(project):
     """Snakemake alone would take the result for current: it is newer than the input."""
-    held = project.hold("check_inputs", "A")
+    held = project.hold("check_record", "A")
     target = checked(project, "A")
     run = project.start(str(target))
     held.pid()
@@ -108,7 +108,7 @@ def test_an_input_that_changes_meanwhile_gives_no_result(project):
     held.release()
     assert run.wait() == 1
     text = project.printed.read_text()
-    assert re.search(r"check_inputs/A: .*A\.csv: changed while this job was using it", text)
+    assert re.search(r"check_record/A: .*A\.csv: changed while this job was using it", text)
     assert not target.exists()
     assert project.run(str(target))[0] == 0
     assert NOTHING in project.run("-n", str(target))[1]
@@ -149,7 +149,7 @@ def small_disk(project):
 
 
 def test_a_full_disk_stops_what_does_not_fit(project, small_disk):
-    names = ("inputs/A.json", "inputs/B.json", "mesh/A/ideal.vtu", "cuboid/B.json")
+    names = ("records/A.json", "records/B.json", "mesh/A/ideal.vtu", "cuboid/B.json")
     targets = [str(project.results / name) for name in names]
     status, text = project.run(*targets)
     assert status == 1
@@ -171,7 +171,7 @@ def test_a_full_disk_stops_what_does_not_fit(project, small_disk):
 @pytest.mark.parametrize(
     ("kills", "names"),
     [
-        (5, ("inputs/A.json", "cuboid/B.json", "mesh/A/ideal.vtu")),
+        (5, ("records/A.json", "cuboid/B.json", "mesh/A/ideal.vtu")),
         (50, ("checks/passed.json", "tables/table1.csv")),
     ],
 )

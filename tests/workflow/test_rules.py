@@ -47,7 +47,8 @@ def test_dry_run_plans_the_whole_study(config, tmp_path):
     )
     assert status == 0, text
     planned = jobs(text)
-    assert planned["segment"] == planned["measure"] == planned["check_inputs"] == 15
+    assert planned["segment"] == planned["measure"] == 15
+    assert planned["check_image"] == planned["check_record"] == 15
     assert planned["mesh"] == planned["mesh_coarse"] == 30
     assert planned["confirm"] == planned["check_simulation"] == 30
     assert planned["band"] == planned["figure_sample"] == 15
@@ -175,7 +176,7 @@ def test_a_bad_table_is_one_clear_message(project):
 
 
 def test_an_unknown_sample_is_refused_by_name(project):
-    status, text = project.run("-n", f"{project.results}/inputs/Z.json")
+    status, text = project.run("-n", f"{project.results}/records/Z.json")
     assert status != 0
     assert "no sample 'Z'" in text
 
@@ -191,7 +192,7 @@ def test_a_run_tells_of_each_job_in_one_line_with_a_bar(project):
     assert status == 0, text
     lines = re.findall(r"^\[([# ]{20})\] +(\d+) %(?:, .*? left)?: (.*)$", text, re.M)
     assert {words for *_, words in lines} == {
-        "Check what comes in: A", "Check what comes in: B",
+        "Check the record: A", "Check the record: B",
     }  # fmt: skip
     assert len(lines) == 2
     assert "Finished jobid" not in text
@@ -199,7 +200,7 @@ def test_a_run_tells_of_each_job_in_one_line_with_a_bar(project):
 
 
 def checked(project, sample="A"):
-    return project.results / f"inputs/{sample}.json"
+    return project.results / f"records/{sample}.json"
 
 
 @pytest.mark.study
@@ -217,12 +218,36 @@ def test_only_what_depends_on_an_edit_reruns(project):
     assert NOTHING in project.run(*targets, *DRY)[1]
 
     edit(source / "protocol.py")  # imported by records.py, which the script imports
-    assert jobs(project.run(*targets, *DRY)[1])["check_inputs"] == 2
+    assert jobs(project.run(*targets, *DRY)[1])["check_record"] == 2
     assert project.run(*targets)[0] == 0
     assert NOTHING in project.run(*targets, *DRY)[1]
 
     edit(project.study / "A.csv")
-    assert jobs(project.run(*targets, *DRY)[1])["check_inputs"] == 1
+    assert jobs(project.run(*targets, *DRY)[1])["check_record"] == 1
+
+
+@pytest.mark.study
+def test_a_new_record_meshes_nothing_again_and_a_new_image_does(project):
+    project.table.write_text("".join(project.table.read_text().splitlines(keepends=True)[:2]))
+    names = ("records/A.json", "mesh/A/real.vtu", "mesh/A/real_coarse.vtu")
+    targets = [str(project.results / name) for name in names]
+    status, text = project.run(*targets)
+    assert status == 0, text
+    changes = str(project.results / "loop/perturbations/A_real.csv")
+    rest = {"simulate": 1, "calibrate": 1, "perturbations": 1}
+
+    def planned():
+        found = jobs(project.run(*targets, changes, *DRY)[1])
+        return {name: count for name, count in found.items() if name != "total"}
+
+    assert planned() == rest
+    edit(project.study / "A.csv")
+    assert planned() == rest | {"check_record": 1}
+    assert project.run(*targets)[0] == 0
+    data, affine = toy.image(2)
+    nibabel.save(nibabel.Nifti1Image(data, affine), project.study / "A.nii.gz")
+    of_image = ("check_image", "segment", "measure", "mesh", "mesh_coarse")
+    assert planned() == rest | dict.fromkeys(of_image, 1)
 
 
 def test_a_verdict_depends_on_every_effect_though_none_is_imported_by_name(project):
@@ -242,7 +267,7 @@ def edit(path):
 def test_the_environment_may_lie_in_a_folder_with_a_space(project):
     (project.folder / "my tools").symlink_to(sys.prefix)
     project.python = str(project.folder / "my tools/bin/python")
-    status, text = project.run(str(project.results / "inputs/A.json"))
+    status, text = project.run(str(project.results / "records/A.json"))
     assert status == 0, text
 
 
@@ -257,19 +282,21 @@ def test_a_bad_sample_stops_itself_alone(project):
     assert not checked(project, "A").exists()
     assert checked(project, "B").exists()
     message = "A.csv, line 41, column 'displacement_mm': 'oops' is not a number"
-    assert re.search(rf"check_inputs/A: .*{message}", text.split("Some jobs failed")[1])
+    assert re.search(rf"check_record/A: .*{message}", text.split("Some jobs failed")[1])
 
 
 @pytest.mark.study
-@pytest.mark.parametrize(("file", "column"), [("A.csv", "record"), ("A.nii.gz", "image")])
-def test_a_missing_file_stops_its_sample_alone(project, file, column):
-    (project.study / file).unlink()
-    measured = [project.results / f"cuboid/{sample}.json" for sample in "AB"]
-    status, text = project.run(*map(str, measured))
+def test_missing_files_stop_their_sample_alone_and_are_all_told(project):
+    names = [f"{kind}/{sample}.json" for sample in "AB" for kind in ("records", "cuboid")]
+    targets = [project.results / name for name in names]
+    for file in ("A.csv", "A.nii.gz"):
+        (project.study / file).unlink()
+    status, text = project.run(*map(str, targets))
     assert status != 0
-    assert [name.exists() for name in measured] == [False, True]
-    message = f"{file}: no such {column}; correct its path in the table"
-    assert re.search(rf"check_inputs/A: .*{message}", text.split("Some jobs failed")[1])
+    assert [name.exists() for name in targets] == [False, False, True, True]
+    for file, kind in (("A.csv", "record"), ("A.nii.gz", "image")):
+        message = f"{file}: no such {kind}; correct its path in the table"
+        assert re.search(rf"check_{kind}/A: .*{message}", text.split("Some jobs failed")[1])
 
 
 @pytest.mark.study
@@ -380,7 +407,7 @@ def test_a_dicom_folder_and_a_segmentation_of_slicer(project):
         assert cuboid["height_mm"] == pytest.approx(toy.HEIGHT, abs=0.35)
         assert toy.LENGTH - 1.0 < cuboid["length_mm"] < toy.LENGTH + 0.1
 
-    found = json.loads(checked(project).read_text())["provenance"]["inputs"]
+    found = json.loads((project.results / "images/A.json").read_text())["provenance"]["inputs"]
     assert len([name for name in found if name.endswith(".dcm")]) == toy.image(0)[0].shape[2]
     for sample, volume in zip("AB", (toy.image(0)[0], data), strict=True):
         marked, header = nrrd.read(str(project.results / f"segmentation/{sample}.seg.nrrd"))
@@ -399,7 +426,7 @@ def test_a_dicom_folder_and_a_segmentation_of_slicer(project):
     assert NOTHING in project.run(*targets, *DRY)[1]
     touched = project.study / "A/MR007.dcm"
     touched.write_bytes(touched.read_bytes()[:-2] + b"\1\0")
-    assert jobs(project.run(*targets, *DRY)[1])["check_inputs"] == 1
+    assert jobs(project.run(*targets, *DRY)[1])["check_image"] == 1
     touched.unlink()
     status, text = project.run(*targets)
     assert status != 0
@@ -471,14 +498,14 @@ def test_after_a_failure_the_report_holds_the_groups_that_came_through(project):
     def partial():
         return project.run("reported", *DRY, config=finished)[1]
 
-    assert jobs(project.run("reported", *DRY)[1])["check_inputs"] == 3
-    assert jobs(partial())["check_inputs"] == 2
+    assert jobs(project.run("reported", *DRY)[1])["check_record"] == 3
+    assert jobs(partial())["check_record"] == 2
     assert jobs(partial())["table_moduli"] == jobs(partial())["numbers"] == 1
     for name in ("export/A_real.log", "figure_sample/A.log", "segment/A.log"):
         log = project.results / "logs" / name
         log.parent.mkdir(parents=True, exist_ok=True)
         log.write_text(f"{STARTED}\n{FAILED}the image\n")
-        left = jobs(partial()).get("check_inputs", 0)
+        left = jobs(partial()).get("check_record", 0)
         assert left == 2 if name.startswith("export") else left < 2  # an export is not reported
         log.unlink()
     band = project.results / f"band/{table[1][0]}.json"
@@ -493,7 +520,7 @@ def test_after_a_failure_the_report_holds_the_groups_that_came_through(project):
 
 @pytest.mark.long
 def test_a_killed_run_leaves_no_half_file_and_resumes(project):
-    script = project.folder / "workflow/scripts/check_inputs.py"
+    script = project.folder / "workflow/scripts/check_record.py"
     whole = script.read_text()
     marker = project.folder / "writing"
     slow = whole.replace(
@@ -527,7 +554,7 @@ def test_undeclared_records_go_from_image_to_verdict(tmp_path):
     )  # fmt: skip
     assert status == 0, text
     planned = jobs(text)
-    assert planned["segment"] == planned["check_inputs"] == 30
+    assert planned["segment"] == planned["check_image"] == planned["check_record"] == 30
     assert planned["diagnose"] == planned["diagnose_ideal"] == 10
 
 

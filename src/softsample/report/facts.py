@@ -9,7 +9,8 @@ from softsample.wording import NO_ERROR, OVERLOADED, overload_told
 
 
 def sample_facts(
-    found: Report,
+    record: Report,
+    image: Report | None,
     segmentation: Report | None,
     cuboid: Report,
     mesh: Mapping[str, Report],
@@ -19,14 +20,15 @@ def sample_facts(
 
     Parameters
     ----------
-    found, segmentation, cuboid
-        `inputs/`, `segmentation/` and `cuboid/{sample}.json`; no segmentation of a sample whose
-        dimensions are stated.
+    record, image
+        What was found in each (`records/` and `images/{sample}.json`).
+    segmentation, cuboid
+        `segmentation/` and `cuboid/{sample}.json`; no segmentation of a sample whose dimensions
+        are stated.
     mesh, run
         `mesh/` and `fields/{sample}/{geometry}.json` by geometry.
     """
-    rows = [("Record", record_fact(found["record"])), _ideal(cuboid)]
-    image = found.get("image")
+    rows = [("Record", record_fact(record)), _ideal(cuboid)]
     if segmentation:
         rows.insert(1, ("Surface", _surface(segmentation, image is not None)))
     if image:
@@ -44,7 +46,7 @@ def sample_facts(
             ),
         ),
     ]
-    remarks = [*found["record"]["warnings"], *(segmentation or {}).get("flags", [])]
+    remarks = [*record["warnings"], *(segmentation or {}).get("flags", [])]
     return rows + ([("Remarks", "; ".join(remarks))] if remarks else [])
 
 

@@ -43,8 +43,9 @@ class StudyReport:
         Samples by group.
     piece_of : mapping
         Piece by sample.
-    inputs, segmentation, cuboid : mapping of Report
-        `inputs/` and `segmentation/{sample}.json` by sample, `cuboid/{sample}.json` by piece.
+    images, records, segmentation, cuboid : mapping of Report
+        `images/`, `records/` and `segmentation/{sample}.json` by sample, `cuboid/{sample}.json` by
+        piece.
     meshes, runs : mapping of Report
         `mesh/` and `fields/{sample}/{geometry}.json`.
     surfaces : mapping of Shape
@@ -68,7 +69,8 @@ class StudyReport:
     rows: Mapping[str, Mapping[str, str]]
     groups: Mapping[str, Sequence[str]]
     piece_of: Mapping[str, str]
-    inputs: Mapping[str, Report]
+    images: Mapping[str, Report]
+    records: Mapping[str, Report]
     segmentation: Mapping[str, Report]
     cuboid: Mapping[str, Report]
     meshes: Mapping[Run, Report]
@@ -141,7 +143,7 @@ class StudyReport:
             },
             inputs={
                 name: digest
-                for report in self.inputs.values()
+                for report in chain(self.images.values(), self.records.values())
                 for name, digest in report["provenance"]["inputs"].items()
             },
             scenes=as_json(
@@ -157,7 +159,8 @@ class StudyReport:
     @property
     def _reports(self) -> Iterable[Report]:
         """All result files that name the code they were made by."""
-        kinds = self.inputs, self.segmentation, self.cuboid, self.meshes, self.runs, self.verdicts
+        of_samples = self.images, self.records, self.segmentation, self.cuboid
+        kinds = *of_samples, self.meshes, self.runs, self.verdicts
         return chain(*(kind.values() for kind in kinds), self.fits)
 
     @cached_property
@@ -183,14 +186,15 @@ class StudyReport:
 
     def _sample(self, name: str) -> dict[str, Any]:
         """One sample: pictures with captions, and facts, which equal pieces share."""
-        found, meshes = self.inputs[name], of_piece(self.meshes, name)
-        facts: Mapping[str, Any] = {"facts": [("Record", record_fact(found["record"]))]}
+        record, meshes = self.records[name]["record"], of_piece(self.meshes, name)
+        facts: Mapping[str, Any] = {"facts": [("Record", record_fact(record))]}
         if meshes:
-            others = self.segmentation.get(name), self.cuboid[name]
+            image = self.images.get(name, {}).get("image")
+            shape = image, self.segmentation.get(name), self.cuboid[name]
             facts = {
                 "limits": self._scenes[name]["limits"],
                 "geometries": list(meshes),
-                "facts": sample_facts(found, *others, meshes, of_piece(self.runs, name)),
+                "facts": sample_facts(record, *shape, meshes, of_piece(self.runs, name)),
             }
         return {
             "name": name,

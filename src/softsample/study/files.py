@@ -21,9 +21,9 @@ EXPORTS = (".inp", "_calculix.inp", ".feb", ".pvd")
 """Endings of a test's files for other programs."""
 
 REPORTED = {
-    "check_inputs", "segment", "measure", "mesh", "simulate", "calibrate", "confirm", "one_term",
-    "band", "bond", "calibrate_bond", "sensitivity", "perturbations", "diagnose", "checks",
-    "figure_sample", "figure_response", "figure_strain",
+    "check_image", "check_record", "segment", "measure", "mesh", "simulate", "calibrate",
+    "confirm", "one_term", "band", "bond", "calibrate_bond", "sensitivity", "perturbations",
+    "diagnose", "checks", "figure_sample", "figure_response", "figure_strain",
 }  # fmt: skip
 """Stages that the report rests on; an export, say, may have failed."""
 
@@ -51,14 +51,15 @@ class Files:
     def there(self, column: str, sample: str) -> str | list[str]:
         """The same if it is there, as an input: Snakemake stops all samples if one is missing.
 
-        The rule `check_inputs` refuses what is `missing`, and all jobs of the sample wait for it.
+        The rules `check_image` and `check_record` refuse what is `missing`, and what is made from
+        either waits for its check.
         """
         path = self.given(column, sample)
         return path if isinstance(path, str) and os.path.exists(path) else []
 
-    def missing(self, sample: str) -> dict[str, str]:
-        """Files that the sample's row names and that are not there, by column."""
-        named = {name: str(path) for name in FILE_COLUMNS if (path := self.given(name, sample))}
+    def missing(self, sample: str, columns: Iterable[str] = FILE_COLUMNS) -> dict[str, str]:
+        """Files that columns of the sample's row name and that are not there, by column."""
+        named = {name: str(path) for name in columns if (path := self.given(name, sample))}
         return {name: path for name, path in named.items() if not self.there(name, sample)}
 
     def image(self, column: str, sample: str, geometry: str = "real") -> list[str]:

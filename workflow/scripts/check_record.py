@@ -1,9 +1,8 @@
-"""Check the record of one sample, and its image if it has one (rule `check_inputs`)."""
+"""Check the record of one sample (rule `check_record`)."""
 
 from softsample import io
 from softsample.files import refuse_missing
 from softsample.formats.machine import read
-from softsample.images import check_image
 from softsample.manifest import check_files
 from softsample.plausibility import Limits, doubts
 from softsample.records import RecordSettings, aligned_record
@@ -14,7 +13,7 @@ with logged_to(snakemake):
     files, given = snakemake.input, snakemake.params
     refuse_missing(given.missing)
     if files.manifest:
-        shipped = [files.table, *files.image, *files.surface, files.record]
+        shipped = [files.table, files.record]
         check_files(io.read_samples(files.manifest), files.manifest, shipped)
     settings = RecordSettings(**given.records)
     raw = read(files.record, *settings.of_files, given.mode)
@@ -24,7 +23,5 @@ with logged_to(snakemake):
     limits = Limits(**given.plausibility).of(given.mode)
     facts["warnings"] += doubts(facts, size, limits, block=settings.block)
     report = {"sample": snakemake.wildcards.sample, "mode": given.mode, "record": facts}
-    if files.image:
-        report["image"] = check_image(*io.read_image(files.image[0]), files.image[0])
     io.write_table(snakemake.output.record, record)
     io.write_json(snakemake.output.report, {**report, "provenance": provenance(snakemake)})

@@ -104,10 +104,11 @@ def _add_study_commands(commands: Any) -> None:
     run.set_defaults(run=_run)
     run.add_argument("folder", nargs="?", help="of the study (default: the shipped samples)")
     run.add_argument("--quick", action="store_true", help="at 1 mm, for a look in minutes")
-    run.add_argument("--settings", action="append", default=[], help="a file of settings to use")
+    several = {"action": "append", "default": []}
+    run.add_argument("--settings", **several, help="file of settings to use; may be repeated")
     run.add_argument("--results", help="folder of the results (default: results in the study)")
     run.add_argument("--cores", type=int, default=2, help="jobs side by side (default: 2)")
-    run.add_argument("--target", action="append", default=[], help="rule or file (default: all)")
+    run.add_argument("--target", **several, help="rule or file (default: all); may be repeated")
 
 
 def _of_command(meaning: str) -> str:

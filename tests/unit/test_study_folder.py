@@ -590,6 +590,24 @@ def test_a_report_is_announced_only_by_runs_that_make_it(
     assert capsys.readouterr().out == f"{told}\n"
 
 
+def test_several_targets_are_made_in_one_run(tmp_path, monkeypatch, capsys):
+    monkeypatch.chdir(tmp_path)
+    (tmp_path / "lab").mkdir()
+    (tmp_path / "lab/samples.tsv").touch()
+    called = []
+    monkeypatch.setattr(run, "_call", lambda words: called.append(words) or 0)
+    verdicts = [f"results/loop/{group}/verdict.json" for group in "AB"]
+    assert main(["run", "lab", "--target", verdicts[0], "--target", verdicts[1]]) == 0
+    (words,) = called
+    first = words.index(f"lab/{verdicts[0]}")
+    assert words[first : first + 2] == [f"lab/{verdict}" for verdict in verdicts]
+    capsys.readouterr()
+    with pytest.raises(SystemExit):
+        main(["run", "--help"])
+    told = " ".join(capsys.readouterr().out.split())
+    assert "rule or file (default: all); may be repeated" in told
+
+
 @pytest.mark.parametrize("results", [None, "elsewhere"])
 def test_a_path_in_results_is_one_in_the_results_of_the_study(results, tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)

@@ -83,7 +83,7 @@ class Planning:
             (few, short), (many, long) = (_dry_run(table) for table in tables)
             first = read_samples(tables[0])["sample"].iloc[0]
             (_, start), (_, late_start) = (
-                _dry_run(table, f"records/{first}.json") for table in tables
+                _dry_run(table, f"inputs/{first}.json") for table in tables
             )
         per_job = (long - short) / (many - few)
         per_sample = (late_start - start) / (sizes[1] - sizes[0])

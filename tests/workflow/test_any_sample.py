@@ -14,8 +14,10 @@ import pytest
 import pyvista
 
 import exact
+import laboratory
 import machines
 import pooled
+from softsample.shapes import IdealShape
 
 ROOT = Path(__file__).resolve().parents[2]
 BUILT = (f"VENV={sys.prefix}", "stamp=LICENSE")
@@ -100,6 +102,38 @@ def test_open_ends_of_three_groups_are_found_to_slide(tmp_path):
         assert abs(modulus(tmp_path, group) / exact.MODULUS - 1.0) > 0.05, "of bonded ends"
         assert verdict["other_ends"]["ends"] == "bonded"
         assert verdict["other_ends"]["evidence_of_other_groups"] < 0.0
+
+
+@pytest.mark.long
+def test_four_groups_tell_each_other_of_the_loss_on_unloading_that_is_held_out(tmp_path):
+    """Foams between plates that slide: of each group its loading to a strain of 25 % is known."""
+    size = {"shape": "cylinder", "diameter_mm": 15, "height_mm": 10, "ends": "sliding"}
+    plug = IdealShape("cylinder", 15e-3, 15e-3, 10e-3)
+    rows, foams = (
+        [],
+        ((2000.0, 5.0, 0.2), (1200.0, 5.4, 0.22), (2600.0, 4.7, 0.19), (1700, 5.2, 0.21)),
+    )
+    for seed, (group, foam) in enumerate(zip("ABCD", foams, strict=True)):
+        test = laboratory.foam_cycle(group, plug, *foam, 0.45, step=0.4, seed=seed)
+        record = {
+            "time_s": test.time, "displacement_mm": -1e3 * test.travel, "force_N": -test.force
+        }  # fmt: skip
+        pd.DataFrame(record).to_csv(tmp_path / f"{group}.csv", index=False)
+        row = {"sample": f"{group}1", "group": group, "mode": "compression"}
+        rows.append({**row, "record": f"{group}.csv", **size})
+    write_table(tmp_path, rows)
+    selections = "[{strain_above: 0.25}, {phase: unloading}]"
+    (tmp_path / "study.yaml").write_text(f"leave_out: group\nhold_out: {selections}\n")
+    study(tmp_path, "verdicts", settings="config/test.yaml")
+    for group, (mu, *_) in zip("ABCD", foams, strict=True):
+        verdict = json.loads((tmp_path / f"results/loop/{group}/verdict.json").read_text())
+        assert verdict["verdict"] == "explained"
+        named = {effect["name"] for effect in verdict["effects"]}
+        assert named == {"compressible_foam", "unloading_loss"}
+        assert verdict["pooled"]["groups"] == 3
+        alone = json.loads((tmp_path / f"results/loop/{group}/alone/verdict.json").read_text())
+        assert "unloading_loss" not in {effect["name"] for effect in alone["effects"]}
+        assert verdict["recommended"]["mu"]["value"] == pytest.approx(mu, rel=0.03)
 
 
 @pytest.mark.study

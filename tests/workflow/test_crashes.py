@@ -21,7 +21,7 @@ NOTHING = "Nothing to be done"
 
 
 def checked(project, sample="A"):
-    return project.results / f"records/{sample}.json"
+    return project.results / f"inputs/{sample}.json"
 
 
 def made(path):
@@ -37,7 +37,7 @@ def noted_as_finished(project, sample):
         notes = project.folder / ".snakemake"
         return (notes / "metadata" / name).exists() and not (notes / "incomplete" / name).exists()
 
-    return noted(f"records/{sample}.json") and noted(f"records/{sample}.csv")
+    return noted(f"inputs/{sample}.json") and noted(f"records/{sample}.csv")
 
 
 def test_a_killed_job_stops_itself_alone_and_is_named(project):
@@ -149,7 +149,7 @@ def small_disk(project):
 
 
 def test_a_full_disk_stops_what_does_not_fit(project, small_disk):
-    names = ("records/A.json", "records/B.json", "mesh/A/ideal.vtu", "cuboid/B.json")
+    names = ("inputs/A.json", "inputs/B.json", "mesh/A/ideal.vtu", "cuboid/B.json")
     targets = [str(project.results / name) for name in names]
     status, text = project.run(*targets)
     assert status == 1
@@ -171,7 +171,7 @@ def test_a_full_disk_stops_what_does_not_fit(project, small_disk):
 @pytest.mark.parametrize(
     ("kills", "names"),
     [
-        (5, ("records/A.json", "cuboid/B.json", "mesh/A/ideal.vtu")),
+        (5, ("inputs/A.json", "cuboid/B.json", "mesh/A/ideal.vtu")),
         (50, ("checks/passed.json", "tables/table1.csv")),
     ],
 )

@@ -176,7 +176,7 @@ def test_a_bad_table_is_one_clear_message(project):
 
 
 def test_an_unknown_sample_is_refused_by_name(project):
-    status, text = project.run("-n", f"{project.results}/records/Z.json")
+    status, text = project.run("-n", f"{project.results}/inputs/Z.json")
     assert status != 0
     assert "no sample 'Z'" in text
 
@@ -200,7 +200,7 @@ def test_a_run_tells_of_each_job_in_one_line_with_a_bar(project):
 
 
 def checked(project, sample="A"):
-    return project.results / f"records/{sample}.json"
+    return project.results / f"inputs/{sample}.json"
 
 
 @pytest.mark.study
@@ -229,7 +229,7 @@ def test_only_what_depends_on_an_edit_reruns(project):
 @pytest.mark.study
 def test_a_new_record_meshes_nothing_again_and_a_new_image_does(project):
     project.table.write_text("".join(project.table.read_text().splitlines(keepends=True)[:2]))
-    names = ("records/A.json", "mesh/A/real.vtu", "mesh/A/real_coarse.vtu")
+    names = ("inputs/A.json", "mesh/A/real.vtu", "mesh/A/real_coarse.vtu")
     targets = [str(project.results / name) for name in names]
     status, text = project.run(*targets)
     assert status == 0, text
@@ -267,7 +267,7 @@ def edit(path):
 def test_the_environment_may_lie_in_a_folder_with_a_space(project):
     (project.folder / "my tools").symlink_to(sys.prefix)
     project.python = str(project.folder / "my tools/bin/python")
-    status, text = project.run(str(project.results / "records/A.json"))
+    status, text = project.run(str(project.results / "inputs/A.json"))
     assert status == 0, text
 
 
@@ -287,7 +287,7 @@ def test_a_bad_sample_stops_itself_alone(project):
 
 @pytest.mark.study
 def test_missing_files_stop_their_sample_alone_and_are_all_told(project):
-    names = [f"{kind}/{sample}.json" for sample in "AB" for kind in ("records", "cuboid")]
+    names = [f"{kind}/{sample}.json" for sample in "AB" for kind in ("inputs", "cuboid")]
     targets = [project.results / name for name in names]
     for file in ("A.csv", "A.nii.gz"):
         (project.study / file).unlink()
@@ -407,7 +407,9 @@ def test_a_dicom_folder_and_a_segmentation_of_slicer(project):
         assert cuboid["height_mm"] == pytest.approx(toy.HEIGHT, abs=0.35)
         assert toy.LENGTH - 1.0 < cuboid["length_mm"] < toy.LENGTH + 0.1
 
-    found = json.loads((project.results / "images/A.json").read_text())["provenance"]["inputs"]
+    found = json.loads((project.results / "inputs/images/A.json").read_text())["provenance"][
+        "inputs"
+    ]
     assert len([name for name in found if name.endswith(".dcm")]) == toy.image(0)[0].shape[2]
     for sample, volume in zip("AB", (toy.image(0)[0], data), strict=True):
         marked, header = nrrd.read(str(project.results / f"segmentation/{sample}.seg.nrrd"))

@@ -164,7 +164,7 @@ def test_a_study_of_one_shear_sample_has_its_tables_and_no_others(study, tmp_pat
     results, run_larger = study
     run_larger("geometry_effects")
     table = toy.write_study(tmp_path, toy.SHEAR_ALONE)
-    of_sample = ("images", "segmentation", "cuboid", "mesh", "curves", "fields", "sensitivity")
+    of_sample = ("inputs", "segmentation", "cuboid", "mesh", "curves", "fields", "sensitivity")
     for folder in (*of_sample, "records", "band", "calibration", "loop", "geometry_effects"):
         for path in [*(results / folder).rglob("D*"), *(results / folder).rglob("D/**/*")]:
             if path.is_file():
@@ -265,7 +265,7 @@ def test_a_second_run_does_nothing(study):
 def test_the_report_holds_methods_settings_hashes_and_verdicts(study):
     results, _ = study
     page = (results / "report.html").read_text(encoding="utf-8")
-    for name in ("images/A.json", "records/A.json"):
+    for name in ("inputs/images/A.json", "inputs/A.json"):
         checked = load(results, name)["provenance"]
         for content in checked["inputs"].values():
             assert content in page

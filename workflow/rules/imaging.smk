@@ -8,7 +8,7 @@ rule segment:
         image=of(image_files, "image"),
         segmentation=of(image_files, "segmentation"),
         surface=of(FILES.there, "surface"),
-        checked="<results>/images/{sample}.json",
+        checked="<results>/inputs/images/{sample}.json",
         code=library("workflow/scripts/segment.py"),
     output:
         mask="<results>/segmentation/{sample}.nii.gz",

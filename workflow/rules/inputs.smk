@@ -17,7 +17,7 @@ rule check_image:
         surface=of(image_files, "surface"),
         code=library("workflow/scripts/check_image.py"),
     output:
-        report="<results>/images/{sample}.json",
+        report="<results>/inputs/images/{sample}.json",
     log:
         "<logs>/check_image/{sample}.log",
     conda:
@@ -37,7 +37,7 @@ rule check_record:
         schema=str(ROOT / "workflow/schemas/record.schema.yaml"),
         code=library("workflow/scripts/check_record.py"),
     output:
-        report="<results>/records/{sample}.json",
+        report="<results>/inputs/{sample}.json",
         record="<results>/records/{sample}.csv",
     log:
         "<logs>/check_record/{sample}.log",

@@ -553,8 +553,8 @@ rule page:
             f"verdict_{kind}": expand(f"<results>/loop/{{group}}/verdict.{kind}", group=GROUPS)
             for kind in ("json", "md", "png")
         },
-        images=expand("<results>/images/{sample}.json", sample=WITH_SURFACE),
-        records=expand("<results>/records/{sample}.json", sample=SAMPLES),
+        images=expand("<results>/inputs/images/{sample}.json", sample=WITH_SURFACE),
+        records=expand("<results>/inputs/{sample}.json", sample=SAMPLES),
         segmentation=expand("<results>/segmentation/{sample}.json", sample=WITH_SURFACE),
         cuboid=expand("<results>/cuboid/{sample}.json", sample=PIECES),
         tables=captioned(FILES.tables),
@@ -598,7 +598,7 @@ rule page:
 
 rule results:
     input:
-        found=expand("<results>/records/{sample}.json", sample=SAMPLES),
+        found=expand("<results>/inputs/{sample}.json", sample=SAMPLES),
         cuboids=expand("<results>/cuboid/{sample}.json", sample=PLAN.piece_of.values()),
         fits=FILES.calibrations(GROUPS),
         intervals="<results>/tables/intervals.csv",

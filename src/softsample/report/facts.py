@@ -21,7 +21,7 @@ def sample_facts(
     Parameters
     ----------
     record, image
-        What was found in each (`records/` and `images/{sample}.json`).
+        What was found in each (`inputs/{sample}.json` and `inputs/images/{sample}.json`).
     segmentation, cuboid
         `segmentation/` and `cuboid/{sample}.json`; no segmentation of a sample whose dimensions
         are stated.

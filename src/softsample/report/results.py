@@ -45,7 +45,7 @@ def study_results(
     samples
         Rows of the table of samples by name.
     found, cuboids
-        `records/` and `cuboid/{sample}.json`, in the order of `samples`.
+        `inputs/` and `cuboid/{sample}.json`, in the order of `samples`.
     fits
         All calibrations, `calibration/{group}/{geometry}/{model}.json`.
     intervals

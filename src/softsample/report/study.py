@@ -44,8 +44,8 @@ class StudyReport:
     piece_of : mapping
         Piece by sample.
     images, records, segmentation, cuboid : mapping of Report
-        `images/`, `records/` and `segmentation/{sample}.json` by sample, `cuboid/{sample}.json` by
-        piece.
+        `inputs/images/`, `inputs/` and `segmentation/{sample}.json` by sample,
+        `cuboid/{sample}.json` by piece.
     meshes, runs : mapping of Report
         `mesh/` and `fields/{sample}/{geometry}.json`.
     surfaces : mapping of Shape

@@ -25,8 +25,9 @@ class Judged:
         Cross-validated error by fold and test, within what is fitted.
     held_out : dict
         Error by test of what the study holds out.
-    form : float
-        Error of the form of the records, whatever their scale [% of peak].
+    form, form_of_phase : float
+        Error of the form of the records, whatever their scale, and the largest of that and of a
+        phase in which the platen moves [% of peak].
     repeats : float
         Difference in scale of tests of one piece [%].
     """
@@ -35,6 +36,7 @@ class Judged:
     folds: Errors
     held_out: Mapping[str, Error]
     form: float
+    form_of_phase: float
     repeats: float
 
     @property
@@ -70,7 +72,8 @@ def objection_to(
 
     The same for every study. A selection is an explanation if
 
-    - the error that is left is not far above the floor, or effects take away most of what folds
+    - the error that is left, also in a ramp or an unloading alone, is not far above the floor, or
+      effects take away most of what folds
       leave out;
     - beside effects it is not both above the floor and most of what was there, with the error of
       scale and without;
@@ -98,9 +101,11 @@ def objection_to(
     enough = named and fold_ratio(before.folds, after.folds) <= rules.unknown_share
     pairs = (after.form, before.form), (after.total, before.total)
     little = named and all(left > rules.unknown_share * was for left, was in pairs)
-    over = after.form / noise.floor_percent
-    if (over > rules.unknown_ratio and not enough) or (over > 1.0 and little):
-        return f"an error of {after.form:.3g} % of the peak is left that no effect explains"
+    over, far = after.form / noise.floor_percent, after.form_of_phase / noise.floor_percent
+    if (far > rules.unknown_ratio and not enough) or (over > 1.0 and little):
+        return (
+            f"an error of {after.form_of_phase:.3g} % of the peak is left that no effect explains"
+        )
     usual = noise.largest_scale if named else rules.unknown_ratio * noise.scale_percent
     if not enough and scale > usual:
         return f"the scales of the tests differ by {scale:.3g} %, which no effect explains"

@@ -17,7 +17,7 @@ from softsample.loop.errors import (
     cross_validated,
     errors,
     fold_errors,
-    form_error,
+    form_errors,
     held_out_errors,
     repeat_error,
     white_of,
@@ -239,6 +239,6 @@ def _judged(posed: Posed, fit: Fit, found: Mapping[str, Fold], scales: Scales) -
         errors(fit, posed.spread),
         fold_errors(fit.problem, found, posed.spread),
         held_out_errors(fit, tests, white_of(fit.problem, posed.noises), scales),
-        form_error(fit, posed.spread),
+        *form_errors(fit, posed.spread),
         repeat_error(fit),
     )

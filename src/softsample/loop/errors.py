@@ -81,11 +81,11 @@ def errors(fit: Fit, noises: Sequence[float]) -> dict[str, dict[str, Error]]:
     return report
 
 
-def form_error(fit: Fit, noises: Sequence[float]) -> float:
+def form_errors(fit: Fit, noises: Sequence[float]) -> tuple[float, float]:
     """Error of the form of the records [% of peak]: without noise, and whatever their scale.
 
-    That of whole records, or of a phase in which the platen moves if that is larger: a long rest
-    repeats one force.
+    That of whole records, and that of a phase in which the platen moves if that is larger: a long
+    rest repeats one force.
     """
     problem = fit.problem
     squares: dict[str, list[float]] = {}
@@ -98,7 +98,8 @@ def form_error(fit: Fit, noises: Sequence[float]) -> float:
             of_phase = left[(phase == name) | (name == "all")]
             error = error_of(of_phase, noise, specimen.peak).structured / specimen.peak
             squares.setdefault(name, []).append(error**2)
-    return float(100.0 * np.sqrt(max(np.mean(of) for of in squares.values())))
+    found = {name: float(100.0 * np.sqrt(np.mean(of))) for name, of in squares.items()}
+    return found["all"], max(found.values())
 
 
 def repeat_error(fit: Fit) -> float:

@@ -72,9 +72,8 @@ def objection_to(
 
     The same for every study. A selection is an explanation if
 
-    - the error that is left, also in a ramp or an unloading alone, is not far above the floor, or
-      effects take away most of what folds
-      leave out;
+    - the error that is left, also in a ramp or an unloading, is not far above the floor, or effects
+      take away most of what folds leave out;
     - beside effects it is not both above the floor and most of what was there, with the error of
       scale and without;
     - the scales of the tests are as well known as the settings say; beside effects, whose evidence
@@ -103,9 +102,8 @@ def objection_to(
     little = named and all(left > rules.unknown_share * was for left, was in pairs)
     over, far = after.form / noise.floor_percent, after.form_of_phase / noise.floor_percent
     if (far > rules.unknown_ratio and not enough) or (over > 1.0 and little):
-        return (
-            f"an error of {after.form_of_phase:.3g} % of the peak is left that no effect explains"
-        )
+        left = f"an error of {after.form_of_phase:.3g} % of the peak is left"
+        return f"{left} that no effect explains"
     usual = noise.largest_scale if named else rules.unknown_ratio * noise.scale_percent
     if not enough and scale > usual:
         return f"the scales of the tests differ by {scale:.3g} %, which no effect explains"

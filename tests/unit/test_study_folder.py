@@ -571,6 +571,17 @@ def test_a_target_is_made_of_the_groups_that_came_through_if_they_have_it(
     assert ("Results: " in capsys.readouterr().out) == of_others
 
 
+@pytest.fixture
+def called(tmp_path, monkeypatch):
+    """Commands that are called where a study is in the folder `lab`, none of which is run."""
+    monkeypatch.chdir(tmp_path)
+    (tmp_path / "lab").mkdir()
+    (tmp_path / "lab/samples.tsv").touch()
+    called = []
+    monkeypatch.setattr(run, "_call", lambda words: called.append(words) or 0)
+    return called
+
+
 @pytest.mark.parametrize(
     ("targets", "told"),
     [
@@ -579,23 +590,12 @@ def test_a_target_is_made_of_the_groups_that_came_through_if_they_have_it(
         (["verdicts"], "Results: lab/results"),
     ],
 )
-def test_a_report_is_announced_only_by_runs_that_make_it(
-    targets, told, tmp_path, monkeypatch, capsys
-):
-    monkeypatch.chdir(tmp_path)
-    (tmp_path / "lab").mkdir()
-    (tmp_path / "lab/samples.tsv").touch()
-    monkeypatch.setattr(run, "_call", lambda words: 0)
+def test_a_report_is_announced_only_by_runs_that_make_it(targets, told, called, capsys):
     assert run.run_study("lab", targets=targets) == 0
     assert capsys.readouterr().out == f"{told}\n"
 
 
-def test_several_targets_are_made_in_one_run(tmp_path, monkeypatch, capsys):
-    monkeypatch.chdir(tmp_path)
-    (tmp_path / "lab").mkdir()
-    (tmp_path / "lab/samples.tsv").touch()
-    called = []
-    monkeypatch.setattr(run, "_call", lambda words: called.append(words) or 0)
+def test_several_targets_are_made_in_one_run(called, capsys):
     verdicts = [f"results/loop/{group}/verdict.json" for group in "AB"]
     assert main(["run", "lab", "--target", verdicts[0], "--target", verdicts[1]]) == 0
     (words,) = called
@@ -609,12 +609,7 @@ def test_several_targets_are_made_in_one_run(tmp_path, monkeypatch, capsys):
 
 
 @pytest.mark.parametrize("results", [None, "elsewhere"])
-def test_a_path_in_results_is_one_in_the_results_of_the_study(results, tmp_path, monkeypatch):
-    monkeypatch.chdir(tmp_path)
-    (tmp_path / "lab").mkdir()
-    (tmp_path / "lab/samples.tsv").touch()
-    called = []
-    monkeypatch.setattr(run, "_call", lambda words: called.append(words) or 0)
+def test_a_path_in_results_is_one_in_the_results_of_the_study(results, called):
     targets = ["results/loop/A/verdict.md", "verdicts", "lab/results/report.html"]
     assert run.run_study("lab", results=results, targets=targets) == 0
     asked = [f"{results or 'lab/results'}/loop/A/verdict.md", *targets[1:]]

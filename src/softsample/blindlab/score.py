@@ -193,14 +193,14 @@ def _by_names(cases: Sequence[Case]) -> dict[str, list[Case]]:
 
 
 def _overall(cases: Sequence[Case]) -> Iterator[Row]:
-    """Goals that need no effect at one size: nulls, scales, strangers, pairs, cost."""
+    """Goals that need no effect at one size: nulls, scales, what is out of the library, pairs, cost."""
     kinds = _by(cases, lambda case: case.planted["kind"])
     yield share("1 false alarms", [c.noticed for c in kinds.get("null", [])], "upper")
     scales = kinds.get("scale", [])
     yield share("scale not called identifiable", [not c.named for c in scales], "lower")
-    strangers = kinds.get("stranger", [])
-    yield share("6 out of library: unknown or none", [not c.named for c in strangers], "lower")
-    for names, of_kind in _by_names(strangers).items():
+    out_of_library = kinds.get("stranger", [])
+    yield share("6 out of library: unknown or none", [not c.named for c in out_of_library], "lower")
+    for names, of_kind in _by_names(out_of_library).items():
         yield share(f"6 {names}", [not c.named for c in of_kind], "lower")
     pairs = kinds.get("pair", [])
     yield share("8 pairs: both classes", [c.found == 2 for c in pairs], "lower")

@@ -193,7 +193,7 @@ def _by_names(cases: Sequence[Case]) -> dict[str, list[Case]]:
 
 
 def _overall(cases: Sequence[Case]) -> Iterator[Row]:
-    """Goals that need no effect at one size: nulls, scales, what is out of the library, pairs, cost."""
+    """Goals that need no effect at one size: nulls, scales, out-of-library effects, pairs, cost."""
     kinds = _by(cases, lambda case: case.planted["kind"])
     yield share("1 false alarms", [c.noticed for c in kinds.get("null", [])], "upper")
     scales = kinds.get("scale", [])

@@ -18,37 +18,37 @@ Written by `benchmarks/blind_page.py` from `softsample.blindlab`; edit the files
 
     make blind        # every effect at its nominal size, design B, 1 h on 2 cores: results/blind/
     make blind-full   # four sizes, designs A, B and C, fewer of each: results/blind-full/
-    make blind-foreign  # floors of other families, sizes not told: results/blind-*/
-    make blind-measured  # the same with misfits that `make measured` left: results/blind-measured/
+    make blind-foreign  # floors of other kinds, sizes not stated: results/blind-*/
+    make blind-measured  # the same with residuals of `make measured`: results/blind-measured/
 
-The laboratory makes records with undeclared effects and asks the diagnosis for the cause. Its
-formulas, clock, mesh, loading time and modulus fractions are its own (test). The ground truth is
-drawn from seeds, written to `planted.json` and hashed into `seal.json` before the first record is
-judged; scoring refuses another. Answers are frozen in `answers/`.
+The laboratory makes records with undeclared effects and asks the diagnosis for the cause. It uses
+its own formulas, clock, mesh, loading time and modulus fractions (test). The ground truth is drawn
+from seeds. It is written to `planted.json` and hashed into `seal.json` before the first record is
+judged, and scoring refuses any other. Answers are frozen in `answers/`.
 
-- Specimens: cuboids of many proportions; for `real_geometry` phantoms of imperfect shape, whose
-  cuboid is the model. Modulus {MU_PA[0]:g} to {MU_PA[1]:g} Pa, drawn for every experiment.
-- Designs at {SPEED:g} mm/s: A the loading ramp alone; B {REST:g} s of rest, ramp, {HOLD:g} s of
+- Specimens: cuboids of many proportions; for `real_geometry` phantoms of imperfect shape, modelled
+  by their cuboid. Modulus {MU_PA[0]:g} to {MU_PA[1]:g} Pa, drawn for every experiment.
+- Designs at {SPEED:g} mm/s: A the loading ramp alone; B {REST:g} s dwell, ramp, {HOLD:g} s
   hold, unloading; C is B at {" and ".join(f"{speed:g}" for speed in DESIGNS["C"])} times the
   speed.
-- Noise: {1e3 * WHITE:g} mN white, and {1e3 * SLOW:g} mN with a correlation of a second.
-- Floor: a smooth error of each test that nothing explains, correlated over a quarter of the
-  stroke. The diagnosis is told its size and the error of its own mesh (config `blind: noise:`).
+- Noise: {1e3 * WHITE:g} mN white, and {1e3 * SLOW:g} mN with a correlation time of a second.
+- Floor: a smooth error of each test that no effect explains, correlated over a quarter of the
+  stroke. The diagnosis knows its size and the error of its own mesh (config `blind: noise:`).
 - `score.json` has value, one-sided 95 % bound and number of experiments of each goal, by design,
-  floor and size. A class that holds the true effect counts for it.
+  floor and size. A class (indistinguishable set) that holds the true effect counts as correct.
 
 ## Effects and the size called 1x
 
-Sizes vary by a tenth from experiment to experiment.
+Sizes vary by a tenth between experiments.
 """
 NEXT = {
     "## Effects that only scale the modulus": (
         SCALES,
-        "The right answer is that nothing can be seen.",
+        "The right answer names no effect.",
     ),
     "## Effects out of the library": (
         STRANGERS,
-        "The right answer is `unknown` or `none`.",
+        "The right answer names no effect: `unknown`, `none` or `explained_class`.",
     ),
 }
 
@@ -82,25 +82,25 @@ SCORED = """
 ## Score
 
 Written from [data/blind/score.json](data/blind/score.json): design B, nominal sizes; {judged} of
-{planned} experiments judged. No score frozen before the truth was known: earlier rules were scored
-on these seeds, and half of the null experiments with discrepancy were used to select the covariance
-kernels. Such a score is that of the [undeclared groups](loop.md#results): 6 of 10 right.
+{planned} experiments judged. This score was not frozen before the truth was known: earlier rules
+were scored on these seeds, and half of the null experiments with discrepancy served to select the
+covariance kernels. The score of the [undeclared groups](loop.md#results) was: 6 of 10 right.
 
 **The 90 % intervals of effects hold the true size in {covered} % of the cases, with a floor in
-{covered_floor} %.** In brackets the one-sided 95 % bound, bold what misses its criterion. Counts of
-effects are out of 25. The recommended modulus counts in all with one effect. The median verdict
-costs {cpu} CPU s.
+{covered_floor} %.** In brackets the one-sided 95 % bound; bold: criterion not met. An effect has
+power if it is noticed in 95 % of its experiments (counts are out of 25). The recommended modulus is
+scored in all experiments with one effect. The median verdict takes {cpu} CPU s.
 
 | goal | criterion | noise only | criterion | floor 1 % |
 |---|---|---|---|---|"""
 
 WITHIN_REACH = """
-Attainable: an answer that left no more error than records without any effect have would remove {} %
-of the held-out error without a floor, {} % with it. Of pairs whose effects are both noticed alone,
+Attainable: an answer that left only the error of records without effects would remove {} %
+of the held-out error without a floor, {} % with it. Of pairs whose effects both have power,
 both classes are named in {} % without a floor ({} pairs), in {} % with it ({} pairs)."""
 
 PER_EFFECT = """
-Effects that were not always noticed, or were named wrongly (all others: 100 % and 0 %):
+Effects that were not always noticed, or wrongly named (all others: 100 % and 0 %):
 
 | effect | noticed [%] | wrong | noticed, floor 1 % | wrong |
 |---|---|---|---|---|"""
@@ -109,10 +109,10 @@ FULL_SCORE = """
 ## All sizes and designs
 
 Written from [data/blind-full/score.json](data/blind-full/score.json): {judged} of {planned}
-experiments, {seeds} of each effect, design, size and floor. Percentages at {sizes} times the
-nominal size: effects noticed, of these in the right class, of all wrongly named. Last those out
-of the library, called unknown or none, and pairs at 1x with both classes named.
-Of 22 November 2026; the diagnosis has changed since.
+experiments, {seeds} of each effect, design, size and floor, of 22 November 2026; the diagnosis has
+changed since. Percentages at {sizes} times the nominal size: effects noticed, those of them in the
+right class, and effects wrongly named. Then false alarms, effects out of the library called
+unknown or none, and pairs at 1x with both classes named.
 
 | design | floor [%] | noticed [%] | class right | wrong | false alarms | out of library | pairs |
 |---|---|---|---|---|---|---|---|"""

@@ -14,18 +14,19 @@ HEAD = """# Effects that the diagnosis can name
 Written by `benchmarks/effects_page.py` from `src/softsample/loop/effects`; edit the files there.
 Selection: [loop.md](loop.md); how to add one: [CONTRIBUTING.md](../CONTRIBUTING.md).
 
-An effect is absent at the null values of its amplitudes, 0 unless stated. Its signature is
+An effect is absent at the null values of its amplitudes (0 unless stated). Its signature is
 computed at the reference values. Parameters marked *shape* (times, onsets) enter nonlinearly and
 are fitted from several initial guesses. Offsets, drift and weight have the signs of the machine
 (positive in tension and along +x); displacement is positive while loading.
 
-Ranges of lengths and forces hold for samples 6.5 to 26 mm high and peak forces of 0.2 to 5 N and
-are scaled with height and peak force beyond. Times of relaxation follow the clock of the records.
-`specimen_stiffness` has one parameter, named after the specimen, for every specimen but the first
-of its mode and direction. Where the table states how each piece was cut (`material_z`,
-`material_x`), the fibres of `anisotropy` have one direction in the material, `azimuth_deg` from 1
-towards 2, `elevation_deg` towards 3, and `k1` up to 5. Pure shear counts as tension, confined
-compression as compression. Records without time have no effects marked *time*.
+Ranges of lengths and forces hold for samples 6.5 to 26 mm high and peak forces of 0.2 to 5 N;
+beyond, they scale with height and peak force. Relaxation times scale with the duration of the
+records. `specimen_stiffness` has one parameter, named after the specimen, for every specimen but
+the first of its mode and direction. Where the study table states how each piece was cut
+(`material_z`, `material_x`), the fibres of `anisotropy` have one direction in the material
+(`azimuth_deg` from direction 1 towards 2, `elevation_deg` towards 3) and a `k1` of up to 5. Pure
+shear counts as tension, confined compression and indentation as compression, torsion as shear.
+Effects marked *time* need records with time.
 """
 
 
@@ -45,7 +46,7 @@ def page() -> str:
 def _section(effect: Effect) -> list[str]:
     confused = ", ".join(f"[`{name}`](#{name})" for name in effect.confused_with)
     hidden = effect.sizes and not effect.identifiable
-    identifiable = " No test at one speed can show it." if hidden else ""
+    identifiable = " No test at one speed shows it." if hidden else ""
     return [
         f"## `{effect.name}`",
         "",

@@ -97,8 +97,8 @@ EFFECT = Effect(
     like_geometry=True,
     beside=True,
     source="Jin et al., J. Biomech. 46 (2013) 2795; own runs with k1 (I4 - 1)^2, k1 = mu/10, along "
-    "z, x and the diagonals; the angle is that from z to where the shear goes",
-    signature="ratio of shear to axial stiffness",
+    "z, x and the diagonals; the angle is from z towards the direction of shear",
+    signature="changes the ratio of shear to axial stiffness",
     confused_with=("residual_precompression", "poisson_ratio"),
     experiment="turn the direction of shear by 90 degrees",
     elastic=_in_plane,

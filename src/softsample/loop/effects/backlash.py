@@ -11,8 +11,8 @@ EFFECT = Effect(
         Parameter("ahead", "1", 0.0, 1.0, 0.0, grid=(0.0, 1.0)),
     ),
     source="drives of test machines: 5 to 50 micrometres",
-    signature="flat step at the start of the unloading (of the loading, where play is ahead), then "
-    "the curve shifted",
+    signature="flat step at the start of the unloading (of the loading, if the play lies ahead), "
+    "then the curve shifted",
     confused_with=("mullins_softening", "channel_lag"),
     experiment="small loops back and forth; a gauge on the platen",
     of_past=True,

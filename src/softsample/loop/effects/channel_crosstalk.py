@@ -15,7 +15,8 @@ EFFECT = Effect(
     title="Cross-talk of the force channels",
     parameters=(Parameter("share", "1", -0.2, 0.2, 0.03),),
     source="a misalignment of one degree gives 1.7 %; 4.6 % in records of sheared blood clots",
-    signature="normal force off by a part of the shear force, with opposite signs to both sides",
+    signature="the normal force contains a part of the shear force, of opposite sign in the other "
+    "direction",
     confused_with=("anisotropy", "force_offset"),
     experiment="shear to both sides; a dead weight along each axis",
     modes=("shear",),

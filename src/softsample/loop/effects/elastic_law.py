@@ -14,8 +14,7 @@ EFFECT = Effect(
     is_law=True,
     like_geometry=True,
     source="R. W. Ogden, Proc. R. Soc. Lond. A 326 (1972) 565, doi:10.1098/rspa.1972.0026",
-    signature="alike in loading and unloading, in every mode, and worse towards the end of the "
-    "stroke",
+    signature="the same error in loading and unloading, in every mode, growing along the stroke",
     confused_with=("ogden_exponents", "compressible_foam"),
     experiment="another mode, or a longer stroke",
     elastic=lambda specimen, fraction, travel, values: (

@@ -7,7 +7,7 @@ EFFECT = Effect(
     title="Offset of the force",
     parameters=tuple(Parameter(f"{m}_mN", "mN", -200.0, 200.0, 5.0, kind=m) for m in MODES),
     source="cells of 2.5 N: about 5 mN; one of 50 N at a fifth of a percent: 100 mN",
-    signature="a constant, at rest as well",
+    signature="a constant, also at rest",
     confused_with=("self_weight", "adhesion"),
     experiment="rest with the platen off the sample, in both orientations",
     instrument=lambda specimen, force, travel, values: (

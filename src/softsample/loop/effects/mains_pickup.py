@@ -28,7 +28,7 @@ EFFECT = Effect(
         Parameter("period_s", "s", 0.8, 70.0, 10.0, PERIODS, inside=True),
     ),
     source="100 Hz ripple sampled at 100 Hz",
-    signature="a sine of steady size, at rest as well",
+    signature="a sine of constant amplitude, also at rest",
     confused_with=("force_drift", "viscoelastic_relaxation"),
     experiment="another sampling rate; an analogue low-pass",
     instrument=_instrument,

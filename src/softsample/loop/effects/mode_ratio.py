@@ -17,7 +17,7 @@ EFFECT = Effect(
     like_geometry=True,
     source="Budday et al., Acta Biomater. 48 (2017) 319, doi:10.1016/j.actbio.2016.10.036; with "
     "one Ogden term the ratio is 0.80 to 0.98 in brain tissue",
-    signature="shear scaled against tension and compression alike",
+    signature="shear scaled relative to tension and compression",
     confused_with=("tension_compression_asymmetry", "anisotropy", "poisson_ratio"),
     experiment="shear, pull and press one and the same sample",
     modes=("shear",),

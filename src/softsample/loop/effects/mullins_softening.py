@@ -20,7 +20,7 @@ EFFECT = Effect(
         Parameter("power", "1", 0.5, 10.0, 1.0, grid=(1.0, 3.0, 6.0)),
     ),
     source="Ogden, Roxburgh, Proc. R. Soc. A 455 (1999) 2861, doi:10.1098/rspa.1999.0431",
-    signature="ramp and hold untouched, unloading low, back to nothing at the maximum",
+    signature="ramp and hold unchanged, unloading low except near the largest displacement",
     confused_with=("viscoelastic_relaxation", "backlash", "bond_peel"),
     experiment="a second cycle to a larger displacement, and a second rate",
     of_past=True,

@@ -30,7 +30,8 @@ def about(solid: Material) -> Effect:
         like_geometry=True,
         source="own runs of single terms; R. W. Ogden, Proc. R. Soc. Lond. A 326 (1972) 565, "
         "doi:10.1098/rspa.1972.0026",
-        signature="S-shaped along the stroke, worst at the end of compression, alike on unloading",
+        signature="S-shaped along the stroke, largest at the end of compression, the same on "
+        "unloading",
         confused_with=("bond_peel", "compressible_foam", "late_contact", "machine_compliance"),
         experiment="another mode, or a longer stroke",
         elastic=lambda specimen, fraction, travel, values: specimen.elastic.exponents_change_per_mu(

@@ -21,7 +21,8 @@ EFFECT = Effect(
     parameters=(Parameter("set", "1", 0.0, 0.9, 0.05),),
     source="residual strain after unloading: Dorfmann, Ogden, Int. J. Solids Struct. 41 (2004) "
     "1855, doi:10.1016/j.ijsolstr.2003.11.014",
-    signature="ramp untouched, unloading reaches no force early, the next loading begins there",
+    signature="ramp unchanged; on unloading the force vanishes early, and the next loading begins "
+    "there",
     confused_with=("mullins_softening", "unloading_loss", "displacement_zero", "backlash"),
     experiment="measure the sample before and after; a second cycle after a long rest",
     of_past=True,

@@ -14,8 +14,8 @@ def about(solid: Material) -> Effect:
         like_geometry=True,
         source="Hinrichsen et al., Biomech. Model. Mechanobiol. 2023, "
         "doi:10.1007/s10237-023-01739-w",
-        signature="compression far more than tension, tension more than shear; grows with the "
-        "stroke",
+        signature="changes compression far more than tension, and tension more than shear; grows "
+        "along the stroke",
         confused_with=(
             "anisotropy", "boundary_shift", "residual_precompression", "machine_compliance",
         ),

@@ -14,7 +14,7 @@ def of_names(names: Sequence[str]) -> Effect:
         like_geometry=True,
         source="scatter of repeats; each size is the modulus of a specimen over that of the "
         "group's first of the same mode, or over the geometric mean where they scatter",
-        signature="all forces of a specimen scaled against those of another one in the same test",
+        signature="all forces of a specimen scaled relative to those of another in the same test",
         confused_with=("gain", "rate_stiffening", "dehydration"),
         experiment="test one specimen twice, and two specimens alike",
         tissue=lambda specimen, force, travel, values: force * values.get(specimen.piece, 1.0),

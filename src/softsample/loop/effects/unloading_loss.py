@@ -22,8 +22,8 @@ EFFECT = Effect(
     ),
     source="a play operator: Visintin, Differential Models of Hysteresis, Springer 1994; measured "
     "cryogels lose 19 %",
-    signature="ramp and hold untouched, unloading low by one part of the force from soon after "
-    "the turn on; a second loading has all of it",
+    signature="ramp and hold unchanged, unloading low by a constant part of the force soon after "
+    "the turn; a second loading has the full force",
     confused_with=("mullins_softening", "viscoelastic_relaxation", "permanent_set", "backlash"),
     experiment="a second cycle: its loading is low after softening; a second rate",
     of_past=True,

@@ -18,8 +18,7 @@ EFFECT = Effect(
         Parameter("range_mm", "mm", 0.03, 1.0, 0.15, grid=(0.1, 0.3)),
     ),
     source="adhesion hysteresis test, PMC5906650; 0.01 to 0.1 J/m2",
-    signature="compression only: a pull near zero displacement, gone within 0.3 mm, that returns "
-    "at the end",
+    signature="a pull near zero displacement, gone within 0.3 mm, that returns at the end",
     confused_with=("force_offset", "late_contact"),
     experiment="approach and retract in a loop",
     modes=("compression",),

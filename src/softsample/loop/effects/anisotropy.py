@@ -96,8 +96,8 @@ EFFECT = Effect(
     ),
     like_geometry=True,
     beside=True,
-    source="Jin et al., J. Biomech. 46 (2013) 2795; own runs with k1 (I4 - 1)^2, k1 = mu/10, along "
-    "z, x and the diagonals; the angle is from z towards the direction of shear",
+    source="Jin et al., J. Biomech. 46 (2013) 2795; own runs with energy k1 (I4 - 1)^2; the angle "
+    "is from z towards the direction of shear",
     signature="changes the ratio of shear to axial stiffness",
     confused_with=("residual_precompression", "poisson_ratio"),
     experiment="turn the direction of shear by 90 degrees",

@@ -28,8 +28,7 @@ def about(solid: Material) -> Effect:
         ),
         is_law=True,
         like_geometry=True,
-        source="own runs of single terms; R. W. Ogden, Proc. R. Soc. Lond. A 326 (1972) 565, "
-        "doi:10.1098/rspa.1972.0026",
+        source="R. W. Ogden, Proc. R. Soc. Lond. A 326 (1972) 565, doi:10.1098/rspa.1972.0026",
         signature="S-shaped along the stroke, largest at the end of compression, the same on "
         "unloading",
         confused_with=("bond_peel", "compressible_foam", "late_contact", "machine_compliance"),

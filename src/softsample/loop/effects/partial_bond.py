@@ -19,8 +19,8 @@ EFFECT = Effect(
         Parameter("side", "1", -1.0, 1.0, 0.0, grid=(-0.75, -0.25, 0.25, 0.75)),
     ),
     like_geometry=True,
-    source="own finite element runs with an eighth of the bonded area released; `side` is 1 on the "
-    "side towards which the shear moves, -1 on the opposite side, 0 on the others",
+    source="own runs; `side` is 1 on the side towards which the shear moves, -1 on the opposite "
+    "side, 0 on the others",
     signature="tension and shear scaled down from the start, compression unchanged",
     confused_with=("tension_compression_asymmetry", "bond_peel", "platen_slip"),
     experiment="ink on the adhesive; inspect the detached face",

@@ -51,8 +51,7 @@ EFFECT = Effect(
     name="platen_slip",
     title="Slip on the platen",
     parameters=(Parameter("share", "1", 0.0, 1.0, 0.3),),
-    source="Rashid, Destrade, Gilchrist, J. Mech. Behav. Biomed. Mater. 12 (2012); own runs "
-    "without friction, and of loading and unloading with coefficients of 0.05, 0.15 and 0.3",
+    source="Rashid, Destrade, Gilchrist, J. Mech. Behav. Biomed. Mater. 12 (2012); own runs",
     signature="compression softer, increasingly along the stroke; unloading below loading",
     confused_with=("tension_compression_asymmetry", "poisson_ratio", "partial_bond"),
     experiment="marks on the edge of the top; bond the compression sample",

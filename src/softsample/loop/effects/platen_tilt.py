@@ -27,9 +27,8 @@ EFFECT = Effect(
         Parameter("axis_deg", "deg", -180.0, 180.0, 0.0, grid=(-135.0, -45.0, 45.0, 135.0)),
     ),
     like_geometry=True,
-    source="own finite element runs with a platen turned by one degree about x and y, either way; "
-    "`axis_deg` is the angle of the axis from x towards y",
-    signature="compression only: a toe as long as the width times the tilt",
+    source="own runs; `axis_deg` is the angle of the axis from x towards y",
+    signature="a toe as long as the width times the tilt",
     confused_with=("late_contact", "real_geometry"),
     experiment="turn the sample by 180 degrees; pressure film",
     modes=("compression",),

@@ -6,7 +6,7 @@ EFFECT = Effect(
     name="real_geometry",
     title="Real geometry instead of the cuboid",
     parameters=(Parameter("share", "1", 0.5, 1.5, 1.0, known=(1.0, 0.05)),),
-    source="Arzemanzadeh, Miller, Wittek: the study; own runs on both geometries",
+    source="the study; own runs on both geometries",
     signature="compression: late and growing contact; all modes: smaller bonded area",
     confused_with=("late_contact", "platen_tilt", "partial_bond"),
     experiment="image the sample and mesh its surface",

@@ -18,8 +18,8 @@ EFFECT = Effect(
     name="residual_precompression",
     title="Compression left over from the pre-load",
     parameters=(Parameter("d_mm", "mm", 0.0, 1.0, 0.3),),
-    source="Zhang et al., Adv. Mech. Eng. 10 (2018), doi:10.1177/1687814018795045; for shear own "
-    "runs that start from a compression of 0.3 mm",
+    source="Zhang et al., Adv. Mech. Eng. 10 (2018), doi:10.1177/1687814018795045; own runs of "
+    "shear",
     signature="compression steeper, tension softer at the start, no force at zero displacement; "
     "shear scaled by a few percent",
     confused_with=("anisotropy", "poisson_ratio", "displacement_zero"),

@@ -19,7 +19,7 @@ EFFECT = Effect(
     like_geometry=True,
     source="a bed of columns: Johnson, Contact Mechanics, Cambridge 1985, "
     "doi:10.1017/CBO9781139171731",
-    signature="compression only: a toe as long as the depth, then the curve shifted by half of it",
+    signature="a toe as long as the depth, then the curve shifted by half of it",
     confused_with=("late_contact", "platen_tilt", "real_geometry"),
     experiment="scan the face; cut it anew; pressure film",
     modes=("compression",),

@@ -101,9 +101,8 @@ def within(briefest: float, duration: float) -> Effect:
         whole=lambda values: _lost(values, duration),
         of_time=True,
         source="Budday et al., Acta Biomater. 48 (2017) 319, doi:10.1016/j.actbio.2016.10.036; "
-        "the second time is the geometric mean of first and third, which lie within the clock of "
-        "the records, here that of a usual study; bulk modulus: Tschoegl et al., Mech. "
-        "Time-Depend. Mater. 6 (2002) 3, doi:10.1023/A:1014411503170",
+        "bulk modulus: Tschoegl et al., Mech. Time-Depend. Mater. 6 (2002) 3, "
+        "doi:10.1023/A:1014411503170",
         signature="concave ramp, decay in the hold of every mode, most in shear; loop on unloading",
         confused_with=("poroelastic_drainage", "force_drift", "mullins_softening"),
         experiment="a hold ten times as long, in shear as well as in compression",

@@ -16,15 +16,15 @@ HEAD = f"""# The blind laboratory
 
 Written by `benchmarks/blind_page.py` from `softsample.blindlab`; edit the files there.
 
-    make blind        # every effect at its nominal size, design B, 1 h on 2 cores: results/blind/
-    make blind-full   # four sizes, designs A, B and C, fewer of each: results/blind-full/
+    make blind        # every effect at nominal size, design B, 1 h on 2 cores: results/blind/
+    make blind-full   # four sizes, designs A, B, C, fewer of each: results/blind-full/
     make blind-foreign  # floors of other kinds, sizes not stated: results/blind-*/
     make blind-measured  # the same with residuals of `make measured`: results/blind-measured/
 
-The laboratory makes records with undeclared effects and asks the diagnosis for the cause. It uses
-its own formulas, clock, mesh, loading time and modulus fractions (test). The ground truth is drawn
-from seeds. It is written to `planted.json` and hashed into `seal.json` before the first record is
-judged, and scoring refuses any other. Answers are frozen in `answers/`.
+The laboratory makes records with undeclared effects, with its own formulas, clock, mesh, loading
+time and modulus fractions (test), and asks the diagnosis for the cause. The ground truth is drawn
+from seeds, written to `planted.json` and hashed into `seal.json` before the first record is judged;
+scoring refuses any other. Answers are frozen in `answers/`.
 
 - Specimens: cuboids of many proportions; for `real_geometry` phantoms of imperfect shape, modelled
   by their cuboid. Modulus {MU_PA[0]:g} to {MU_PA[1]:g} Pa, drawn for every experiment.
@@ -82,9 +82,9 @@ SCORED = """
 ## Score
 
 Written from [data/blind/score.json](data/blind/score.json): design B, nominal sizes; {judged} of
-{planned} experiments judged. This score was not frozen before the truth was known: earlier rules
-were scored on these seeds, and half of the null experiments with discrepancy served to select the
-covariance kernels. The score of the [undeclared groups](loop.md#results) was: 6 of 10 right.
+{planned} experiments judged. Unlike that of the [undeclared groups](loop.md#results), this score
+was not frozen before the truth was known: earlier rules were scored on these seeds, and half of the
+null experiments with discrepancy served to select the covariance kernels.
 
 **The 90 % intervals of effects hold the true size in {covered} % of the cases, with a floor in
 {covered_floor} %.** In brackets the one-sided 95 % bound; bold: criterion not met. An effect has

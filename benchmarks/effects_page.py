@@ -14,7 +14,7 @@ HEAD = """# Effects that the diagnosis can name
 Written by `benchmarks/effects_page.py` from `src/softsample/loop/effects`; edit the files there.
 Selection: [loop.md](loop.md); how to add one: [CONTRIBUTING.md](../CONTRIBUTING.md).
 
-An effect is absent at the null values of its amplitudes (0 unless stated). Its signature is
+An effect is absent at the null values of its amplitudes (0 unless stated). Signatures are
 computed at the reference values. Parameters marked *shape* (times, onsets) enter nonlinearly and
 are fitted from several initial guesses. Offsets, drift and weight have the signs of the machine
 (positive in tension and along +x); displacement is positive while loading.

@@ -428,11 +428,11 @@ class Kind:
 
 EFFECTS: dict[str, Kind] = {
     "viscoelastic_relaxation": Kind(_relaxation, "g 0.3, 10 s", "log-normal spectrum of times"),
-    "mullins_softening": Kind(_softening, "d 0.2", "error function of the work given back"),
+    "mullins_softening": Kind(_softening, "d 0.2", "error function of the recovered work"),
     "residual_precompression": Kind(
         _precompressed,
         f"{PRESSED} mm",
-        "own run of shear from there; tension and compression curve joined",
+        "own run of shear from that state; tension and compression curve joined",
     ),
     "poroelastic_drainage": Kind(_drainage, "g 0.1, 300 s", "consolidation series, axial tests"),
     "dehydration": Kind(_drying, "3 % in 100 s", "saturating growth, 500 s"),
@@ -455,7 +455,7 @@ EFFECTS: dict[str, Kind] = {
         "own run, strip on any side",
     ),
     "bond_peel": Kind(_peeling, "10 % at peak", "sin^4 of the largest displacement"),
-    "platen_slip": Kind(_slip, "coefficient 0.25", "own run with Coulomb friction, there and back"),
+    "platen_slip": Kind(_slip, "coefficient 0.25", "own cycle with Coulomb friction"),
     "machine_compliance": Kind(_compliance, "0.05 mm/N", "spring in series, solved"),
     "poisson_ratio": Kind(
         _of_curve("poisson_ratio", "poisson", lambda s: {"nu": 0.49 - 0.01 * s}), "0.48", "own run"
@@ -477,7 +477,7 @@ EFFECTS: dict[str, Kind] = {
         "own run, fibres 15 degrees off the axis",
     ),
     "self_weight": Kind(_weight, "half the weight", "constant, axial tests"),
-    "adhesion": Kind(_sticky, "5 mN", "(1 + u/a) exp(-1.7 u/a), half more on return"),
+    "adhesion": Kind(_sticky, "5 mN", "(1 + u/a) exp(-1.7 u/a), half more on unloading"),
     "force_offset": Kind(_offset, "5 mN, a sign for each test", "constant"),
     "force_drift": Kind(_drift, "0.1 mN/s", "creep of 900 s"),
     "channel_lag": Kind(_lag, "0.1 s", "delay on the finer clock"),
@@ -498,7 +498,7 @@ STRANGERS: dict[str, Kind] = {
     "stiff_inclusion": Kind(
         _of_curve("stiff_inclusion", "inclusion"), "a ball, six times as stiff", "own run"
     ),
-    "cell_nonlinearity": Kind(_bent_cell, "2 %", "sine of the force, 1.2 N long"),
+    "cell_nonlinearity": Kind(_bent_cell, "2 %", "sine of the force, period 1.2 N"),
     "clock_jitter": Kind(_jitter, "25 pauses of up to 0.6 s", "late time stamps"),
     "temperature_ramp": Kind(_warming, "5 % softer in the hold", "step of 3 s"),
     "stick_slip": Kind(_stick_slip, "2 %", "sawtooth while the platen moves"),

@@ -21,12 +21,13 @@ are fitted from several initial guesses. Offsets, drift and weight have the sign
 
 Ranges of lengths and forces hold for samples 6.5 to 26 mm high and peak forces of 0.2 to 5 N;
 beyond, they scale with height and peak force. The three relaxation times have equal ratios and
-follow loading time and duration of the records; the table has those of a usual study. `specimen_stiffness`
-has one parameter, named after the specimen, for every specimen but the first of its mode and
-direction. Where the study table states how each piece was cut (`material_z`, `material_x`), the
-fibres of `anisotropy` have one direction in the material (`azimuth_deg` from direction 1 towards 2,
-`elevation_deg` towards 3) and a `k1` of up to 5. Pure shear counts as tension, confined compression
-and indentation as compression, torsion as shear. Effects marked *time* need records with time.
+follow loading time and duration of the records; the table has those of a usual study.
+`specimen_stiffness` has one parameter, named after the specimen, for every specimen but the first
+of its mode and direction. Where the study table states how each piece was cut (`material_z`,
+`material_x`), the fibres of `anisotropy` have one direction in the material (`azimuth_deg` from
+direction 1 towards 2, `elevation_deg` towards 3) and a `k1` of up to 5. Pure shear counts as
+tension, confined compression and indentation as compression, torsion as shear. Effects marked
+*time* need records with time.
 """
 
 

@@ -10,15 +10,19 @@ from dataclasses import dataclass, replace
 from decimal import Decimal
 from typing import Any
 
-from softsample.errors import as_setting, records_setting
+from softsample.errors import InputError, as_setting, records_setting
+from softsample.files import PathLike
 from softsample.formats.titles import COLUMNS, UNITS
-from softsample.protocol import NEVER_UNIFORM
+from softsample.protocol import NEVER_UNIFORM, PRESSED_MODES
 from softsample.records import Sized
 from softsample.units import MM
 from softsample.wording import significant
 
 USUAL_MM, USUAL_N = 100.0, 100.0
 """Largest displacement and force that raise no doubt if no dimensions are known."""
+
+CRUSHED = 0.99
+"""No sample is pressed by more of its height."""
 
 LENGTHS = {"cm": 10.0, "m": 1e3, "inches": 25.4}
 """Units that dimensions may have been written in, and their size in mm."""
@@ -94,6 +98,8 @@ def doubts(
     limits: Limits,
     dimensions: Mapping[str, str] | None = None,
     block: str = "",
+    mode: str = "",
+    source: PathLike = "",
 ) -> Iterator[str]:
     """What may be written in another unit than it is read in.
 
@@ -107,13 +113,23 @@ def doubts(
         Cells of the study table that state dimensions, if there are any.
     block
         Name of the block of `formats` that the record is read by.
+    mode, source
+        Of the test, and the record's path, for what is refused.
 
     Yields
     ------
     str
         Value, limits, and cure.
+
+    Raises
+    ------
+    InputError
+        If the sample would be pressed by all of its height.
     """
     values = figures(facts, size)
+    crushed = mode in PRESSED_MODES and values.get("strain", 0.0) >= 1.0
+    if crushed:
+        limits = replace(limits, strain=(0.0, min(limits.strain[1], CRUSHED)))
     outside = _outside(values, limits)
     if outside:
         told = ", ".join(
@@ -125,10 +141,10 @@ def doubts(
         cure = next(_explained(facts, values, limits, dimensions or {}, block), "")
         powers = _powers_of_size(_by_quantity(facts))
         sized = size if any(powers.get(name) for name in outside) else None
-        yield (
-            f"{told}{_of(sized)}: is a unit{' or a dimension' if sized else ''} wrong? {cure}If it "
-            f"is right, set {as_setting({'plausibility': accepted})}"
-        )
+        doubt = f"{told}{_of(sized)}: is a unit{' or a dimension' if sized else ''} wrong? {cure}"
+        if crushed:
+            raise InputError(f"{source}: {doubt}No sample can be pressed by its height")
+        yield f"{doubt}If it is right, set {as_setting({'plausibility': accepted})}"
     if size is None:
         yield from _large(facts)
 

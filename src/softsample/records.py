@@ -49,6 +49,9 @@ often as half of the others, which few digits repeat too."""
 
 RELAXED = 0.9
 """A loading at whose end less than this part of its largest force is left is doubted."""
+REVERSED = 0.9
+"""A record without time that begins beyond this part of its largest force, and ends at what is left
+of it, is stored from the last line to the first."""
 COLUMNS = {"displacement": "displacement_mm", "force": "force_N"}
 """Quantities with a sign and a zero that every record has, and their columns."""
 STANDS_FOR = {"displacement": ("strain",), "force": ("stress",)}
@@ -453,6 +456,7 @@ def _checked(
     least = min(SMALLEST_TRAVEL, SMALLEST_STRAIN * size.height if size else np.inf)
     faults = _wrong_ramp(table, record, loading, source, least)
     _refuse([*faults, *_wrong_signs(table, record, loading, mode, source, signs)])
+    _refuse(_wrong_side(record._marked_by(course, which), mode, source, signs.settings))
     return record._marked_by(course, which), {
         **_facts(record, course, loading, size, signs, table.index),
         "calibrated_loading": course.number(which),
@@ -513,7 +517,11 @@ def _wrong_time(table: pd.DataFrame, source: str) -> Iterator[str]:
     if len(back):
         at = int(back[0])
         if (time[back + 1] < time[back]).any():
-            cure = "sort the lines, or give a test that begins here a file of its own"
+            again = time[at + 1] <= time[0]
+            cure = (
+                "let the time go on if it begins anew in each step" if again else "sort the lines"
+            )
+            cure += ", or give a test that begins here a file of its own"
         elif len(back) == 1:
             cure = "delete one of these lines if it repeats the other"
         else:
@@ -583,6 +591,9 @@ def _wrong_signs(
     force = _tenths(record.force[_rows(loading)])
     most = force[np.abs(force - force[0]).argmax()]
     wrong = ["displacement"] if sign * way <= 0.0 else []
+    if (wrong or sign * most <= 0.0) and (turned := [*_turned_round(record, source)]):
+        yield from turned
+        return
     if sign * most <= 0.0 < sign * (most - force[0]):
         yield (
             f"{source}, column 'force_N': {force[0]:g} N as loading begins and {most:g} N later on "
@@ -605,6 +616,32 @@ def _wrong_signs(
             f"{'negative' if sign < 0 else 'positive'} is right in {mode} (force and displacement "
             "along +z or +x, so tension positive and compression negative); change the sample's "
             f"mode if it is wrong, or {signs.cure(quantity, wrong)}"
+        )
+
+
+def _wrong_side(record: Record, mode: str, source: str, settings: RecordSettings) -> Iterator[str]:
+    """Refuse a loading that ends on the other side of zero."""
+    reached, sign = reach([record], mode), travel_sign(mode)
+    turned = [*_turned_round(record, source)]
+    if reached <= 0.0 and turned:
+        yield from turned
+    elif reached <= 0.0:
+        yield (
+            f"{source}, column 'displacement_mm': {sign * reached / MM:.4g} mm at the end of the "
+            f"loading is {'below' if sign > 0.0 else 'above'} zero, where no sample is in {mode}; "
+            "if zero is where the loading begins, set "
+            f"{settings.setting(zero={'displacement': 'start'})}"
+        )
+
+
+def _turned_round(record: Record, source: str) -> Iterator[str]:
+    """What to say of a record without time from its largest force to almost none."""
+    force = np.abs(record.force)
+    begins, ends = REVERSED * force.max(), (1.0 - REVERSED) * force.max()
+    if not record.timed and force[0] > begins and force[-1] < ends:
+        yield (
+            f"{source}: the record begins near its largest force and ends near none; if its lines "
+            "are stored from the last to the first, turn them round, or give it a column of time"
         )
 
 

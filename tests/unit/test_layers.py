@@ -32,7 +32,7 @@ ALLOWED = {
     "record_noise": set(),
     "lone": {"protocol"},
     "records": {"errors", "lone", "protocol", "validation"},
-    "plausibility": {"errors", "formats", "protocol", "records", "wording"},
+    "plausibility": {"errors", "files", "formats", "protocol", "records", "wording"},
     "holdout": {"errors", "records", "validation"},
     "files": {"errors"},
     "presence": {"errors", "files"},

@@ -261,6 +261,10 @@ CONTENTS = {
         b"Time (s)\tDisp (mm)\tLoad (mN)\n0\t0\t998\n1\t1\t1.002\n",
         "1.002 may be a decimal or have a thousands separator, as 998 has no point",
     ),
+    "thousands in one column": (
+        b"Time (s)\tDisp (um)\tLoad (N)\n0.5\t0\t0.0\n1\t980\t0.3\n2\t1.000\t0.4\n3\t1.020\t0.5\n",
+        "1.000 may be a decimal or have a thousands separator, as 0 has no point",
+    ),
     "thousands with commas and without decimals": (
         b"Time (s)\tDisp (mm)\tLoad (mN)\n0\t0\t998.5\n1\t1\t1,002\n",
         r"numbers with a comma \(1,002\) and with a point \(998.5\)",
@@ -412,6 +416,47 @@ def test_metadata_below_the_numbers_are_left_out(tmp_path, titles, kind):
     assert [line for line in raw.reading["notes"] if line.startswith(told)]
 
 
+def test_a_marker_in_the_first_cell_is_no_comment(tmp_path):
+    """Such as that of an overload, or of a spreadsheet's missing number."""
+    lines = ["Load (N),Disp (mm),Time (s)", "0,0,0", "# paused", "#OVL,1,1", "# 9,9,9", "2,2,2"]
+    raw = read(machines.write(tmp_path / "r.csv", "\n".join(lines)))
+    assert raw.table["force_N"].tolist() == [0.0, "#OVL", 2.0]
+    assert "lines left out that begin with #: 2" in raw.reading["notes"]
+
+
+def test_whole_numbers_may_stand_beside_decimals(tmp_path):
+    text = "Time (s),Disp (mm),Load (N)\n0,0,0\n1,1.234,0.5\n2,2,1.25\n3,1.234,1.5\n"
+    raw = read(machines.write(tmp_path / "r.csv", text))
+    assert raw.table["displacement_mm"].tolist() == [0.0, 1.234, 2.0, 1.234]
+
+
+def test_a_power_of_ten_in_a_title_is_refused(tmp_path):
+    text = "Time (s),Disp (mm),Load (N) x10^-3\n0,0,0\n1,1,1\n"
+    named = {"columns": {"force": "Load (N) x10^-3"}, "units": {"force": "N"}}
+    with pytest.raises(InputError, match=r"Load .* a power of ten in a title \(10\^-3\) is not"):
+        read(machines.write(tmp_path / "r.csv", text), **named)
+
+
+def test_no_stress_along_the_platen_is_that_of_an_axial_test(tmp_path):
+    """A rheometer that presses a sample writes its shear stress too."""
+    text = "Time (s),Gap (mm),Normal Force (N),Shear Stress (Pa)\n0,0,0,0\n1,1,1,5\n"
+    path = machines.write(tmp_path / "r.csv", text)
+    assert read(path, mode="shear").table["stress_Pa"].tolist() == [0.0, 5.0]
+    with pytest.raises(InputError, match="if 'Normal Force .*columns: {force: Normal Force"):
+        read(path, mode="compression")
+
+
+def test_text_that_is_not_utf8_is_told(tmp_path):
+    text = "Zeit (s),Weg (µm),Kraft (N)\n0,0,0\n1,1,1\n".encode("cp1252")
+    assert any(
+        "not UTF-8" in note
+        for note in read(machines.write(tmp_path / "r.csv", text)).reading["notes"]
+    )
+    text = "时间(s),位移(mm),力(N)\n0,0,0\n1,1,1\n".encode("gb18030")
+    with pytest.raises(InputError, match="no column is known .* save the file as UTF-8"):
+        read(machines.write(tmp_path / "r.csv", text))
+
+
 def test_wrong_cells_keep_their_line_and_their_text(tmp_path):
     lines = machines.univert(*TEST).splitlines()
     lines[40] = lines[40].rsplit(",", 1)[0] + ",n/a"
@@ -450,6 +495,22 @@ def test_times_of_a_clock_are_read_as_seconds(tmp_path, begin, title, date, mark
     np.testing.assert_allclose(raw.table["force_N"], TEST[2], atol=1e-7)
     assert "times of a clock are read as seconds, and go on after midnight" in raw.reading["notes"]
     assert raw.reading["columns"]["time_s"]["unit"] == "s"
+
+
+@pytest.mark.parametrize(
+    ("times", "seconds"),
+    [
+        (("11:59:59 AM", "12:00:00 PM", "12:00:01 p.m."), 43199.0),
+        (("11:59:59 PM", "12:00:00 AM", "12:00:01 am"), 86399.0),
+        (("2024-03-01T00:00:05+01:00", "2024-03-01T00:00:06+01:00", "2024-03-01T00:00:07Z"), 5.0),
+        (("00:00:05:000", "00:00:06:000", "00:00:07:000"), 5.0),
+    ],
+)
+def test_clocks_have_halves_of_the_day_zones_and_milliseconds(tmp_path, times, seconds):
+    rows = [f"{time};0;{n}" for n, time in enumerate(times)]
+    text = "\n".join(["Date/Time;Extension (mm);Load (N)", *rows, ""])
+    table = read(machines.write(tmp_path / "r.csv", text)).table
+    np.testing.assert_allclose(table["time_s"], seconds + np.arange(3.0))
 
 
 def test_a_line_that_is_no_time_of_a_clock_is_told(tmp_path):
@@ -635,6 +696,16 @@ def test_it_is_told_which_sheet_is_read_and_which_could_be(tmp_path):
     assert "sheet" not in read(text).reading
 
 
+def test_a_hidden_sheet_is_read_only_if_it_is_named(tmp_path):
+    other = rows(test=(TEST[0], TEST[1], 3.0 * TEST[2]))
+    path = workbook(tmp_path / "r.xlsx", {"Old": other, "Data": rows()})
+    book = openpyxl.load_workbook(path)
+    book["Old"].sheet_state = "hidden"
+    book.save(path)
+    np.testing.assert_allclose(imported(path)[0]["force_N"], TEST[2], rtol=1e-12)
+    np.testing.assert_allclose(imported(path, sheet="Old")[0]["force_N"], 3.0 * TEST[2])
+
+
 def test_wrong_cells_of_a_sheet_keep_their_row(tmp_path):
     cells = [list(row) for row in rows()]
     cells[30][2] = "n/a"
@@ -680,7 +751,7 @@ def old_workbook(path, monkeypatch, content, kinds=()):
     """
 
     class Sheet:
-        name, nrows = "Data", len(content)
+        name, nrows, visibility = "Data", len(content), 0
 
         def row_values(self, number):
             return list(content[number])

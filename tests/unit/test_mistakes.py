@@ -203,12 +203,12 @@ MISTAKES = {
     ),
     "absolute crosshead position": (
         lambda s: s.record("C.csv", time_s, travel + 131.2, force),
-        r"row 4 \(C\).*C.csv: the ramp begins at 131 mm",
+        r"row 4 \(C\).*C.csv, column 'displacement_mm': .* mm at the end of .* is above zero",
         True,
     ),
     "absolute position without a rest": (
         lambda s: s.record("C.csv", time_s[30:], travel[30:] + 131.2, force[30:]),
-        r"row 4 \(C\).*the ramp begins at 131 mm.*zero: \{displacement: start\}",
+        r"row 4 \(C\).*above zero, where no sample is .*zero: \{displacement: start\}",
         True,
     ),
     "reversed sign": (

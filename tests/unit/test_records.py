@@ -88,7 +88,7 @@ REFUSED = {
     ),
     "time runs back": (
         put("time_s", 50, 0.0),
-        "line 50, column 'time_s': 0 s follows 0.45 s, but time must rise .*; sort the lines, or",
+        "line 50, column 'time_s': 0 s follows 0.45 s, but .*; let the time go on if it begins",
     ),
     "rounded time": (
         lambda t: t.assign(time_s=t["time_s"].round(1)),
@@ -425,6 +425,18 @@ def test_without_time_samples_stand_in_their_order():
     assert (untimed.timed, untimed.time) == (False, None)
     assert untimed.clock.tolist() == [*range(len(table))]
     assert "time_s" not in untimed.table
+
+
+@pytest.mark.parametrize("positive", ["loading", "tension"])
+def test_a_record_that_is_stored_backwards_is_told(positive):
+    """Its signs are right or wrong, but its loading is an unloading."""
+    table = record().drop(columns="time_s").iloc[:260]
+    loading = table.iloc[: int(table["displacement_mm"].abs().argmax()) + 1]
+    backwards = loading.iloc[::-1].reset_index(drop=True)
+    if positive == "tension":
+        backwards = -backwards
+    with pytest.raises(InputError, match="stored from the last to the first, turn them round"):
+        aligned(backwards)
 
 
 def test_a_published_curve_of_few_points_is_enough_without_time():

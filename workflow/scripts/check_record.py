@@ -21,7 +21,8 @@ with logged_to(snakemake):
     test = (given.mode, settings, io.read_yaml(files.schema), files.record, size, given.cycle)
     record, facts = aligned_record(raw.table, raw.reading, *test)
     limits = Limits(**given.plausibility).of(given.mode)
-    facts["warnings"] += doubts(facts, size, limits, block=settings.block)
+    test = ({}, settings.block, given.mode, files.record)
+    facts["warnings"] += doubts(facts, size, limits, *test)
     report = {"sample": snakemake.wildcards.sample, "mode": given.mode, "record": facts}
     io.write_table(snakemake.output.record, record)
     io.write_json(snakemake.output.report, {**report, "provenance": provenance(snakemake)})

@@ -18,9 +18,12 @@ NUMBER = re.compile(r"[+-]?(\d+[.,]?\d*|[.,]\d+)([eE][+-]?\d+)?", re.ASCII)
 """A number with a decimal point or comma; it has no thousands separators."""
 
 CLOCK = re.compile(
-    r"(?:\d{4}-\d\d-\d\d[ T]|\d\d?[./]\d\d?[./]\d{4} )?(\d+):(\d\d):(\d\d(?:[.,]\d*)?)", re.ASCII
+    r"(?:\d{4}-\d\d-\d\d[ T]|\d\d?[./]\d\d?[./]\d{4} )?(\d+):(\d\d):(\d\d(?:[.,]\d*|:\d{3})?)"
+    r"(?: ?([AaPp])\.?[Mm]\.?)?(?:Z|[+-]\d\d:?\d\d)?",
+    re.ASCII,
 )
-"""A time of day, or one that elapsed; a date before it is of no use."""
+"""A time of day, or one that elapsed: hours, minutes, seconds, and the half of a day; the date
+before it and the zone behind are of no use."""
 
 VALUE = re.compile(f"{NUMBER.pattern}|{CLOCK.pattern}", re.ASCII)
 """Either of them."""

@@ -13,6 +13,7 @@ from softsample.formats.titles import (
     COMPRESSIVE,
     NAMES,
     NUMBERED,
+    SHEARED,
     TRUE,
     UNITS,
 )
@@ -37,6 +38,14 @@ AROUND = "()[]{}<>（）［］ "
 BRACKETED = re.compile(r"(.*?)[\s_]*[(\[{<（［]([^()\[\]{}<>（）［］]*)[)\]}>）］]")
 """A title, and its unit in brackets."""
 
+BRACKETS = re.compile(r"[\s_]*[(\[{<（［]([^()\[\]{}<>（）［］]*)[)\]}>）］]")
+"""What each bracket of a title holds."""
+
+POWER = re.compile(
+    r"(?<![\d.])(?:10\s*(?:\^|\*\*)\s*[-−+]?\d+|10[⁺⁻]?[⁰¹²³⁴-⁹]+|1[eE][-+]?\d+)|[x×·*]\s*10[-−]\d+"
+)
+"""A power of ten in a title."""
+
 BEHIND = re.compile(r"(.+?)(?:\s*[_/,]\s*|\s+in\s+|\s+)([^\s_/,]+)")
 """A title, and its last word, which may be its unit."""
 
@@ -56,12 +65,15 @@ class Asked:
         Name of the block of `formats` that they come from; empty for the section `records`.
     form
         What a record needs.
+    axial
+        Whether the test is along the axis, so that no column along the platen is its own.
     """
 
     columns: Mapping[str, str]
     units: Mapping[str, str]
     block: str
     form: Form
+    axial: bool = False
 
     def ways(self, quantity: str) -> Sequence[str]:
         """The quantities that may stand for one, the first one first."""
@@ -119,10 +131,13 @@ class Column:
 def of_quantities(titles: Sequence[str], asked: Asked) -> dict[str, list[Column]]:
     """Columns that may hold each quantity, by quantity; of what may stand for one, the first."""
     wanted, form = asked.columns, asked.form
+    free = ["" if asked.axial and SHEARED.search(title) else title for title in titles]
     found = {"time": candidates("time", titles, wanted.get("time"))}
     for needed, ways in form.items():
         named = [way for way in ways if way in wanted] or ways
-        columns = (candidates(way, titles, wanted.get(way)) for way in named)
+        columns = (
+            candidates(way, titles if way in wanted else free, wanted.get(way)) for way in named
+        )
         found[needed] = next(filter(None, columns), [])
     for name in ON_REQUEST:
         if name not in form["force"] and (name in wanted or COLUMNS[name] in titles):
@@ -202,6 +217,11 @@ def with_unit(column: Column, below: str, path: PathLike, asked: Asked) -> Colum
         If no unit is named, it is none of the quantity, or two of them differ in size.
     """
     where = f"{path}, column {column.title!r}"
+    if power := POWER.search(column.title):
+        raise InputError(
+            f"{where}: a power of ten in a title ({power[0]}) is not read; convert the column, and "
+            "take it out of the title"
+        )
     below, known = below.strip(AROUND), UNITS[column.quantity]
     told = {"title": column.unit, "below": below, "settings": asked.units.get(column.quantity, "")}
     if below in known and not quantities_with(column.unit):  # then brackets hold any other word
@@ -211,7 +231,8 @@ def with_unit(column: Column, below: str, path: PathLike, asked: Asked) -> Colum
         if unit not in known:
             others = quantities_with(unit)
             cure = (
-                f"it is one of {others[0]}, so name the column as that"
+                f"it is one of {others[0]}, so name the column as that: "
+                f"{asked.setting(columns={others[0]: column.title})}"
                 if others
                 else "convert the column or, if it is no unit, take it out of the file"
             )
@@ -236,7 +257,13 @@ def with_unit(column: Column, below: str, path: PathLike, asked: Asked) -> Colum
 
 
 def split_title(title: str, quantity: str) -> tuple[str, str]:
-    """Name and unit of a title: `Load (N)`, `Load [N]`, `Load, N`, `Load_N`, `Weg in mm`."""
+    """Name and unit of a title: `Load (N)`, `Load [N]`, `Load, N`, `Load_N`, `Weg in mm`.
+
+    Of several brackets the last holds the unit, if those before name a channel or a quantity.
+    """
+    *inside, last = (word.strip() for word in ("", *BRACKETS.findall(title)))
+    if len(inside) > 1 and unnumbered(" ".join(inside)) <= BESIDE.union(*NAMES.values()):
+        return BRACKETS.sub("", title), last
     if bracketed := BRACKETED.fullmatch(title):
         return bracketed[1], bracketed[2].strip()
     behind = BEHIND.fullmatch(title)

@@ -28,6 +28,7 @@ from softsample.formats.columns import (
     split_title,
     words_of,
 )
+from softsample.formats.text import NOT_UTF8
 from softsample.formats.titles import COLUMNS, NAMES, UNITS
 
 LOOKED_AT = 10
@@ -137,6 +138,7 @@ def _no_titles(
         )
     ways = [_ways_told(asked.ways(name)) for name in missing]
     cure = _cure(titles, _units_below(text, number, titles), missing, asked)
+    cure += f"; the file is {NOT_UTF8}" if NOT_UTF8 in text.notes else ""
     raise InputError(f"{where}: no column is known to hold {', nor '.join(ways)} ({there}); {cure}")
 
 

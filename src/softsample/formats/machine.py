@@ -83,7 +83,7 @@ def read(
     block
         Name of the block of `formats` that these come from, for the cures of messages.
     mode
-        Of the test: one in torsion has an angle and a torque.
+        Of the test: one in torsion has an angle and a torque, one along the axis no shear stress.
 
     Raises
     ------
@@ -91,7 +91,9 @@ def read(
         If a column or a unit is missing, ambiguous or contradictory, or the file is no such
         text; names file, line and cure. Wrong cells are left for `softsample.records`.
     """
-    asked = Asked(columns or {}, units or {}, block, TURNED if mode == "torsion" else NEEDED)
+    form = TURNED if mode == "torsion" else NEEDED
+    axial = mode not in ("", "torsion") and "shear" not in mode
+    asked = Asked(columns or {}, units or {}, block, form, axial)
     text, heading = _text_with_titles(path, sheet, asked)
     rows = rows_of(text, heading)
     found = _with_units(text, heading, rows, asked)

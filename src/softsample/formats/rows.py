@@ -1,7 +1,7 @@
 """The lines of numbers below the titles of a record, and what stands among and behind them."""
 
 import re
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 
 from softsample.errors import InputError
@@ -72,10 +72,7 @@ def rows_of(text: Text, heading: Heading) -> Rows:
     metadata: list[int] = []
     blocks: list[int] = []
     titles = heading.titles
-    for number, line in enumerate(text.lines[heading.line + 1 :], start=heading.line + 2):
-        cells = heading.cells(line)
-        if not any(cells) or is_comment(line):
-            continue
+    for number, cells in _below(text, heading):
         valued = heading.valued(cells)
         begun = rows.cells or rows.units
         if not begun and not any(valued) and {*map(str.lower, cells)} != {"nan"}:
@@ -103,6 +100,23 @@ def rows_of(text: Text, heading: Heading) -> Rows:
     _tell_blocks(text, heading, blocks)
     _leave_cut(text, heading, rows)
     return rows
+
+
+def _below(text: Text, heading: Heading) -> Iterator[tuple[int, list[str]]]:
+    """Number and cells of each line below the titles, without empty ones and comments.
+
+    A line of numbers whose first cell is such as #N/A is no comment.
+    """
+    comments = 0
+    for number, line in enumerate(text.lines[heading.line + 1 :], start=heading.line + 2):
+        cells = heading.cells(line)
+        numbered = any(heading.valued(cells)) and not VALUE.fullmatch(cells[0].lstrip("# "))
+        if is_comment(line) and not numbered:
+            comments += 1
+        elif any(cells):
+            yield number, cells
+    if comments:
+        text.notes.append(f"lines left out that begin with #: {comments}")
 
 
 def _tell_blocks(text: Text, heading: Heading, blocks: Sequence[int]) -> None:

@@ -9,6 +9,8 @@ from softsample.files import PathLike
 
 LARGEST_BYTES = 2**28
 
+NOT_UTF8 = "not UTF-8, so read as Windows-1252; if words look wrong, save the file as UTF-8"
+
 NO_TEXT = re.compile(r"[\x00-\x08\x0b\x0e-\x1f\x7f\ufffd]")
 
 
@@ -46,7 +48,7 @@ def read_lines(path: PathLike, cure: str) -> tuple[list[str], list[str]]:
         raise InputError(f"{path}: cannot be read ({error}); {cure}") from error
     text, notes = _decoded(raw)
     if NO_TEXT.search(text):
-        raise InputError(f"{path}: not a text file; {cure}")
+        raise InputError(f"{path}: not a text file, or one that is not UTF-8; {cure}, as UTF-8")
     return text.replace("\r\n", "\n").replace("\r", "\n").split("\n"), notes
 
 
@@ -60,4 +62,4 @@ def _decoded(raw: bytes) -> tuple[str, list[str]]:
     try:
         return raw.decode("utf-8-sig"), notes
     except UnicodeDecodeError:
-        return raw.decode("cp1252", errors="replace"), notes
+        return raw.decode("cp1252", errors="replace"), [*notes, NOT_UTF8]

@@ -23,7 +23,8 @@ COLUMNS = {
 NAMES = {
     "time": {
         *("time", "zeit", "prüfzeit", "testzeit", "versuchszeit", "laufzeit", "temps", "tiempo"),
-        *("tempo", "elapsed", "runtime", "timestamp", "uhrzeit"),
+        *("tempo", "elapsed", "runtime", "timestamp", "uhrzeit", "datetime", "date/time"),
+        *("时间", "時間", "время"),
     },
     "displacement": {
         *("displacement", "disp", "displ", "extension", "compression", "travel", "stroke"),
@@ -33,19 +34,23 @@ NAMES = {
         *("traversenweg", "traversenposition", "verlängerung", "verschiebung", "auslenkung"),
         *("scherweg", "hub", "déplacement", "allongement", "course", "desplazamiento"),
         *("spostamento", "depth", "indentation", "penetration", "eindringtiefe", "eindringweg"),
-        *("profondeur", "profundidad"),
+        *("profondeur", "profundidad", "位移", "変位", "перемещение", "удлинение"),
     },
     "force": {
         *("force", "load", "kraft", "standardkraft", "prüfkraft", "zugkraft", "druckkraft"),
-        *("scherkraft", "last", "loadcell", "charge", "fuerza", "carga", "forza"),
+        *("scherkraft", "last", "loadcell", "charge", "effort", "fuerza", "carga"),
+        *("forza", "力", "载荷", "荷重", "試験力", "сила", "нагрузка", "усилие"),
     },
-    "strain": {"strain", "dehnung", "stauchung", "scherung", "déformation", "deformación"},
+    "strain": {
+        *("strain", "dehnung", "stauchung", "scherung", "déformation", "deformación"),
+        *("应变", "ひずみ", "деформация"),
+    },
     "stretch": {"stretch", "lambda", "λ"},
     "angle": {"angle", "rotation", "twist", "winkel", "drehwinkel", "verdrehung", "ángulo"},
     "torque": {"torque", "drehmoment", "moment", "couple", "par"},
     "stress": {
         *("stress", "spannung", "druckspannung", "zugspannung", "schubspannung", "contrainte"),
-        *("tensión", "esfuerzo"),
+        *("tensión", "esfuerzo", "应力", "応力", "напряжение"),
     },
 }
 """What a title may call a quantity, in lower case; a title may hold several of one set."""
@@ -64,6 +69,9 @@ TRUE = {
 }
 """Words of a title that say that stress or strain is that of the deformed sample."""
 
+SHEARED = re.compile("shear|schub|scher|cisaill|cizall|cortante|taglio", re.IGNORECASE)
+"""Part of a title that says that a quantity acts along the platen."""
+
 NUMBERED = re.compile(r"(ch)?\d+", re.ASCII)
 """Words that tell specimens or channels apart, and do not change what a title names either."""
 
@@ -80,18 +88,37 @@ def _all(*spelled: tuple[Iterable[str], float]) -> dict[str, float]:
     return {name: size for names, size in spelled for name in names}
 
 
-_RATIO = (("1", "-", "mm/mm", "m/m", "in/in"), 1.0)
+_RATIOS = (
+    (("1", "-", "mm/mm", "MM/MM", "m/m", "in/in"), 1.0),
+    (("%", "percent", "Prozent"), 1e-2),
+)
 
 UNITS = {
     "time": _all(
-        (("s", "S", "sec", "Sec", "SEC", "secs", "second", "seconds", "Sekunden"), 1.0),
+        (
+            (
+                "s",
+                "S",
+                "sec",
+                "Sec",
+                "SEC",
+                "secs",
+                "second",
+                "seconds",
+                "Sekunden",
+                "с",
+                "сек",
+                "秒",
+            ),
+            1.0,
+        ),
         (("ms", "msec", "millisecond", "milliseconds"), 1e-3),
         (("us", "µs", "μs"), 1e-6),
         (("min", "Min", "minute", "minutes", "Minuten"), 60.0),
         (("h", "hr", "hour", "hours"), 3600.0),
     ),
     "displacement": _all(
-        (("mm", "MM", "millimeter", "millimetre", "millimeters", "millimetres"), 1.0),
+        (("mm", "MM", "millimeter", "millimetre", "millimeters", "millimetres", "мм"), 1.0),
         (("cm", "centimeter", "centimetre"), 10.0),
         (("um", "µm", "μm", "micron", "microns", "micrometer", "micrometre"), 1e-3),
         (("m", "meter", "metre"), 1e3),
@@ -100,10 +127,10 @@ UNITS = {
         (("mil", "mils", "thou"), 25.4e-3),
     ),
     "force": _all(
-        (("N", "Newton", "newton", "Newtons", "newtons"), 1.0),
-        (("mN",), 1e-3),
+        (("N", "Newton", "newton", "Newtons", "newtons", "Н"), 1.0),
+        (("mN", "мН"), 1e-3),
         (("gf", "gF", "g", "gram", "grams", "p", "pond"), 9.80665e-3),
-        (("kN",), 1e3),
+        (("kN", "кН"), 1e3),
         (("daN",), 10.0),
         (("cN",), 1e-2),
         (("uN", "µN", "μN"), 1e-6),
@@ -112,8 +139,8 @@ UNITS = {
         (("ozf", "ozF"), 0.27801385095378125),
         (("dyn", "dyne", "dynes"), 1e-5),
     ),
-    "strain": _all(_RATIO, (("%", "percent", "Prozent"), 1e-2)),
-    "stretch": _all(_RATIO),
+    "strain": _all(*_RATIOS, (("µε", "με", "microstrain"), 1e-6)),
+    "stretch": _all(*_RATIOS),
     "angle": _all(
         (("rad", "radian", "radians"), 1.0),
         (("deg", "Deg", "°", "degree", "degrees", "Grad"), math.pi / 180.0),
@@ -121,13 +148,13 @@ UNITS = {
         (("rev", "turns"), 2.0 * math.pi),
     ),
     "stress": _all(
-        (("Pa", "N/m2", "N/m²", "N/m^2"), 1.0),
-        (("kPa", "KPa", "kN/m2", "kN/m²", "kN/m^2"), 1e3),
-        (("MPa", "N/mm2", "N/mm²", "N/mm^2"), 1e6),
+        (("Pa", "Па", "N/m2", "N/m²", "N/m^2"), 1.0),
+        (("kPa", "KPa", "кПа", "kN/m2", "kN/m²", "kN/m^2"), 1e3),
+        (("MPa", "МПа", "N/mm2", "N/mm²", "N/mm^2"), 1e6),
         (("psi",), 6894.757293168361),
     ),
     "torque": _all(
-        (("Nmm", "N mm", "N·mm", "N*mm", "N.mm", "N-mm", "mNm", "mN m", "mN·m"), 1.0),
+        (("Nmm", "N mm", "N·mm", "N*mm", "N.mm", "N-mm", "mNm", "mN m", "mN·m", "mN.m"), 1.0),
         (("Nm", "N m", "N·m", "N*m", "N.m", "N-m"), 1e3),
         (("uNm", "µNm", "μNm", "uN m", "µN m", "µN·m"), 1e-3),
     ),

@@ -18,6 +18,9 @@ DAY = 86400.0
 THOUSANDS = re.compile(r"[+-]?[1-9]\d{0,2}[.,]\d{3}", re.ASCII)
 """A number that may have a thousands separator."""
 
+JUMPS = 1.5
+"""How much longer the way of a column is over its range, if 1.000 follows 999 as 1 does."""
+
 DECIMALS = re.compile(r"[+-]?0\d+", re.ASCII)
 """Decimals that a comma between cells has torn from their number."""
 
@@ -39,9 +42,17 @@ def seconds(cells: Sequence[str]) -> Array | None:
     """Seconds (n,) of times of a clock, which go on after midnight; None if a cell is none."""
     times = [CLOCK.fullmatch(cell) for cell in cells]
     found = [
-        3600.0 * int(time[1]) + 60.0 * int(time[2]) + _number(time[3]) for time in times if time
+        3600.0 * _hour(time) + 60.0 * int(time[2]) + _number(time[3].replace(":", "."))
+        for time in times
+        if time
     ]
     return np.unwrap(found, period=DAY) if len(found) == len(cells) else None
+
+
+def _hour(time: re.Match[str]) -> int:
+    """Hour of a time, from 0 to 23 if it names the half of a day."""
+    hour, half = int(time[1]), time[4]
+    return hour % 12 + 12 * (half in "Pp") if half else hour
 
 
 def rises(cells: Sequence[str]) -> bool:
@@ -80,17 +91,27 @@ def decimal_comma(columns: Collection[Sequence[str]], path: PathLike, delimiter:
             f"{path}: {torn} begins with 0, as decimals do; if these are decimal commas, export "
             "with semicolons or decimal points"
         )
-    marked = commas or points
-    for column in columns if all(map(THOUSANDS.fullmatch, marked)) else ():
+    all_may = all(map(THOUSANDS.fullmatch, commas or points))
+    for column in columns:
         whole = next((cell for cell in column if cell.lstrip("+-").isdigit()), None)
         cell = next(filter(THOUSANDS.fullmatch, column), None)
-        if whole and cell:
+        if whole and cell and (all_may or _jumps(column)):
             raise InputError(
                 f"{path}: {cell} may be a decimal or have a thousands separator, as {whole} has no "
                 f"{'comma' if commas else 'point'}; export without thousands separators, or all "
                 "rows with decimals"
             )
     return bool(commas)
+
+
+def _jumps(column: Sequence[str]) -> bool:
+    """Whether a column goes back and forth unless its marks are thousands separators."""
+    cells = [cell for cell in column if NUMBER.fullmatch(cell)]
+    if not all(THOUSANDS.fullmatch(cell) or cell.lstrip("+-").isdigit() for cell in cells):
+        return False
+    read, joined = np.array([(_number(c), float(re.sub("[.,]", "", c))) for c in cells]).T
+    ways = [np.abs(np.diff(values)).sum() / np.ptp(values) for values in (read, joined)]
+    return bool(ways[0] > JUMPS * ways[1])
 
 
 def _number(cell: str) -> float:

@@ -21,6 +21,9 @@ MOST_CELLS = 10**7
 
 Rows = Iterable[Sequence[Any]]
 
+Sheets = dict[str, tuple[bool, Rows]]
+"""Whether each sheet can be seen, and its rows, by name."""
+
 
 def is_workbook(path: PathLike) -> bool:
     """Whether a file is a workbook, by its first bytes."""
@@ -40,7 +43,7 @@ def read_sheets(path: PathLike, sheet: str | None = None) -> Iterator[tuple[str,
     path
         Workbook; of formulas the values are taken that were saved with them.
     sheet
-        Name of the only sheet that is wanted.
+        Name of the only sheet that is wanted; without it hidden ones are passed over.
 
     Yields
     ------
@@ -59,11 +62,12 @@ def read_sheets(path: PathLike, sheet: str | None = None) -> Iterator[tuple[str,
         sheets = _old_sheets(path) if old else _sheets(path)
         if sheet is not None and sheet not in sheets:
             raise InputError(f"{path}: no sheet {sheet!r}; there are {', '.join(sheets)}")
-        for name in [sheet] if sheet is not None else sheets:
-            yield name, _lines(sheets[name], path)
+        shown = [name for name, (visible, _) in sheets.items() if visible]
+        for name in [sheet] if sheet is not None else shown:
+            yield name, _lines(sheets[name][1], path)
 
 
-def _sheets(path: PathLike) -> dict[str, Rows]:
+def _sheets(path: PathLike) -> Sheets:
     import openpyxl
 
     with zipfile.ZipFile(path) as archive:
@@ -76,11 +80,12 @@ def _sheets(path: PathLike) -> dict[str, Rows]:
     found = {}
     for sheet in book.worksheets:
         sheet.reset_dimensions()  # files of machines tell wrong ones
-        found[sheet.title] = sheet.iter_rows(values_only=True)
+        visible = sheet.sheet_state == "visible"
+        found[sheet.title] = visible, sheet.iter_rows(values_only=True)
     return found
 
 
-def _old_sheets(path: PathLike) -> dict[str, Rows]:
+def _old_sheets(path: PathLike) -> Sheets:
     import xlrd
 
     if Path(path).stat().st_size > LARGEST_BYTES:
@@ -94,10 +99,13 @@ def _old_sheets(path: PathLike) -> dict[str, Rows]:
         return xlrd.xldate_as_datetime(value, book.datemode) if kind == xlrd.XL_CELL_DATE else value
 
     return {
-        sheet.name: [
-            list(map(cell, sheet.row_types(number), sheet.row_values(number)))
-            for number in range(sheet.nrows)
-        ]
+        sheet.name: (
+            sheet.visibility == 0,
+            [
+                list(map(cell, sheet.row_types(number), sheet.row_values(number)))
+                for number in range(sheet.nrows)
+            ],
+        )
         for sheet in book.sheets()
     }
 

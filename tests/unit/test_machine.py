@@ -180,13 +180,13 @@ def test_a_column_is_proposed_as_what_it_holds(tmp_path, titles, cure):
 
 
 def test_columns_in_another_language_are_proposed_by_the_units_below(tmp_path):
-    text = plain("时间,位移,力\n(s),(mm),(mN)")
+    text = plain("czas,przesunięcie,siła\n(s),(mm),(mN)")
     path = machines.write(tmp_path / "r.csv", text)
-    with pytest.raises(InputError, match="'位移' and '力' may be these, name these in ") as refused:
+    with pytest.raises(InputError, match="'przesunięcie' and 'siła' may be these, name these in ") as refused:
         read(path)
-    cure = "`records: {columns: {displacement: 位移, force: 力}}`"
+    cure = "`records: {columns: {displacement: przesunięcie, force: siła}}`"
     assert str(refused.value).endswith(cure)
-    raw = read(path, {"time": "时间", "displacement": "位移", "force": "力"})
+    raw = read(path, {"time": "czas", "displacement": "przesunięcie", "force": "siła"})
     np.testing.assert_allclose(raw.table["force_N"], 1e-3 * TEST[2], atol=1e-8)
     path = machines.write(tmp_path / "r.csv", plain("x,y,z"))
     with pytest.raises(InputError) as refused:

@@ -182,7 +182,9 @@ def test_a_column_is_proposed_as_what_it_holds(tmp_path, titles, cure):
 def test_columns_in_another_language_are_proposed_by_the_units_below(tmp_path):
     text = plain("czas,przesunięcie,siła\n(s),(mm),(mN)")
     path = machines.write(tmp_path / "r.csv", text)
-    with pytest.raises(InputError, match="'przesunięcie' and 'siła' may be these, name these in ") as refused:
+    with pytest.raises(
+        InputError, match="'przesunięcie' and 'siła' may be these, name these in "
+    ) as refused:
         read(path)
     cure = "`records: {columns: {displacement: przesunięcie, force: siła}}`"
     assert str(refused.value).endswith(cure)

@@ -31,7 +31,7 @@ FORMER = {
     "made-up": "synthetic",
     "records of others": "third-party data",
     "what the model lacks": "residual diagnosis",
-    "curve famil(?:y|ies)": "precomputed response curves",
+    "curve famil(?:y|ies)|famil(?:y|ies) of curves": "precomputed response curves",
     "to the bit": "bitwise reproducible",
     "without a word": "unexpectedly",
     "marks? of thousands": "thousands separators",

@@ -45,7 +45,7 @@ rule table_direct:
             "<results>/extended/direct.csv",
             caption="../report/direct.rst",
             category="Extended",
-            labels={"table": "A simulation per evaluation, or a curve family"},
+            labels={"table": "A simulation per evaluation, or response curves"},
         ),
     log:
         "<logs>/table_direct.log",

@@ -1,4 +1,4 @@
-"""Calibration with a simulation per evaluation beside the curve family's (rule `table_direct`)."""
+"""Calibration with a simulation per evaluation beside that by curves (rule `table_direct`)."""
 
 from softsample.io import read_json, write_table
 from softsample.report.tables import direct_table

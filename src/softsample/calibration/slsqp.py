@@ -39,7 +39,7 @@ class CalibrationSettings:
     mu_pa_min, mu_pa_max : float
         Bounds of the shear modulus [Pa].
     method : str
-        `family`: forces come from curve families; `direct`: a simulation per evaluation.
+        `family`: forces come from response curves; `direct`: a simulation per evaluation.
     """
 
     mu_pa_min: float = 1.0

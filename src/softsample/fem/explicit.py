@@ -55,9 +55,9 @@ class SolverSettings:
     loading_time_s : float
         Duration of the smooth-step loading over the whole reach [s] for a shear modulus of
         `reference_modulus_pa` and a density of `density_kg_m3`; only the ratio to the shear
-        wave's transit time matters. A family of curves starts its search for the time here.
+        wave's transit time matters. The search for that of response curves starts here.
     curve_error_percent : float
-        Error of the finite loading time that a family of curves may have [% of peak force].
+        Error of the finite loading time that response curves may have [% of peak force].
     reference_modulus_pa : float
         Shear modulus of the unit-modulus runs [Pa].
     density_kg_m3 : float

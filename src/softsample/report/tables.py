@@ -361,15 +361,15 @@ def direct_table(
     pairs: Iterable[tuple[Mapping[str, Any], Mapping[str, Any]]],
     curves: Iterable[Mapping[str, Any]],
 ) -> pd.DataFrame:
-    """Calibration with a simulation per evaluation against that with curve families.
+    """Calibration with a simulation per evaluation against that with response curves.
 
     Parameters
     ----------
     pairs
-        For each group its direct calibration and that with families.
+        For each group its direct calibration and that with response curves.
     curves
-        Report of the family of every sample (`curves/{sample}/{geometry}/{model}.json`), groups
-        in the same order.
+        Report of the response curves of every sample (`curves/{sample}/{geometry}/{model}.json`),
+        groups in the same order.
 
     Returns
     -------

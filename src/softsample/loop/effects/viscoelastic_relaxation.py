@@ -18,7 +18,7 @@ LEAST_LOST = 1e-6
 SIZES = ("g1", "g2", "g3")
 """Parts of the force that are lost in the end, at times of equal ratio from the first to the last.
 
-Three terms follow stretched exponentials and power laws to 1.5 % of the lost force over a ramp, a
+Three terms follow stretched exponentials and power laws to 1 % of the lost force over a ramp, a
 hold of up to a hundred times its duration and the unloading.
 """
 

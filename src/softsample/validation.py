@@ -293,6 +293,11 @@ def sample_faults(
         if name not in schema["properties"]:
             yield Fault(None, "", name, f": {_unknown(name, schema['properties'])}")
     for line, row in rows.items():
+        column, cell = next(iter(row.items()), ("", ""))
+        if len(row) == 1 and len(cell.split()) > 2:
+            reason = f"{cell!r} stands in one cell; separate cells by tabs, in place of spaces"
+            yield Fault(line, "?", column, reason)
+            continue
         name = row.get("format", "")
         if name and formats is not None and name not in formats:
             yield Fault(line, row.get("sample", "?"), "format", _no_format(name, formats))
@@ -489,8 +494,9 @@ def _split_specimens(rows: Rows) -> Iterator[Fault]:
 def refusals(instance: Any, schema: Schema) -> Iterator[tuple[str, str]]:
     """Place (`mesh.element_size_mm`) and reason, with cure, of everything a schema refuses."""
     validator = Draft202012Validator(schema)
-    for error in sorted(validator.iter_errors(instance), key=_in_order):
-        yield from _explain(error)
+    errors = sorted(validator.iter_errors(instance), key=_in_order)
+    # each name that is missing is an error that tells of all of them
+    yield from dict.fromkeys(refusal for error in errors for refusal in _explain(error))
 
 
 def _in_order(error: ValidationError) -> list[str]:

@@ -246,7 +246,10 @@ def holed(solid):
 SPOILT = {
     "hole": (holed, r"sample\.stl: not a closed surface, 7 edges have one.*; close its holes"),
     "inward": (lambda solid: solid.flip_faces(), "normals look inward; flip them"),
-    "metres": (lambda solid: solid.scale(1e-3), "0.014 x 0.014 x 0.009 mm large.*export .* in mm"),
+    "metres": (
+        lambda solid: solid.scale(1e-3),
+        "x 0.009 mm large .is it in m.*export .* in mm",
+    ),
     "two": (lambda solid: solid + solid.translate((20, 0, 0)), "2 separate surfaces; keep the"),
 }
 

@@ -534,6 +534,17 @@ def test_all_faults_of_a_table_are_named_at_once():
         check_samples(wrong, SCHEMAS["samples"], "t.tsv")
 
 
+def test_each_missing_cell_is_named_once_and_spaces_in_place_of_tabs_as_such():
+    with pytest.raises(InputError) as refused:
+        check_samples(table({"group": "", "mode": "", "record": ""}), SCHEMAS["samples"], "t.tsv")
+    told = str(refused.value)
+    assert [told.count(f"{name!r}: is missing") for name in ("group", "mode", "record")] == [1] * 3
+    spaced = dict.fromkeys(ROW, "") | {"sample": " ".join(ROW.values())}
+    with pytest.raises(InputError, match="one cell; separate cells by tabs, .*spaces$") as refused:
+        check_samples(table(spaced), SCHEMAS["samples"], "t.tsv")
+    assert str(refused.value).count("row 2") == 1
+
+
 def test_rows_are_lines_of_the_file(tmp_path):
     path = tmp_path / "samples.tsv"
     path.write_text("# a comment\n" + "\t".join(ROW) + "\n\n" + "\t".join(ROW.values()) + "x\n")

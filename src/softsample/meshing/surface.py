@@ -15,6 +15,9 @@ LONGEST, SMALLEST = 0.1, 3e-3**3
 """Length of a sample [m] at most, volume of the box about it [m3] at least; anything else was
 written in another unit."""
 
+UNITS = {"m": 1e3, "cm": 10.0, "inches": 25.4, "µm": 1e-3}
+"""Units that a surface may have been written in, and their size in mm."""
+
 FLAT = 1e-2
 """Corners this near to the lowest point, in heights of the surface, lie in the base."""
 
@@ -87,11 +90,13 @@ class TriangleSurface:
         if len(self.triangles) == 0:
             raise MeshError(f"{self.source}: holds no triangles; export the surface again")
         extent = np.ptp(self.points[self.triangles].reshape(-1, 3), axis=0)
-        if not (np.prod(extent) >= SMALLEST and extent.max() <= LONGEST):  # true for NaN
+        if not _is_plausible(extent):
             size = " x ".join(f"{1e3 * length:.4g}" for length in extent)
+            units = (name for name, factor in UNITS.items() if _is_plausible(factor * extent))
+            guess = f" (is it in {unit}?)" if (unit := next(units, "")) else ""
             raise MeshError(
-                f"{self.source}: {size} mm large, expected {1e9 * SMALLEST:g} mm3 at least and "
-                f"{1e3 * LONGEST:g} mm at most; export the surface in mm"
+                f"{self.source}: {size} mm large{guess}, expected {1e9 * SMALLEST:g} mm3 at least "
+                f"and {1e3 * LONGEST:g} mm at most; export the surface in mm"
             )
         _, count = np.unique(np.sort(self.sides, axis=1), axis=0, return_counts=True)
         if np.any(count != 2):
@@ -119,6 +124,11 @@ class TriangleSurface:
         a, b = sides.reshape(-1, 2).T
         links = coo_matrix((np.ones(len(a)), (a, b)), shape=(len(used), len(used)))
         return int(connected_components(links, directed=False)[0])
+
+
+def _is_plausible(extent: Array) -> bool:
+    """Whether a surface of an extent (3,) [m] may be that of a sample; not of NaN."""
+    return bool(np.prod(extent) >= SMALLEST and extent.max() <= LONGEST)
 
 
 def distance_grid(

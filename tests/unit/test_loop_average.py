@@ -134,6 +134,16 @@ def test_weights_are_odds_of_evidence_and_prior(withheld):
     assert weights["poisson_ratio",] / weights[()] == pytest.approx(odds)
 
 
+def test_the_interval_holds_what_is_reported_beside_a_likelier_model_that_was_refused(withheld):
+    models = weighed(withheld.selection, {})
+    of = {one.fit.model.names: one for one in models}
+    reported = of[withheld.selection.final.model.names]
+    assert reported.weight < 0.1 * max(one.weight for one in models)
+    assert reported.alike == pytest.approx(max(one.alike for one in models))
+    _, low, high = averaged(models)
+    assert low < reported.mu < high
+
+
 def test_another_law_is_as_probable_beforehand_as_the_one_of_the_study():
     """Laws share one half; all other effects share the other with none of them."""
     known = [library()[name] for name in ("poisson_ratio", "elastic_law")]

@@ -529,6 +529,21 @@ def test_folds_leave_out_what_they_say(problem):
         assert specimen.travel[starts].min() > 0.74 * specimen.reach
 
 
+@pytest.mark.parametrize(("held_out", "lasts"), [(0.6, True), (0.0, False)])
+def test_the_last_quarter_is_that_of_the_ramps_that_are_fitted(held_out, lasts):
+    """Not of a hold that is fitted though the end of its ramp is held out."""
+    tests = [
+        replace(s, held_out=(s.phase == "ramp") & (np.abs(s.travel) > held_out * s.reach))
+        for s in laboratory.PLANTED["force_offset"].specimens()
+    ]
+    problem, _ = pose(tests, SETTINGS)
+    found = folds(problem)
+    assert ("last_quarter" in found) == lasts
+    for specimen, whitener, mask in problem.each(found["last_quarter"]) if lasts else ():
+        travel = blocks(np.abs(specimen.travel), whitener.size)[mask] / specimen.reach
+        assert 0.44 < travel.min() < travel.max() < 0.61
+
+
 def test_a_fold_that_leaves_nothing_is_none():
     """Ramps are held out: what comes after them is all that is fitted, and no fold tells of it."""
     tests = [

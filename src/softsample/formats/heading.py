@@ -241,9 +241,10 @@ def _plausible(
     units = {unit for way in ways for unit in UNITS[way]}
     fitting = [title for title in free if any(unit(title, way) in units for way in ways)]
     silent = [title for title in free if not any(unit(title, name) for name in COLUMNS)]
-    title = next((found[0] for found in (fitting, silent) if len(found) == 1), None)
-    if title is None:
+    likely = fitting or silent
+    if len(likely) != 1:
         return None
+    (title,) = likely
     words = words_of(title)
 
     def fits(way: str) -> tuple[bool, bool]:

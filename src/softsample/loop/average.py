@@ -39,7 +39,7 @@ class Weighed:
         Of it.
     weight, alike : float
         Its probability, and that if the models of a class are as probable as the one that was
-        chosen, or refused ones may hold; those of all models add up to 1.
+        chosen, and that one as any refused; those of all models add up to 1.
     deviation : float
         Standard deviation of ln(mu), with what the bonded area leaves open.
     left : tuple of float
@@ -104,6 +104,8 @@ def weighed(selection: Selection, stiffness: Mapping[str, float]) -> list[Weighe
             better = fit if left < was[0] else was[2]
             likeliest[names] = min(left, was[0]), min(*lefts, was[1]), better
     least = np.array([of[:2] for of in likeliest.values()])
+    reported = [*likeliest].index(frozenset(selection.final.model.names))
+    least[reported, 1] = least[:, 1].min()  # a refused model is no likelier than what is reported
     odds = np.exp(-0.5 * (least - least.min(axis=0)))
     found = [
         Weighed.of(fit, float(one), float(equal), stiffness)

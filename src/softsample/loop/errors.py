@@ -137,12 +137,12 @@ def folds(problem: Problem) -> dict[str, list[Mask]]:
     rest = any((own & ~mask).any() for own, mask in zip(kept, after, strict=True))
     if rest and all(mask.any() for mask in after):
         found["after_ramp"] = after
-    found["last_quarter"] = []
+    last = []
     for k, specimen in enumerate(problem.specimens):
         travel = np.abs(blocks(specimen.travel, problem.whiteners[k].size))
-        reached = np.abs(specimen.travel[~specimen.held_out]).max(initial=0.0)
-        found["last_quarter"].append(kept[k] & (phases[k] == "ramp") & (travel > 0.75 * reached))
-    return found
+        fitted = np.abs(specimen.travel[(specimen.phase == "ramp") & ~specimen.held_out])
+        last.append(kept[k] & (phases[k] == "ramp") & (travel > 0.75 * fitted.max(initial=0.0)))
+    return found | ({"last_quarter": last} if any(mask.any() for mask in last) else {})
 
 
 @dataclass(frozen=True)

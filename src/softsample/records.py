@@ -622,16 +622,13 @@ def _wrong_signs(
 def _wrong_side(record: Record, mode: str, source: str, settings: RecordSettings) -> Iterator[str]:
     """Refuse a loading that ends on the other side of zero."""
     reached, sign = reach([record], mode), travel_sign(mode)
-    turned = [*_turned_round(record, source)]
-    if reached <= 0.0 and turned:
-        yield from turned
-    elif reached <= 0.0:
-        yield (
+    if reached <= 0.0:
+        yield from [*_turned_round(record, source)] or [
             f"{source}, column 'displacement_mm': {sign * reached / MM:.4g} mm at the end of the "
             f"loading is {'below' if sign > 0.0 else 'above'} zero, where no sample is in {mode}; "
             "if zero is where the loading begins, set "
             f"{settings.setting(zero={'displacement': 'start'})}"
-        )
+        ]
 
 
 def _turned_round(record: Record, source: str) -> Iterator[str]:

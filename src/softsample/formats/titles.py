@@ -95,23 +95,8 @@ _RATIOS = (
 
 UNITS = {
     "time": _all(
-        (
-            (
-                "s",
-                "S",
-                "sec",
-                "Sec",
-                "SEC",
-                "secs",
-                "second",
-                "seconds",
-                "Sekunden",
-                "с",
-                "сек",
-                "秒",
-            ),
-            1.0,
-        ),
+        (("s", "S", "sec", "Sec", "SEC", "secs", "second", "seconds", "Sekunden"), 1.0),
+        (("с", "сек", "秒"), 1.0),
         (("ms", "msec", "millisecond", "milliseconds"), 1e-3),
         (("us", "µs", "μs"), 1e-6),
         (("min", "Min", "minute", "minutes", "Minuten"), 60.0),

@@ -110,7 +110,7 @@ def _jumps(column: Sequence[str]) -> bool:
     if not all(THOUSANDS.fullmatch(cell) or cell.lstrip("+-").isdigit() for cell in cells):
         return False
     read, joined = np.array([(_number(c), float(re.sub("[.,]", "", c))) for c in cells]).T
-    ways = [np.abs(np.diff(values)).sum() / np.ptp(values) for values in (read, joined)]
+    ways = [np.abs(np.diff(x)).sum() / max(np.ptp(x), 1e-300) for x in (read, joined)]
     return bool(ways[0] > JUMPS * ways[1])
 
 

@@ -43,7 +43,7 @@ def read_sheets(path: PathLike, sheet: str | None = None) -> Iterator[tuple[str,
     path
         Workbook; of formulas the values are taken that were saved with them.
     sheet
-        Name of the only sheet that is wanted; without it hidden ones are passed over.
+        Name of the only sheet that is wanted; without it hidden ones are ignored.
 
     Yields
     ------

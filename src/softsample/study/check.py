@@ -390,13 +390,13 @@ def _record(
     limits = Limits(**settings["plausibility"]).of(row["mode"])
     own = [*doubts(facts, known, limits, cells, given.block, row["mode"], path)]
     record, hold_out = Record.of_table(table), settings["hold_out"]
-    height = known.height if known else np.inf
     leaves = row["mode"] == "compression" and settings["contact"]["release"]
     pulled = _pulling(record, facts) if leaves else ()
     found = (*facts["warnings"], *own, *pulled)
     result.doubts += [f"{where}: {path}: {doubt}" for doubt in found]
-    held = selecting(record, row, known.height if known else None, hold_out)
-    free = ~held_out(record, row, height, "force", hold_out)
+    height = known.height if known else None
+    held = selecting(record, row, height, hold_out)
+    free = ~held_out(record, row, height or np.inf, "force", hold_out)
     unused = (
         _unused(facts, row) if record.calibrated[free].any() else _no_loading(record, free, facts)
     )

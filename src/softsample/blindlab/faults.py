@@ -455,7 +455,9 @@ EFFECTS: dict[str, Kind] = {
         "own run, strip on any side",
     ),
     "bond_peel": Kind(_peeling, "10 % at peak", "sin^4 of the largest displacement"),
-    "platen_slip": Kind(_slip, "coefficient 0.25", "own cycle with Coulomb friction"),
+    "platen_slip": Kind(
+        _slip, "coefficient 0.25", "own run with Coulomb friction, loading and unloading"
+    ),
     "machine_compliance": Kind(_compliance, "0.05 mm/N", "spring in series, solved"),
     "poisson_ratio": Kind(
         _of_curve("poisson_ratio", "poisson", lambda s: {"nu": 0.49 - 0.01 * s}), "0.48", "own run"

@@ -79,7 +79,7 @@ def read(
     units
         Units by quantity, where the file names none.
     sheet
-        Name of the sheet of a workbook; by default the first with titles, if possible of time.
+        Of a workbook; by default the first visible one with titles, if possible of time.
     block
         Name of the block of `formats` that these come from, for the cures of messages.
     mode

@@ -325,6 +325,11 @@ def test_the_page_says_first_what_is_not_predicted():
     opening = page("A7", {**verdict, "rule": "each mode left out in turn"}).split("##")[0]
     assert "What is held out is predicted to 28.3 % of the peak, 29.3 % without effects." in opening
     assert "**Not predicted:** `leave_out_compression`; what is quoted" in opening
+    # parts that are left out have diagnoses of their own, whatever is said of all records
+    unknown = {**verdict, "rule": "each mode left out in turn", "verdict": "unknown", "effects": []}
+    assert "predicted to 28.3 %" in page("A7", unknown).split("##")[0]
+    same = {**unknown, "held_out_after": unknown["held_out_before"]}
+    assert "predicted to" not in page("A7", same).split("##")[0]
     verdict["held_out_before"]["leave_out_tension"]["tension"]["rms_percent"] = 346.0
     verdict["held_out_after"]["leave_out_tension"]["tension"]["rms_percent"] = 228.0
     opening = page("A7", {**verdict, "rule": "each mode left out in turn"}).split("##")[0]
@@ -350,6 +355,10 @@ def test_the_page_has_what_folds_leave_out_beside_what_the_study_holds_out():
         text = page("A7", {**verdict, **found, **folds, "rule": rule})
         assert (told in text) == bool(rule)
         assert ("| last_quarter | ramp | 100 | 100 | 46 | 46 |" in text) == bool(rule)
+    known = " and the stiffness of each specimen, which its own records show:"
+    for stiffness in ({}, {"a": 0.9, "b": 1.1}):
+        whole = {**verdict, **found, **folds, "rule": rule, "specimen_stiffness": stiffness}
+        assert (f"predicted from the rest{known}" in page("A7", whole)) == bool(stiffness)
 
 
 @pytest.mark.parametrize("there", [True, False])

@@ -99,11 +99,12 @@ def _unwrapped(text: str) -> str:
 
 
 def _predicted(verdict: Mapping[str, Any]) -> dict[str, Any] | None:
-    """How well a verdict with effects predicts what the study holds out, and what it does not."""
-    if not verdict.get("rule") or verdict["verdict"] not in ("explained", "explained_class"):
-        return None
+    """How well effects predict what the study holds out, and what they do not; None without any.
+
+    Parts that are left out in turn have diagnoses of their own, whatever the verdict on all is.
+    """
     before, after = (held_out_percent(verdict, when) for when in ("before", "after"))
-    if not before:
+    if not verdict.get("rule") or before == after:
         return None
     least = FAR * verdict["floor"]["floor_percent"]
     return {

@@ -1,7 +1,9 @@
 """Rests of which an effect takes little, and first choices that a second effect shows wrong."""
 
 import re
+from copy import deepcopy
 from dataclasses import replace
+from functools import cache
 
 import numpy as np
 import pytest
@@ -24,11 +26,23 @@ from softsample.report.verdict import _unwrapped
 OFFSET = library()["force_offset"]
 
 
+@cache
 def judged(offset, settings=None, **planted):
     """Verdict on an offset [mN] of all tests and what else is planted; no file has the steps."""
     lab = laboratory.Lab(seed=5, offset=dict.fromkeys(laboratory.MODES, offset), **planted)
     effects = [library()[name] for name in ("force_offset", "force_drift")]
     return diagnose(lab.specimens(), settings or LoopSettings(), effects)
+
+
+@cache
+def reported(offset):
+    """What `verdict.json` holds of it."""
+    return report(judged(offset), LoopSettings())
+
+
+def verdict_on(offset):
+    """The same for a test to change."""
+    return deepcopy(reported(offset))
 
 
 def test_what_is_unknown_has_no_effects_and_the_values_of_the_plain_model():
@@ -230,7 +244,7 @@ def test_what_a_laboratory_knows_not_to_be_there_is_no_candidate():
     assert verdict["absent"] == ["force_offset"]
     assert "force_offset" not in {*verdict["detection_limits"], *verdict["not_identifiable"]}
     assert "Known not to be there: force_offset." in page("A7", verdict)
-    assert "Known not" not in page("A7", report(judged(15.0), LoopSettings()))
+    assert "Known not" not in page("A7", verdict_on(15.0))
 
 
 def test_what_is_named_is_not_called_not_identifiable(monkeypatch):
@@ -252,7 +266,7 @@ def test_what_is_named_is_not_called_not_identifiable(monkeypatch):
 
 def test_the_choice_of_a_round_is_shown_with_its_own_evidence():
     """Beside what came later it may have more than in its round, where others had more."""
-    verdict = report(judged(15.0), LoopSettings())
+    verdict = verdict_on(15.0)
     (first, *_) = verdict["path"]
     assert first["evidence"] == first["candidates"][0]["evidence"]
     assert (first["refused"], first["why"]) == (None, None)
@@ -290,7 +304,7 @@ def test_evidence_near_its_threshold_shows_on_which_side_it_is(evidence, thresho
     step = {"threshold": threshold, "candidates": others} | dict.fromkeys(
         ("chosen", "evidence", "refused", "why")
     )
-    verdict = report(judged(0.0), LoopSettings())
+    verdict = verdict_on(0.0)
     assert f"\n\n{line}\n\n" in page("A7", {**verdict, "path": [step]})
 
 
@@ -301,7 +315,7 @@ def test_lines_of_a_paragraph_are_one_line_of_the_page():
 
 
 def test_none_says_what_is_left_beyond_the_discrepancy():
-    verdict = report(judged(0.0), LoopSettings())
+    verdict = verdict_on(0.0)
     assert verdict["verdict"] == "none"
     for ratio, saying in (
         (1.0, "No missing effect was detected: noise and model discrepancy explain the residual."),
@@ -314,7 +328,7 @@ def test_none_says_what_is_left_beyond_the_discrepancy():
 
 def test_the_page_says_first_what_is_not_predicted():
     """Of what the study leaves out; where little is left anyway, it is predicted all the same."""
-    verdict = report(judged(15.0), LoopSettings())
+    verdict = verdict_on(15.0)
     verdict["folds_before"] = verdict["folds_after"] = {}
     for when, (pull, push, shear) in (("before", (8.0, 50.0, 2.0)), ("after", (2.0, 49.0, 1.9))):
         verdict[f"held_out_{when}"] = {
@@ -337,7 +351,7 @@ def test_the_page_says_first_what_is_not_predicted():
 
 
 def test_the_page_says_that_tests_differ_far_more_in_scale_than_is_usual():
-    verdict = report(judged(15.0), LoopSettings())
+    verdict = verdict_on(15.0)
     assert verdict["verdict"] == "explained"
     for scale, told in ((5.9, False), (8.9, True)):
         sizes = {"discrepancy_percent": {"after": {"scale": scale}}}
@@ -346,7 +360,7 @@ def test_the_page_says_that_tests_differ_far_more_in_scale_than_is_usual():
 
 
 def test_the_page_has_what_folds_leave_out_beside_what_the_study_holds_out():
-    verdict = report(judged(15.0), LoopSettings())
+    verdict = verdict_on(15.0)
     error = {"ramp": {"rms_percent": 46.0, "rms_N": 0.1}}
     found = {"held_out_before": {}, "held_out_after": {}}
     told = "Parts of what is fitted, left out in turn"
@@ -363,14 +377,14 @@ def test_the_page_has_what_folds_leave_out_beside_what_the_study_holds_out():
 
 @pytest.mark.parametrize("there", [True, False])
 def test_a_modulus_beside_relaxation_is_said_to_be_instantaneous(there):
-    verdict = report(judged(15.0), LoopSettings())
+    verdict = verdict_on(15.0)
     if there:
         verdict["recommended"]["models"][0]["effects"] += ["viscoelastic_relaxation"]
     assert ("It is the instantaneous modulus" in page("A7", verdict)) == there
 
 
 def test_values_at_a_bound_are_zero_and_an_error_below_the_noise_says_so():
-    verdict = report(judged(15.0), LoopSettings())
+    verdict = verdict_on(15.0)
     size = {"value": 1e-6, "low": -4.9e-7, "high": 0.01, "unit": "1"}
     verdict["effects"][0]["parameters"] = {"share": size}
     verdict["theta_after"]["mu1_fraction"] |= {"value": 1.07e-7, "low": 0.0, "high": 0.2}
@@ -392,7 +406,7 @@ def test_values_at_a_bound_are_zero_and_an_error_below_the_noise_says_so():
 
 
 def test_the_table_of_verdicts_has_the_median_and_the_worst_of_the_folds():
-    verdict = report(judged(15.0), LoopSettings())
+    verdict = verdict_on(15.0)
     for when, errors in (("before", (2.0, 3.0, 9.0)), ("after", (1.0, 0.5, 50.0))):
         verdict[f"held_out_{when}"] = {
             f"fold_{k}": {"shear": {"rms_percent_structured": error}}
@@ -416,7 +430,7 @@ def test_what_is_withheld_together_is_told_once_and_with_what_its_error_is():
         with_it = {**verdict, "withheld": asked, "correction": correction}
         return [line for line in page("A7", with_it).split("\n") if line.startswith("Not rep")]
 
-    verdict = report(judged(15.0), LoopSettings())
+    verdict = verdict_on(15.0)
     last = "Not reported: `c` (mN 2 mN), since Q."
     error = "With `a` and `b`, 3.54 % of the peak would be left of what is held out."
     both = f"Not reported: `a` (mN 2 mN) and `b` (mN 2 mN), since R. {error}"
@@ -433,7 +447,7 @@ def test_what_is_withheld_together_is_told_once_and_with_what_its_error_is():
 
 
 def test_the_page_says_which_effects_of_the_quoted_models_are_not_named():
-    verdict = report(judged(15.0), LoopSettings())
+    verdict = verdict_on(15.0)
     verdict["recommended"]["models"] = [
         {"effects": ["force_offset", name], "mu": 805.4, "weight": 0.5}
         for name in ("channel_lag", "backlash")
@@ -452,7 +466,7 @@ def test_the_page_says_which_effects_of_the_quoted_models_are_not_named():
 
 
 def test_the_page_says_which_folds_are_predicted_worse_with_the_effects():
-    verdict = report(judged(15.0), LoopSettings())
+    verdict = verdict_on(15.0)
     saying = "With the effects the prediction of"
     verdict["folds_after"] = verdict["folds_before"]
     assert saying not in page("A7", verdict)
@@ -464,7 +478,7 @@ def test_the_page_says_which_folds_are_predicted_worse_with_the_effects():
 
 
 def test_a_modulus_is_of_one_model_only_if_that_has_all_the_weight():
-    verdict = report(judged(15.0), LoopSettings())
+    verdict = verdict_on(15.0)
     of = {"effects": ["force_offset"], "mu": 805.4}
     for weights, saying in (
         ([1.0], "of the model with `force_offset`."),

@@ -1,6 +1,7 @@
 """The modulus averaged over the models that records leave open."""
 
 from dataclasses import replace
+from functools import cache
 from types import SimpleNamespace
 
 import numpy as np
@@ -116,6 +117,13 @@ def softer(part, smooth):
     return laboratory.drawn(records, SETTINGS.noise, sizes, seed=1)
 
 
+@cache
+def with_law(part):
+    """What is selected of such records if another law is the only other candidate."""
+    known = [library()[name] for name in ("poisson_ratio", "elastic_law")]
+    return diagnose(softer(part, 0.1), SETTINGS, known).selection
+
+
 @pytest.fixture(scope="module")
 def withheld():
     known = [library()[name] for name in ("poisson_ratio", "force_drift")]
@@ -146,8 +154,7 @@ def test_the_interval_holds_what_is_reported_beside_a_likelier_model_that_was_re
 
 def test_another_law_is_as_probable_beforehand_as_the_one_of_the_study():
     """Laws share one half; all other effects share the other with none of them."""
-    known = [library()[name] for name in ("poisson_ratio", "elastic_law")]
-    selection = diagnose(softer(0.5, 0.1), SETTINGS, known).selection
+    selection = with_law(0.5)
 
     def odds(*more):
         of = {"poisson_ratio": 0.0, "elastic_law": 0.0}
@@ -164,8 +171,7 @@ def test_another_law_is_as_probable_beforehand_as_the_one_of_the_study():
 
 def test_the_interval_holds_what_the_records_do_not_tell_from_the_choice():
     """Of two effects one is chosen; the other is weighed within its class and outside."""
-    known = [library()[name] for name in ("poisson_ratio", "elastic_law")]
-    selection = diagnose(softer(2.0, 0.1), SETTINGS, known).selection
+    selection = with_law(2.0)
     opening = selection.steps[0]
     names = [candidate.name for candidate in opening.candidates]
     assert opening.chosen.name == names[0] == "poisson_ratio"
@@ -187,8 +193,7 @@ def test_the_interval_holds_what_the_records_do_not_tell_from_the_choice():
 
 def test_of_a_class_what_was_chosen_is_as_probable_as_a_likelier_member():
     """A law that errors of geometry may look like gives way to what is beyond them."""
-    known = [library()[name] for name in ("poisson_ratio", "elastic_law")]
-    selection = diagnose(softer(2.0, 0.1), SETTINGS, known).selection
+    selection = with_law(2.0)
     opening = selection.steps[0]
     likelier, chosen = opening.candidates[:2]
     step = replace(opening, chosen=chosen, members=[chosen.name, likelier.name])

@@ -133,6 +133,12 @@ def models(ends):
 
 
 @cache
+def plain_of_either_end():
+    """Diagnoses without effects of records whose ends slid, with bonded ends and with sliding."""
+    return [diagnose(model.specimens, SETTINGS, []) for model in models("sliding")]
+
+
+@cache
 def diagnosed(ends):
     return diagnose_ends(models(ends), SETTINGS)
 
@@ -176,7 +182,7 @@ def test_a_test_that_is_left_out_is_predicted_with_the_ends_that_the_others_show
 
 
 def test_ends_that_records_hardly_tell_are_those_of_the_likelier_model_and_not_named():
-    bonded, sliding = (diagnose(m.specimens, SETTINGS, []) for m in models("sliding"))
+    bonded, sliding = plain_of_either_end()
     assert not likelier(bonded, bonded).slides
     more = replace(sliding.selection.steps[0], threshold=2.0 * (bonded.left - sliding.left))
     found = likelier(bonded, replace(sliding, selection=replace(sliding.selection, steps=[more])))
@@ -184,7 +190,7 @@ def test_ends_that_records_hardly_tell_are_those_of_the_likelier_model_and_not_n
 
 
 def test_other_groups_tell_what_the_platens_do():
-    bonded, sliding = (diagnose(m.specimens, SETTINGS, []) for m in models("sliding"))
+    bonded, sliding = plain_of_either_end()
     evidence = bonded.left - sliding.left
     found = likelier(bonded, sliding, -1.1 * evidence)
     assert not found.slides
@@ -221,7 +227,7 @@ def test_other_groups_choose_the_ends_by_more_than_a_standard_error():
 
 
 def test_evidence_on_ends_is_doubted_by_errors_of_geometry_that_no_record_shows():
-    found = [diagnose(m.specimens, SETTINGS, []) for m in models("sliding")]
+    found = plain_of_either_end()
     plain = [one.selection.base for one in found]
     sharp = np.subtract(*(misfit_with_penalties(fit) for fit in plain))
     less = np.subtract(*(misfit_with_penalties(doubted(fit)) for fit in plain))
@@ -232,8 +238,7 @@ def test_evidence_on_ends_is_doubted_by_errors_of_geometry_that_no_record_shows(
 
 
 def test_where_nothing_explains_the_modulus_is_that_of_both_ends_as_far_as_they_are_open():
-    found = (diagnose(m.specimens, SETTINGS, []) for m in models("sliding"))
-    bonded, sliding = (replace(one, objection="an error is left") for one in found)
+    bonded, sliding = (replace(one, objection="an error is left") for one in plain_of_either_end())
     open_ends = likelier(bonded, sliding, sliding.left - bonded.left)
     told = report(open_ends, SETTINGS)["recommended"]
     assert [(m["effects"], m["weight"]) for m in told["models"]] == [

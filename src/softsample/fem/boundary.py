@@ -254,14 +254,8 @@ def platen_boundary(
     top = (mesh.points[candidates] @ normal).max()
     base_offset = 0.0 if contact.base_platen or not base_glued else np.inf
     planes = np.array([[0.0, 0.0, -1.0, base_offset], [*normal, top + gap * normal[2]]])
-    return Boundary(
-        held,
-        candidates.astype(np.int32),
-        planes,
-        np.array(DIRECTIONS["compression"]),
-        contact.release,
-        (_coefficient(contact.base_friction), _coefficient(contact.friction)),
-    )
+    down, friction = np.array(DIRECTIONS["compression"]), _coefficients(contact)
+    return Boundary(held, candidates.astype(np.int32), planes, down, contact.release, friction)
 
 
 def indenter_boundary(
@@ -306,20 +300,15 @@ def indenter_boundary(
         near = away < radius
         centre = (height[near] + np.sqrt(radius**2 - away[near] ** 2)).max()
         ball = (0.0, 0.0, float(centre), radius)
-    return Boundary(
-        held,
-        upper.astype(np.int32),
-        planes,
-        np.array(DIRECTIONS["indentation"]),
-        contact.release,
-        (np.inf, _coefficient(contact.friction)),
-        local=True,
-        ball=ball,
-    )
+    down, friction = np.array(DIRECTIONS["indentation"]), (np.inf, _coefficients(contact)[1])
+    touching = upper.astype(np.int32), planes, down, contact.release, friction
+    return Boundary(held, *touching, local=True, ball=ball)
 
 
-def _coefficient(friction: float | None) -> float:
-    return np.inf if friction is None else friction
+def _coefficients(contact: ContactSettings) -> tuple[float, float]:
+    """Of friction at base and platen, infinite where the sample sticks."""
+    base, moving = contact.base_friction, contact.friction
+    return np.inf if base is None else base, np.inf if moving is None else moving
 
 
 def _tilted(angles_deg: tuple[float, float]) -> Array:

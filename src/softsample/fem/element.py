@@ -14,14 +14,8 @@ CORNERS = np.array(
 )  # fmt: skip
 """Natural coordinates of the corners in VTK order."""
 
-HOURGLASS = np.stack(
-    [
-        CORNERS[:, 1] * CORNERS[:, 2],
-        CORNERS[:, 2] * CORNERS[:, 0],
-        CORNERS[:, 0] * CORNERS[:, 1],
-        CORNERS[:, 0] * CORNERS[:, 1] * CORNERS[:, 2],
-    ]
-)
+_x, _y, _z = CORNERS.T
+HOURGLASS = np.stack([_y * _z, _z * _x, _x * _y, _x * _y * _z])
 """The four displacement patterns that a one-point rule does not see, (4, 8)."""
 
 

@@ -232,9 +232,7 @@ class ExplicitModel:
         """
         u = self.nodal(displacement)
         force, state = np.empty_like(u), self.blank_state()
-        solid = _instantaneous(self.solid(material))
-        elements = self.elements(material.shear_modulus)
-        self.add_up(u, elements, solid, force, state)
+        self.add_up(u, self.elements(material.shear_modulus), self.solid(material), force, state)
         return force[:, :3].astype(np.float64), self.flat(state).astype(np.float64)
 
     def add_up(
@@ -245,7 +243,8 @@ class ExplicitModel:
         force: NDArray,
         state: NDArray,
     ) -> None:
-        """Internal force of a solid without relaxation."""
+        """Internal force of a solid, its relaxation left out."""
+        solid = solid._replace(prony=np.empty(0))
         none = np.empty((2, 0)), np.empty((0, 1, 6, state.shape[-1]), u.dtype)
         lane = BACKENDS[self.settings.backend]
         internal_force(u, elements, solid, *none, force, state, True, lane)
@@ -341,14 +340,11 @@ class ExplicitModel:
         schedule = Schedule(history, duration, duration if gravity else 0.0)
         march = _March(self, material, boundary, schedule, gravity)
         if start is not None:
-            march.begin(start, self.internal_force(start, material)[1][:2].sum())
+            march.motion.u[:, :3] = start
+            march.records.work = self.internal_force(start, material)[1][:2].sum()
         with flushed_denormals():
             march.go(times[1:], progress)
         return march.result()
-
-
-def _instantaneous(solid: Solid) -> Solid:
-    return solid._replace(prony=np.empty(0))
 
 
 @dataclass
@@ -401,11 +397,6 @@ class _March:
             self._lift_platen()
         self._free()
 
-    def begin(self, displacement: Array, energy: float) -> None:
-        """Start from displacements (n_nodes, 3) [m] that hold an energy [J], at rest."""
-        self.motion.u[:, :3] = displacement
-        self.records.work = energy
-
     def _lift_platen(self) -> None:
         """Take the moving platen off while the sample settles."""
         self.motion.held[self.motion.held == PLATEN] = FREE
@@ -440,12 +431,9 @@ class _March:
         """March through the schedule in slices of constant step, then record the final state."""
         stops = self.schedule.solver_time(snapshots)
         ends = self.schedule.slices(STEP_UPDATES, stops)
+        lifted = self.gravity is not None and self.gravity.settle_first
         for start, end in pairwise(ends):
-            if (
-                self.gravity
-                and self.gravity.settle_first
-                and abs(start - self.schedule.settling) < self.schedule.tick
-            ):
+            if lifted and abs(start - self.schedule.settling) < self.schedule.tick:
                 self._lower_platen()
             allowed = self._allowed_step(end / ends[-1])
             n = int(np.ceil((end - start) / allowed))
@@ -530,15 +518,14 @@ class _March:
     def _critical_step(self) -> float:
         """``2 / omega_max`` of the current tangent, extrapolated to the end of the next slice."""
         model, motion = self.model, self.motion
-        solid = _instantaneous(self.solid)
         rest, bent = model.nodal(), model.nodal()
         state = model.blank_state()
-        model.add_up(motion.u, self.elements, solid, rest, state)
+        model.add_up(motion.u, self.elements, self.solid, rest, state)
         reach = 1e-3 * model.mesh.edge_length
 
         def stiffness(q: NDArray) -> NDArray:
             scale = q.dtype.type(reach / np.abs(q).max())
-            model.add_up(motion.u + scale * q, self.elements, solid, bent, state)
+            model.add_up(motion.u + scale * q, self.elements, self.solid, bent, state)
             return (bent - rest) / scale
 
         mass = np.where(self._movable(), model.mass, 0.0)

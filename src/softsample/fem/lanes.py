@@ -111,24 +111,22 @@ def _lower_negative(context, builder, sig, args):
 # --- memory -------------------------------------------------------------------------------------
 
 
-def _pointer(context, builder, kind, array, index):
+def _pointer(context, builder, kind, array, index_kind, index):
     """Pointer to array[index + (0, 0, ...)] of a C-contiguous array."""
     struct = make_array(kind)(context, builder, array)
     lengths = [builder.extract_value(struct.shape, axis) for axis in range(kind.ndim)]
     offset = ir.Constant(lengths[0].type, 0)
     for axis, length in enumerate(lengths):
         offset = builder.mul(offset, length)
-        if axis < len(index):
-            offset = builder.add(offset, index[axis])
+        if axis < len(index_kind):
+            part = builder.extract_value(index, axis)
+            part = context.cast(builder, part, index_kind[axis], types.intp)
+            offset = builder.add(offset, part)
     return builder.gep(struct.data, [offset])
 
 
 def _vector_pointer(context, builder, array_kind, array, index_kind, index, count):
-    parts = [
-        context.cast(builder, builder.extract_value(index, k), kind, types.intp)
-        for k, kind in enumerate(index_kind)
-    ]
-    pointer = _pointer(context, builder, array_kind, array, parts)
+    pointer = _pointer(context, builder, array_kind, array, index_kind, index)
     element = context.get_data_type(array_kind.dtype)
     return builder.bitcast(pointer, ir.VectorType(element, count).as_pointer())
 
@@ -156,11 +154,7 @@ def _store_lanes(typing_context, array, index, value):
 
 def _rows(context, builder, array_kind, array, nodes_kind, nodes, index_kind, index, count, step):
     """Pointers to the rows of four that the nodes of a block occupy, `step` rows each."""
-    parts = [
-        context.cast(builder, builder.extract_value(index, k), kind, types.intp)
-        for k, kind in enumerate(index_kind)
-    ]
-    first = _pointer(context, builder, nodes_kind, nodes, parts)
+    first = _pointer(context, builder, nodes_kind, nodes, index_kind, index)
     number = context.get_data_type(array_kind.dtype)
     base = make_array(array_kind)(context, builder, array).data
     for lane in range(0, count, step):
@@ -264,12 +258,12 @@ _gather_groups, _scatter_groups = _gather_by(group), _scatter_by(group)
 
 def load(array, index, lane):
     """``array[*index, lane]``, or the whole block if `lane` is None."""
-    return array[(*index, lane)]
+    return array[index + (lane,)]
 
 
 def store(array, index, lane, value):
     """``array[*index, lane] = value``, or of the whole block if `lane` is None."""
-    array[(*index, lane)] = value
+    array[index + (lane,)] = value
 
 
 def gather(array, nodes, index, lane, grouped):
@@ -278,13 +272,13 @@ def gather(array, nodes, index, lane, grouped):
     `grouped` says of a block that the nodes of each `group` of its lanes follow one another, so
     that whole registers can be loaded.
     """
-    node = nodes[(*index, lane)]
+    node = nodes[index + (lane,)]
     return array[node, 0], array[node, 1], array[node, 2]
 
 
 def scatter_add(array, nodes, index, lane, grouped, x, y, z):
     """Add to that row; rows or groups one after the other, so that shared nodes come right."""
-    node = nodes[(*index, lane)]
+    node = nodes[index + (lane,)]
     array[node, 0] += x
     array[node, 1] += y
     array[node, 2] += z
@@ -294,18 +288,14 @@ def scatter_add(array, nodes, index, lane, grouped, x, y, z):
 def _load(array, index, lane):
     if isinstance(lane, types.NoneType):
         return lambda array, index, lane: _load_lanes(array, index)
-    return lambda array, index, lane: array[index + (lane,)]
+    return load
 
 
 @overload(store, inline="always")
 def _store(array, index, lane, value):
     if isinstance(lane, types.NoneType):
         return lambda array, index, lane, value: _store_lanes(array, index, value)
-
-    def scalar(array, index, lane, value):
-        array[index + (lane,)] = value
-
-    return scalar
+    return store
 
 
 @overload(gather, inline="always")
@@ -318,12 +308,7 @@ def _gather(array, nodes, index, lane, grouped):
             return _gather_rows(array, nodes, index)
 
         return vector
-
-    def scalar(array, nodes, index, lane, grouped):
-        node = nodes[index + (lane,)]
-        return array[node, 0], array[node, 1], array[node, 2]
-
-    return scalar
+    return gather
 
 
 @overload(scatter_add, inline="always")
@@ -337,14 +322,7 @@ def _scatter_add(array, nodes, index, lane, grouped, x, y, z):
                 _scatter_rows(array, nodes, index, x, y, z)
 
         return vector
-
-    def scalar(array, nodes, index, lane, grouped, x, y, z):
-        node = nodes[index + (lane,)]
-        array[node, 0] += x
-        array[node, 1] += y
-        array[node, 2] += z
-
-    return scalar
+    return scatter_add
 
 
 # --- functions ----------------------------------------------------------------------------------
@@ -405,10 +383,6 @@ class _Code:
         return value
 
 
-def _copysign_code(code, x, y):
-    return code.call("llvm.copysign", x, y)
-
-
 def _reciprocal_sqrt_code(code, x):
     """Newton's iteration from the usual guess by halving the exponent: no root, no division."""
     b = code.builder
@@ -452,10 +426,6 @@ def _expm1_code(code, x):
     r, scale = _exp_parts(code, x)
     less = code.builder.fmul(r, _taylor(code, r, 1))
     return code.multiply_add(less, scale, code.builder.fsub(scale, code.number(1.0)))
-
-
-def _lesser_code(code, x, limit):
-    return code.call("llvm.minnum", x, limit)
 
 
 def _positive_code(code, x):
@@ -507,12 +477,12 @@ def _overload(function, generate, scalar=None):
             return (lambda x, y: two(x, y)) if isinstance(x, Lanes) else plain
 
 
-_overload(copysign, _copysign_code)
+_overload(copysign, lambda code, x, y: code.call("llvm.copysign", x, y))
 _overload(reciprocal_sqrt, _reciprocal_sqrt_code)
 _overload(exp, _exp_code)
 _overload(expm1, _expm1_code)
 _overload(log, _log_code)
-_overload(lesser, _lesser_code, lambda x, y: x if x < y else y)
+_overload(lesser, lambda code, x, y: code.call("llvm.minnum", x, y), lambda x, y: x if x < y else y)
 _overload(positive, _positive_code, lambda x: 1.0 if x > 0.0 else 0.0)
 overload(growth, inline="always")(lambda x: growth)
 

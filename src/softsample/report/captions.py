@@ -200,11 +200,10 @@ def _misfit(fits: Sequence[Mapping[str, Any]], model: str) -> str:
 
 def _trust(fits: Sequence[Mapping[str, Any]]) -> str:
     """Fits on a bound, which are findings, and fits that did not converge."""
-    doubts = [(fit, doubt_of(fit)) for fit in fits]
     named = [
         f"{fit['group']} ({fit['model']}, {fit['geometry']} geometry: {doubt})"
-        for fit, doubt in doubts
-        if doubt
+        for fit in fits
+        if (doubt := doubt_of(fit))
     ]
     if named:
         return f"Of {len(fits)} calibrations, to be read with care: {', '.join(named)}"

@@ -8,6 +8,7 @@ import numpy as np
 import pandas as pd
 from scipy.special import stdtrit
 
+from softsample.arrays import Array
 from softsample.report.bond import RULES
 from softsample.report.page import signed
 from softsample.response.sensitivity import COARSE
@@ -101,14 +102,11 @@ def _verdict(holds: bool) -> str:
     return REPRODUCED if holds else DIFFERS
 
 
-def _apart(ours: Mapping[str, float], papers: Mapping[str, float]) -> tuple[float, float]:
-    """Difference of two means and half its interval, by Welch: each of `mean`, `sd`, `count`."""
-    squares = np.array([one["sd"] ** 2 / one["count"] for one in (ours, papers)])
-    freedom = squares.sum() ** 2 / sum(
-        square**2 / (one["count"] - 1) for square, one in zip(squares, (ours, papers), strict=True)
-    )
-    half = stdtrit(freedom, 0.5 + 0.5 * CONFIDENCE) * np.sqrt(squares.sum())
-    return ours["mean"] - papers["mean"], float(half)
+def _half_interval(sds: Array, count: int) -> float:
+    """Half the interval of the difference of two means over `count` samples each, by Welch."""
+    squares = sds**2 / count
+    freedom = squares.sum() ** 2 / (squares**2 / (count - 1)).sum()
+    return float(stdtrit(freedom, 0.5 + 0.5 * CONFIDENCE) * np.sqrt(squares.sum()))
 
 
 def _mean(
@@ -123,23 +121,19 @@ def _mean(
     def judge(tables: Tables) -> Finding:
         all_rows = tables["summary"]
         row = all_rows[(all_rows["quantity"] == quantity) & (all_rows["mode"] == mode)].iloc[0]
-        ours, papers = (
-            {
-                "mean": float(row[f"{whose}mean_percent"]),
-                "sd": float(row[f"{whose}sd_percent"]),
-                "count": int(row["count"]),
-            }
-            for whose in ("", "paper_")
+        (mean, papers), sds = (
+            row[[f"{name}_percent", f"paper_{name}_percent"]].to_numpy(float)
+            for name in ("mean", "sd")
         )
-        difference, half = _apart(ours, papers)
+        difference, half = float(mean - papers), _half_interval(sds, int(row["count"]))
         unresolved = abs(difference) <= half and half > ALIKE
         reasons = [f"difference {signed(difference)} ± {half:.1f} points"]
         if unresolved:
-            reasons.append(f"not resolved by {ours['count']} samples")
+            reasons.append(f"not resolved by {int(row['count'])} samples")
         if why:
             reasons.append(why)
         return Finding(
-            f"{signed(ours['mean'])} % (SD {ours['sd']:.1f})",
+            f"{signed(mean)} % (SD {sds[0]:.1f})",
             UNTESTABLE if unresolved else _verdict(abs(difference) <= half),
             "; ".join(reasons),
             by_construction,

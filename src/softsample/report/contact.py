@@ -46,15 +46,11 @@ def contact_table(shares: Mapping[tuple[str, str], pd.DataFrame]) -> pd.DataFram
     first = max(curve["strain"].iloc[0] for curve in shares.values())
     last = min(curve["strain"].iloc[-1] for curve in shares.values())
     steps = np.arange(np.ceil(first / STRAIN_STEP), np.floor(last / STRAIN_STEP + 1e-9) + 1.0)
-    table = pd.DataFrame({"strain": STRAIN_STEP * steps})
+    at = STRAIN_STEP * steps
+    table = pd.DataFrame({"strain": at})
     for geometry in dict.fromkeys(geometry for _, geometry in shares):
-        values = np.array(
-            [
-                np.interp(table["strain"], curve["strain"], curve["share_percent"])
-                for (_, name), curve in shares.items()
-                if name == geometry
-            ]
-        )
+        curves = [curve for (_, name), curve in shares.items() if name == geometry]
+        values = np.array([np.interp(at, c["strain"], c["share_percent"]) for c in curves])
         spread = values.std(axis=0, ddof=1) if len(values) > 1 else np.nan
         table[f"{geometry}_percent"] = values.mean(axis=0)
         table[f"{geometry}_sd_percent"] = spread

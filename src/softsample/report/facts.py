@@ -34,18 +34,13 @@ def sample_facts(
     if image:
         voxels = f"{_by(image['shape'], 'voxels')} of {_by(image['voxel_mm'], 'mm')}"
         rows.insert(0, ("Image", voxels))
-    rows += [
-        ("Meshes", "; ".join(_mesh(name, report) for name, report in mesh.items())),
-        (
-            "Run at the optimum",
-            "; ".join(
-                f"{name}: nominal strain {written(report['travel_mm'] / cuboid['height_mm'])}, "
-                f"{written(report['against_calibrated_curve_percent'])} % of peak from the "
-                "calibrated curve"
-                for name, report in run.items()
-            ),
-        ),
-    ]
+    rows.append(("Meshes", "; ".join(_mesh(name, report) for name, report in mesh.items())))
+    runs = (
+        f"{name}: nominal strain {written(report['travel_mm'] / cuboid['height_mm'])}, "
+        f"{written(report['against_calibrated_curve_percent'])} % of peak from the calibrated curve"
+        for name, report in run.items()
+    )
+    rows.append(("Run at the optimum", "; ".join(runs)))
     remarks = [*record["warnings"], *(segmentation or {}).get("flags", [])]
     return rows + ([("Remarks", "; ".join(remarks))] if remarks else [])
 

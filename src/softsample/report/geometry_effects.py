@@ -153,19 +153,8 @@ def needed_table(
         bond = {preload_mm: plain, **_steps(part, BOND)}
         gap = {0.0: plain, **_steps(part, GAP)}
         factor, summit = crossing(relief, target), float(np.mean(summits_mm[mode]))
-        rows.append(
-            {
-                "terms": terms,
-                "mode": mode,
-                "bias_percent": plain,
-                "paper_percent": target,
-                "relief_factor": factor,
-                "summit_mm": summit,
-                "summit_needed_mm": factor * summit,
-                "bond_depth_needed_mm": crossing(bond, target),
-                "gap_needed_mm": crossing(gap, target) * summit,
-            }
-        )
+        depth, far = crossing(bond, target), crossing(gap, target) * summit
+        rows.append((terms, mode, plain, target, factor, summit, factor * summit, depth, far))
     return pd.DataFrame(rows, columns=list(NEEDED))
 
 

@@ -381,11 +381,9 @@ def direct_table(
     rows, reports = [], iter(curves)
     for direct, family in pairs:
         members = [next(reports) for _ in family["samples"]]
-        cost = {
-            "direct": (direct["simulations"], direct["simulations_cpu_s"]),
-            "family": (sum(len(m["runs"]) for m in members), sum(m["cpu_s"] for m in members)),
-        }
-        for method, fit in (("direct", direct), ("family", family)):
+        once = sum(len(m["runs"]) for m in members), sum(m["cpu_s"] for m in members)
+        each = direct["simulations"], direct["simulations_cpu_s"]
+        for method, fit, (runs, cpu_s) in (("direct", direct, each), ("family", family, once)):
             rows.append(
                 {
                     "group": fit["group"],
@@ -394,8 +392,8 @@ def direct_table(
                     "difference_percent": 100.0 * (fit["mu_pa"] / family["mu_pa"] - 1.0),
                     "area_error_percent": np.mean(list(fit["area_error_percent"].values())),
                     "evaluations": sum(start["evaluations"] for start in fit["starts"]),
-                    "simulations": cost[method][0],
-                    "simulations_cpu_s": cost[method][1],
+                    "simulations": runs,
+                    "simulations_cpu_s": cpu_s,
                 }
             )
     return pd.DataFrame(rows)

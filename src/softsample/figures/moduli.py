@@ -1,6 +1,6 @@
 """Figures 5 and 6: measured and modelled curves, what they differ by, and the moduli."""
 
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass, field
 from itertools import count
 from string import ascii_lowercase
@@ -134,16 +134,10 @@ def draw_curves(ax: Axes, groups: Sequence[GroupCurves], palette: dict[str, str]
 
     The idealised model is drawn thinner, darker and on top, or the two would hide each other.
     """
-    for group in groups:
-        colour = palette[group.label]
-        for at, (geometry, table) in enumerate(group.curves.items()):
-            for _, curve in table.groupby("sample", sort=False):
-                curve = curve.sort_values("displacement_mm", key=abs, kind="stable")
-                if at == 0:
-                    _draw_measured(ax, curve, colour)
-                shade = darkened(colour) if geometry == "ideal" else colour
-                line: dict[str, Any] = {"color": shade, "lw": WIDTHS[geometry], "zorder": 3}
-                ax.plot(curve["displacement_mm"], curve["model_N"], ls=LINES[geometry], **line)
+    for number, colour, curve, line in _lines(groups, palette):
+        if number == 0:
+            _draw_measured(ax, curve, colour)
+        ax.plot(curve["displacement_mm"], curve["model_N"], zorder=3, **line)
     ax.axhline(0.0, color="0.75", lw=0.5, zorder=0)
     ax.axvline(0.0, color="0.75", lw=0.5, zorder=0)
     handles = [Line2D([], [], color=colour, lw=3, label=label) for label, colour in palette.items()]
@@ -152,20 +146,33 @@ def draw_curves(ax: Axes, groups: Sequence[GroupCurves], palette: dict[str, str]
 
 def draw_residuals(ax: Axes, groups: Sequence[GroupCurves], palette: dict[str, str]) -> None:
     """Model less measurement of each record in percent of its peak, lines as of `draw_curves`."""
-    for group in groups:
-        for geometry, table in group.curves.items():
-            colour = palette[group.label]
-            shade = darkened(colour) if geometry == "ideal" else colour
-            for _, curve in table.groupby("sample", sort=False):
-                curve = curve.sort_values("displacement_mm", key=abs, kind="stable")
-                left = (curve["model_N"] - curve["measured_N"]) / curve["measured_N"].abs().max()
-                parts = np.array_split(np.arange(len(curve)), min(BINS, len(curve)))
-                x, y = (
-                    [float(np.mean(of.to_numpy()[part])) for part in parts]
-                    for of in (curve["displacement_mm"], 100.0 * left)
-                )
-                ax.plot(x, y, color=shade, ls=LINES[geometry], lw=WIDTHS[geometry])
+    for _, _, curve, line in _lines(groups, palette):
+        left = (curve["model_N"] - curve["measured_N"]) / curve["measured_N"].abs().max()
+        parts = np.array_split(np.arange(len(curve)), min(BINS, len(curve)))
+        x, y = (
+            [float(np.mean(of.to_numpy()[part])) for part in parts]
+            for of in (curve["displacement_mm"], 100.0 * left)
+        )
+        ax.plot(x, y, **line)
     ax.axhline(0.0, color="0.75", lw=0.5, zorder=0)
+
+
+def _lines(
+    groups: Sequence[GroupCurves], palette: dict[str, str]
+) -> Iterator[tuple[int, str, pd.DataFrame, dict[str, Any]]]:
+    """Number of the geometry, colour, curve from zero on and line of each test on each geometry."""
+    for group in groups:
+        colour = palette[group.label]
+        for number, (geometry, table) in enumerate(group.curves.items()):
+            for _, curve in table.groupby("sample", sort=False):
+                from_zero = curve.sort_values("displacement_mm", key=abs, kind="stable")
+                yield number, colour, from_zero, model_line(geometry, colour)
+
+
+def model_line(geometry: str, colour: str) -> dict[str, Any]:
+    """How the curve of a model is drawn: that of the idealised geometry dashed and darker."""
+    shade = darkened(colour) if geometry == "ideal" else colour
+    return {"color": shade, "ls": LINES[geometry], "lw": WIDTHS[geometry]}
 
 
 def _draw_measured(ax: Axes, curve: pd.DataFrame, colour: str) -> None:

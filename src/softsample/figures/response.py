@@ -5,15 +5,8 @@ from collections.abc import Mapping
 import pandas as pd
 from matplotlib.figure import Figure
 
-from softsample.figures.moduli import LINES, WIDTHS, geometry_names
-from softsample.figures.style import (
-    MODE_COLOURS,
-    axis_labels,
-    darkened,
-    label_panel,
-    page_figure,
-    styled,
-)
+from softsample.figures.moduli import geometry_names, model_line
+from softsample.figures.style import MODE_COLOURS, axis_labels, label_panel, page_figure, styled
 
 
 @styled
@@ -39,8 +32,7 @@ def response_figure(curves: Mapping[str, pd.DataFrame], mode: str, ideal: str = 
         travel = curve["displacement_mm"]
         if at == 0:
             force.plot(travel, curve["measured_N"], color="0.72", lw=3.0, label="measured")
-        shade = darkened(colour) if geometry == "ideal" else colour
-        line = {"color": shade, "ls": LINES[geometry], "lw": WIDTHS[geometry]}
+        line = model_line(geometry, colour)
         force.plot(travel, curve["model_N"], label=f"model, {names[geometry]}", **line)
         misfit = 1e3 * (curve["measured_N"] - curve["model_N"])
         left_over.plot(travel, misfit, **{**line, "lw": 0.7})

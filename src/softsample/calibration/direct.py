@@ -2,6 +2,7 @@
 
 import time
 from collections.abc import Iterable, Mapping
+from dataclasses import dataclass, field
 from typing import Any
 
 import numpy as np
@@ -14,6 +15,7 @@ from softsample.fem.explicit import ExplicitModel, Run
 from softsample.fem.setup import Sample, set_up
 
 
+@dataclass(eq=False)
 class SimulatedCurves:
     """Curves of one sample that are simulated when they are asked for, and counted.
 
@@ -27,25 +29,19 @@ class SimulatedCurves:
         Exponents.
     poisson_ratio : float
         Initial Poisson's ratio.
-    fractions : (low, high)
-        Range of r = mu1 / mu.
+    bounds : dict
+        Range of the `mu1_fraction`.
     """
 
-    def __init__(
-        self,
-        model: ExplicitModel,
-        boundary: Boundary,
-        travel: float,
-        loading_time: float,
-        alpha: tuple[float, float],
-        poisson_ratio: float,
-        fractions: tuple[float, float],
-    ) -> None:
-        self._model, self._boundary, self._travel = model, boundary, travel
-        self._loading_time, self._alpha, self._poisson_ratio = loading_time, alpha, poisson_ratio
-        self.bounds = {"mu1_fraction": fractions}
-        self._runs: dict[tuple[float, float], Run] = {}
-        self.cpu_s = 0.0
+    model: ExplicitModel
+    boundary: Boundary
+    travel: float
+    loading_time: float
+    alpha: tuple[float, float]
+    poisson_ratio: float
+    bounds: dict[str, tuple[float, float]]
+    cpu_s: float = 0.0
+    _runs: dict[tuple[float, float], Run] = field(default_factory=dict)
 
     @property
     def simulations(self) -> int:
@@ -56,11 +52,9 @@ class SimulatedCurves:
         """Force along the travel [N]; the same material is simulated once."""
         if (mu, fraction) not in self._runs:
             before = time.process_time()
-            self._runs[mu, fraction] = self._model.run(
-                unit_modulus(fraction, self._alpha, self._poisson_ratio, mu),
-                self._boundary,
-                self._travel,
-                loading_time=self._loading_time,
+            solid = unit_modulus(fraction, self.alpha, self.poisson_ratio, mu)
+            self._runs[mu, fraction] = self.model.run(
+                solid, self.boundary, self.travel, loading_time=self.loading_time
             )
             self.cpu_s += time.process_time() - before
         run = self._runs[mu, fraction]
@@ -95,7 +89,7 @@ def simulated_curves(
                 report["loading_time_s"],
                 law["alpha"],
                 law["poisson_ratio"],
-                group.responses[name].bounds["mu1_fraction"],
+                group.responses[name].bounds,
             )
     return found
 

@@ -119,6 +119,7 @@ def resampled(series: Array, block: float, rng: np.random.Generator) -> Array:
     return np.asarray(series[(start + np.arange(n) - begin) % n])
 
 
+@dataclass(eq=False)
 class Uncertainty:
     """Uncertainty of one calibration of the two moduli.
 
@@ -132,19 +133,16 @@ class Uncertainty:
         Of the fit, and of its uncertainty.
     """
 
-    def __init__(
-        self,
-        families: Mapping[str, Curves],
-        measured: Mapping[str, MeasuredCurve],
-        fit: Fit,
-        calibration: CalibrationSettings,
-        settings: UncertaintySettings,
-    ) -> None:
-        self.families, self.measured, self.fit = families, measured, fit
-        self.calibration, self.settings = calibration, settings
-        self.objective = AreaObjective(families, measured)
-        self.model = {s: self.objective.force(s, *fit.parameters) for s in measured}
-        self.residual = {s: curve.force - self.model[s] for s, curve in measured.items()}
+    families: Mapping[str, Curves]
+    measured: Mapping[str, MeasuredCurve]
+    fit: Fit
+    calibration: CalibrationSettings
+    settings: UncertaintySettings
+
+    def __post_init__(self) -> None:
+        self.objective = AreaObjective(self.families, self.measured)
+        self.model = {s: self.objective.force(s, *self.fit.parameters) for s in self.measured}
+        self.residual = {s: curve.force - self.model[s] for s, curve in self.measured.items()}
         self.correlation = {s: correlation(residual) for s, residual in self.residual.items()}
 
     def effective_points(self) -> float:

@@ -83,10 +83,6 @@ class SimulatedResponse:
         force = self.simulate(candidate, shape)
         known = candidate.name in self.places
         expected = self.unit_force(candidate, shape, self.grid) / self.anchor if known else 0.0
-        self._keep(candidate, shape, force)
-        return float(np.abs(force - expected).max() / np.abs(force).max())
-
-    def _keep(self, candidate: Candidate, shape: Array, force: Array) -> None:
         ratio = self._ratio_of(force, self.homogeneous.unit_force(candidate, shape, self.grid))
         self._between.pop(candidate.name, None)
         place = _scaled(candidate, shape)
@@ -98,6 +94,7 @@ class SimulatedResponse:
             del places[k], ratios[k]
         places.append(place)
         ratios.append(ratio)
+        return float(np.abs(force - expected).max() / np.abs(force).max())
 
     def unit_force(self, candidate: Candidate, shape: Array, displacement: Array) -> Array:
         """See `Response.unit_force`; of a law without runs with the ratio of the anchor's."""

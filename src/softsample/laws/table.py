@@ -1,6 +1,7 @@
 """The choice of a study's law: of each group, or of all together; its table."""
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
+from functools import partial
 from typing import Any
 
 import numpy as np
@@ -72,7 +73,6 @@ def choices(
     for group, report in reports.items():
         asked = reports if pool else {group: report}
         choice = choice_of(candidates, asked)
-        parts = next(iter(report["laws"].values()))["held_out"]
         found[group] = {
             "recommended": choice.recommended,
             "equal": list(choice.equal),
@@ -82,34 +82,32 @@ def choices(
             "log_likelihood": choice.score,
             "behind": choice.behind,
             "standard_error": choice.standard_error,
-            "held_out": {
-                part: _nested(choice_of(candidates, asked, part), report, part)
-                for part, error in parts.items()
-                if error is not None
-            },
+            "held_out": _nested(partial(choice_of, candidates, asked), report),
             "by_other_groups": _by_others(candidates, reports, group),
         }
     return {g: {**c, "best": best_laws(g, reports, found)} for g, c in found.items()}
 
 
-def _nested(choice: Choice, report: Mapping[str, Any], part: str) -> dict[str, Any]:
-    """The law that was chosen without what is left out, and its error on that."""
-    name = choice.recommended
-    error = report["laws"][name]["held_out"][part] if name else None
-    return {"law": name, "error_percent": None if error is None else 100.0 * error}
+def _nested(chosen: Callable[[str], Choice], report: Mapping[str, Any]) -> dict[str, Any]:
+    """By part that leaves something out: the law chosen without that, and its error on it."""
+    laws, found = report["laws"], {}
+    for part, error in next(iter(laws.values()))["held_out"].items():
+        if error is not None:
+            name = chosen(part).recommended
+            left = laws[name]["held_out"][part] if name else None
+            found[part] = {"law": name, "error_percent": None if left is None else 100.0 * left}
+    return found
 
 
 def _by_others(
     candidates: Sequence[Candidate], reports: Reports, group: str
 ) -> dict[str, dict[str, Any]]:
-    """The same if the other groups alone choose, by part that leaves something out."""
+    """The same if the other groups alone choose."""
     others = {name: report for name, report in reports.items() if name != group}
     if not others:
         return {}
-    report = reports[group]
-    choice = choice_of(compared(candidates, {group: report}), others)
-    parts = next(iter(report["laws"].values()))["held_out"]
-    return {part: _nested(choice, report, part) for part, e in parts.items() if e is not None}
+    choice = choice_of(compared(candidates, {group: reports[group]}), others)
+    return _nested(lambda part: choice, reports[group])
 
 
 def model_errors(intervals: pd.DataFrame, geometries: Mapping[str, str]) -> dict[str, float]:

@@ -70,7 +70,9 @@ def boundary(
     dips = intensity.largest_component(local > HALF) & (local <= HALF)
     local[dips] = 1.0  # next to a bubble the spline may fall below what its voxels hold
     first = round(float(settings.base_clearance_mm * MM - origin[2]) / spacing)
-    walls = frame.iso_surface(local[:, :, first - 1 :], HALF, _raised(grid, first - 1))
+    raised = grid.copy()
+    raised[:3, 3] += (first - 1) * grid[:3, 2]
+    walls = frame.iso_surface(local[:, :, first - 1 :], HALF, raised)
     wet = frame.sampled(share.fluid.astype(np.float64), to_voxel, shape, order=1) > 0.01
     reach = FLUID_REACH_MM * MM
     away = _away(wet, spacing)
@@ -128,13 +130,6 @@ def _away(marked: Mask, spacing: float) -> Array:
     return np.asarray(ndimage.distance_transform_edt(~marked, sampling=spacing))
 
 
-def _raised(grid: Array, layers: int) -> Array:
-    """Affine of the part of a grid that begins `layers` higher."""
-    raised = grid.copy()
-    raised[:3, 3] += layers * grid[:3, 2]
-    return raised
-
-
 def _grid(
     surface: frame.Surface, sample_to_world: Array, spacing: float, padding: float
 ) -> tuple[Array, tuple[int, int, int]]:
@@ -148,15 +143,9 @@ def _grid(
 
 
 def on_image(
-    distance: Array,
-    origin: Array,
-    spacing: float,
-    sample_to_world: Array,
-    to_world: Array,
-    shape: tuple[int, ...],
+    distance: Array, origin: Array, spacing: float, to_sample: Array, shape: tuple[int, ...]
 ) -> Mask:
     """Sample on the grid of the image: inside the surface and above the base plane."""
-    to_sample = np.linalg.inv(sample_to_world) @ to_world
     to_index = np.linalg.inv(frame.grid_affine(origin, spacing)) @ to_sample
     inside = frame.sampled(distance, to_index, shape, order=1, outside=1.0) < 0.0
     i, j, k = np.ogrid[: shape[0], : shape[1], : shape[2]]

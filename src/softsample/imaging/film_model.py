@@ -1,6 +1,7 @@
 """Model of the scanner with a film on the tissue or without one, and its most probable state."""
 
 from dataclasses import dataclass, replace
+from typing import Any
 
 import numba
 import numpy as np
@@ -71,14 +72,9 @@ class Model:
     def without_film(self) -> "Model":
         """The same without film."""
         count = len(self.places[0]) + len(self.places[1])
-        return replace(
-            self,
-            priors=self.priors[:2],
-            places=self.places[:2],
-            carry=self.carry[:2],
-            precision=self.precision[:count, :count],
-            volumes=self.volumes[:2],
-        )
+        names = ("priors", "places", "carry", "volumes")
+        fields: dict[str, Any] = {name: getattr(self, name)[:2] for name in names}
+        return replace(self, precision=self.precision[:count, :count], **fields)
 
     @property
     def with_film(self) -> bool:

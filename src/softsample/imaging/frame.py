@@ -208,20 +208,6 @@ def grid_affine(origin: Array, spacing: float) -> Array:
     return affine
 
 
-def rigid_to_mm(matrix: Array) -> Array:
-    """A rigid map (4, 4) between frames in metres as one between frames in millimetres."""
-    scaled = matrix.copy()
-    scaled[:3, 3] *= 1e3
-    return scaled
-
-
-def index_to_mm(affine: Array) -> Array:
-    """A map (4, 4) from index to position in metres as one to millimetres."""
-    scaled = affine.copy()
-    scaled[:3] *= 1e3
-    return scaled
-
-
 def sampled(
     field: Array,
     to_index: Array,
@@ -230,10 +216,9 @@ def sampled(
     outside: float = 0.0,
 ) -> Array:
     """Values of a field on another grid of `shape`, whose indices `to_index` (4, 4) maps."""
+    matrix, offset = to_index[:3, :3], to_index[:3, 3]
     return np.asarray(
-        ndimage.affine_transform(
-            field, to_index[:3, :3], to_index[:3, 3], output_shape=shape, order=order, cval=outside
-        )
+        ndimage.affine_transform(field, matrix, offset, shape, order=order, cval=outside)
     )
 
 

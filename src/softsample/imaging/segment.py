@@ -101,19 +101,18 @@ class Segmentation:
     def distance_affine_mm(self) -> Array:
         """Map (4, 4) from an index of `distance` to world [mm]."""
         affine = self.sample_to_world @ frame.grid_affine(self.origin, self.spacing)
-        return frame.index_to_mm(affine)
+        affine[:3] *= 1e3
+        return affine
 
     def summary(self) -> dict[str, Any]:
         """Flat record in mm and degrees for ``segmentation/{sample}.json``."""
-        intensities = {
-            "snr": self.snr,
-            "noise": self.noise,
-            "tissue_level": self.tissue_level,
-            "threshold": self.threshold,
-        }
-        known = {k: v if np.isfinite(v) else None for k, v in intensities.items()}
+        to_world = self.sample_to_world.copy()
+        to_world[:3, 3] *= 1e3
+        names = ("snr", "noise", "tissue_level", "threshold")
+        values = {name: getattr(self, name) for name in names}
+        known = {k: v if np.isfinite(v) else None for k, v in values.items()}
         return {
-            "sample_to_world": frame.rigid_to_mm(self.sample_to_world).tolist(),
+            "sample_to_world": to_world.tolist(),
             "grid_origin_mm": (self.origin / MM).tolist(),
             "grid_spacing_mm": self.spacing / MM,
             "volume_mm3": self.volume / MM**3,
@@ -240,7 +239,7 @@ def _from_share(
     to_sample = np.linalg.inv(sample_to_world) @ to_world
     beside = doubts.bright_beside(share.share, share.mask, voxel, 1.5 * margin_of(voxel), to_sample)
     return Segmentation(
-        mask=on_image(distance, origin, spacing, sample_to_world, to_world, share.mask.shape),
+        mask=on_image(distance, origin, spacing, to_sample, share.mask.shape),
         distance=distance,
         origin=origin,
         spacing=spacing,
@@ -265,15 +264,11 @@ def _from_share(
 
 def _flags(share: TissueShare, spread: float, voxel: Array) -> tuple[str, ...]:
     """What a person should look at."""
-    flags = []
-    if share.fluid.any():
-        flags.append("free fluid on the sample was left out")
-    if share.hole.any():
-        flags.append("a hole in the sample was filled")
-    if share.left_out:
-        flags.append(f"another region of {share.left_out / MM**3:.0f} mm3 was left out")
-    if spread > 0.5 * float(np.max(voxel)):
-        flags.append("base is not flat")
-    if share.snr < 8.0:
-        flags.append("low signal to noise ratio")
-    return tuple(flags)
+    found = {
+        "free fluid on the sample was left out": share.fluid.any(),
+        "a hole in the sample was filled": share.hole.any(),
+        f"another region of {share.left_out / MM**3:.0f} mm3 was left out": share.left_out,
+        "base is not flat": spread > 0.5 * float(np.max(voxel)),
+        "low signal to noise ratio": share.snr < 8.0,
+    }
+    return tuple(flag for flag, holds in found.items() if holds)

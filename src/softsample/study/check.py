@@ -10,6 +10,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from softsample import validation
 from softsample.arrays import Mask
 from softsample.errors import InputError, SoftsampleError, as_setting
 from softsample.formats import Volume, header_doubts
@@ -30,16 +31,6 @@ from softsample.shapes import ANY_DIMENSION, DIMENSIONS, IdealShape
 from softsample.study import ROOT, SETTINGS, TABLE, schema, table_of
 from softsample.study.compare import Seen, compared
 from softsample.units import MM
-from softsample.validation import (
-    axes_of,
-    check_config,
-    overlaid,
-    record_settings,
-    resolved,
-    sample_faults,
-    sample_rows,
-    stated_shape,
-)
 
 SLIDING_MODES = ("tension", "compression", "shear", "pure_shear")
 """Modes of a stated shape whose ends may slide."""
@@ -97,11 +88,11 @@ def check_study(folder: PathLike) -> Inspection:
     settings = _settings(home, result)
     try:
         table = read_samples(table_of(home))
-        rows = sample_rows(table, str(home / TABLE))
+        rows = validation.sample_rows(table, str(home / TABLE))
     except InputError as error:
         result.faults.append(str(error))
         return result
-    faults = list(sample_faults(table, rows, schema("samples"), settings["formats"]))
+    faults = list(validation.sample_faults(table, rows, schema("samples"), settings["formats"]))
     result.faults += [f"{home / TABLE}, {fault}" for fault in faults]
     wrong = {(fault.line, fault.column) for fault in faults}
     seen = result.seen
@@ -192,8 +183,8 @@ def _settings(home: Path, result: Inspection) -> dict[str, Any]:
         own = read_yaml(home / SETTINGS) or {}
         if not isinstance(own, dict):
             raise InputError(f"{home / SETTINGS}: holds no keys; give some, such as records: ...")
-        merged = overlaid(defaults, own)
-        check_config(merged, schema("config"), str(home / SETTINGS))
+        merged = validation.overlaid(defaults, own)
+        validation.check_config(merged, schema("config"), str(home / SETTINGS))
     except InputError as error:
         first, *more = str(error).split("\n")
         result.faults += [f"{home / SETTINGS}: {line.strip()}" for line in more] or [first]
@@ -250,9 +241,7 @@ def _check_there(home: Path, name: str, column: str) -> None:
     path = home / name
     if path.exists():
         return
-    beside = (
-        [str(p.relative_to(home)) for p in path.parent.glob("*")] if path.parent.is_dir() else []
-    )
+    beside = [str(p.relative_to(home)) for p in path.parent.glob("*")]
     same = [other for other in beside if other.lower() == name.lower()]
     near = (same or difflib.get_close_matches(name, beside, n=1, cutoff=0.8))[:1]
     cure = f"write {near[0]} into column {column}" if near else "correct its path in the table"
@@ -279,7 +268,7 @@ def _glance(
     settings: Mapping[str, Any],
 ) -> Glance:
     """Segment an image at low resolution."""
-    axes = {name: world_axis(cell) for name, cell in axes_of(row).items()}
+    axes = {name: world_axis(cell) for name, cell in validation.axes_of(row).items()}
     try:
         return glance(
             image[0] if mask is None else mask,
@@ -321,7 +310,7 @@ def _surface(path: str, row: Mapping[str, str], told: list[str]) -> TriangleSurf
         f"  surface {path}: {len(surface.triangles)} triangles, {extent} mm, "
         f"{surface.volume / MM**3:.4g} mm3"
     )
-    loading_axis = world_axis(axes_of(row)["loading_axis"])
+    loading_axis = world_axis(validation.axes_of(row)["loading_axis"])
     told += _told_round(circularity_of_surface(surface, loading_axis), row)
     return surface
 
@@ -334,7 +323,7 @@ def _around(surface: TriangleSurface) -> IdealShape:
 def _size(row: Mapping[str, str], told: list[str]) -> IdealShape | None:
     """The shape that a row states, if its cells are sound."""
     try:
-        shape = IdealShape.of_row(stated_shape(row))
+        shape = IdealShape.of_row(validation.stated_shape(row))
     except InputError:  # the table says what is wrong, or there is an image
         return None
     sizes = [f"{name[:-3]} {row[name]} mm" for name in DIMENSIONS[shape.kind]]
@@ -375,13 +364,13 @@ def _record(
     told: list[str],
 ) -> tuple[Record, dict[str, Any]] | None:
     """Check a record; `sizes` are the dimensions that are stated, and those that are known."""
-    given = RecordSettings(**record_settings(settings, row))
+    given = RecordSettings(**validation.record_settings(settings, row))
     raw = read(path, given.columns, given.units, given.sheet, given.block, row.get("mode", ""))
     told.append(f"  record {path}: {raw.reading['kind']}")
     told += [f"    {line}" for line in described(raw.reading)]
     if "mode" not in row:
         return None
-    form, which = schema("record"), resolved(row)["cycle"]
+    form, which = schema("record"), validation.resolved(row)["cycle"]
     stated, known = sizes
     test = (raw.reading, row["mode"], given, form, path, stated, which)
     table, facts = aligned_record(raw.table, *test)

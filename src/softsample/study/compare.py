@@ -16,6 +16,20 @@ from softsample.units import MM
 FEWEST = 2
 """Samples of other groups that one is compared with."""
 
+UNLIKE = {
+    "volume_mm3": (
+        "a sample of about {:.3g} mm3, {} the others' volume; is it the right file, and are voxels "
+        "and dimensions in mm?",
+        1.0,
+    ),
+    "stiffness_pa": (
+        "stress over strain of {:.3g} kPa, {} the others' in this mode; is it the right record, "
+        "with the right units?",
+        1e-3,
+    ),
+}
+"""What is said of a figure that is far from the others', and its factor there."""
+
 
 @dataclass(frozen=True)
 class Seen:
@@ -69,9 +83,9 @@ def compared(seen: Sequence[Seen], limits: Limits) -> Iterator[str]:
     yield from _several_speeds(seen)
     for one in seen:
         others = [other for other in seen if other is not one]
-        yield from _volume(one, others, limits.volume_ratio)
+        yield from _unlike(one, others, "volume_mm3", limits.volume_ratio)
         alike = [other for other in others if other.row.get("mode") == one.row.get("mode")]
-        yield from _stiffness(one, alike, limits.stiffness_ratio)
+        yield from _unlike(one, alike, "stiffness_pa", limits.stiffness_ratio)
         yield from _cut_off(one, alike, limits.strain_ratio)
 
 
@@ -85,28 +99,15 @@ def _ratios(one: Seen, others: Sequence[Seen], name: str) -> tuple[float, list[f
     return own, [own / other for other in values if other and own]
 
 
-def _far(ratios: Sequence[float], limit: float) -> bool:
-    """Whether all others are far away, on the same side."""
-    return bool(ratios) and (min(ratios) > limit or max(ratios) < 1.0 / limit)
-
-
-def _volume(one: Seen, others: Sequence[Seen], limit: float) -> Iterator[str]:
-    own, ratios = _ratios(one, others, "volume_mm3")
-    if _far(ratios, limit):
+def _unlike(one: Seen, others: Sequence[Seen], name: str, limit: float) -> Iterator[str]:
+    """Whether a figure is far from all others', on the same side."""
+    told, scale = UNLIKE[name]
+    own, ratios = _ratios(one, others, name)
+    if ratios and (min(ratios) > limit or max(ratios) < 1.0 / limit):
+        setting = f"{name.partition('_')[0]}_ratio: {_accepted(ratios):g}"
         yield (
-            f"{one.where}: a sample of about {own:.3g} mm3, {_times(ratios)} the others' "
-            "volume; is it the right file, and are voxels and dimensions in mm? If it is right, "
-            f"set `plausibility: {{volume_ratio: {_accepted(ratios):g}}}`"
-        )
-
-
-def _stiffness(one: Seen, others: Sequence[Seen], limit: float) -> Iterator[str]:
-    own, ratios = _ratios(one, others, "stiffness_pa")
-    if _far(ratios, limit):
-        yield (
-            f"{one.where}: stress over strain of {1e-3 * own:.3g} kPa, {_times(ratios)} the "
-            "others' in this mode; is it the right record, with the right units? If it is right, "
-            f"set `plausibility: {{stiffness_ratio: {_accepted(ratios):g}}}`"
+            f"{one.where}: {told.format(scale * own, _times(ratios))} If it is right, set "
+            f"`plausibility: {{{setting}}}`"
         )
 
 

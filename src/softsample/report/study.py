@@ -9,16 +9,8 @@ from typing import Any
 
 import pandas as pd
 
+from softsample.report import html
 from softsample.report.facts import findings_of, record_fact, sample_facts, verdict_sentence
-from softsample.report.html import (
-    as_json,
-    caption,
-    download,
-    markdown,
-    parameters,
-    picture,
-    render_report,
-)
 from softsample.report.results import Report, brief
 from softsample.report.scene import Shape, scene
 from softsample.report.tables import intervals_shown, table_shown
@@ -118,7 +110,7 @@ class StudyReport:
             What the template takes as it is.
         """
         real = any(geometry == "real" for _, geometry in self.runs)
-        return render_report(
+        return html.render_report(
             template,
             cards=[card | {"verdict": verdict_words(card["verdict"])} for card in brief(document)],
             real=real,
@@ -127,7 +119,7 @@ class StudyReport:
             figures=[
                 {
                     "name": path.stem,
-                    "picture": picture(path, path.stem),
+                    "picture": html.picture(path, path.stem),
                     "caption": self._caption(path.stem),
                 }
                 for path in figures
@@ -135,7 +127,7 @@ class StudyReport:
             groups=[self._group(name) for name in self.groups],
             imaged=bool(self.pictures["samples"]),
             config=self.config,
-            parameters=list(parameters(self.config, schema)),
+            parameters=list(html.parameters(self.config, schema)),
             checks=[{"of": of, **check} for of, found in checks.items() for check in found],
             stages={
                 report["provenance"]["rule"]: report["provenance"]["code_sha256"]
@@ -146,7 +138,7 @@ class StudyReport:
                 for report in chain(self.images.values(), self.records.values())
                 for name, digest in report["provenance"]["inputs"].items()
             },
-            scenes=as_json(
+            scenes=html.as_json(
                 {
                     "colours": colours,
                     "extent_mm": max(one["extent_mm"] for one in self._scenes.values()),
@@ -171,7 +163,7 @@ class StudyReport:
         }
 
     def _caption(self, name: str, **wildcards: str) -> str:
-        return caption(self.parts / f"{name}.rst", self.config, **wildcards)
+        return html.caption(self.parts / f"{name}.rst", self.config, **wildcards)
 
     def _table(self, path: Path, frame: pd.DataFrame) -> dict[str, Any]:
         group_of = {name: row["group"] for name, row in self.rows.items()}
@@ -181,7 +173,7 @@ class StudyReport:
                 path.stem, frame, self.intervals, group_of, self.config["uncertainty"]["confidence"]
             ),
             "caption": self._caption(path.stem),
-            "download": download(path),
+            "download": html.download(path),
         }
 
     def _sample(self, name: str) -> dict[str, Any]:
@@ -202,7 +194,7 @@ class StudyReport:
             "piece": self.piece_of[name],
             "pictures": [
                 {
-                    "picture": picture(self.pictures[kind][name], f"{name}, {kind}"),
+                    "picture": html.picture(self.pictures[kind][name], f"{name}, {kind}"),
                     "caption": self._caption(text, sample=name),
                 }
                 for kind, text in CAPTIONS.items()
@@ -226,7 +218,7 @@ class StudyReport:
             ).drop(columns="group"),
             "verdict": verdict_words(verdict["verdict"]),
             "saying": verdict_sentence(verdict),
-            "page": markdown(page, {"verdict.png": self.verdict_plots[name]}),
+            "page": html.markdown(page, {"verdict.png": self.verdict_plots[name]}),
         }
 
 

@@ -49,10 +49,10 @@ def simulate_both(
         where elements at the edge of the top invert.
     """
     top = np.unique(top_quads(model.mesh, normal_deg))
-    boundaries = {
-        "contact": platen_boundary(model.mesh, contact),
-        "prescribed": glued_boundary(model.mesh, "compression", top),
-    }
+    boundaries = (
+        platen_boundary(model.mesh, contact),
+        glued_boundary(model.mesh, "compression", top),
+    )
     contact_run, run = (
         as_far_as_it_goes(
             lambda way, held=held: model.run(  # type: ignore[misc]
@@ -60,7 +60,7 @@ def simulate_both(
             ),
             travel,
         )
-        for held in boundaries.values()
+        for held in boundaries
     )
     return pd.DataFrame(
         {

@@ -102,7 +102,9 @@ def variants(
         scaled = IdealShape(ideal.kind, length, width, height_ratio * ideal.height)
         return Variant(ideal_hexes(scaled, size), 0.0)
 
-    top_area, volume = (f(shape) / ideal.area for f in (_top_area, _mean_section))
+    top_area = float(section_areas(shape.levelled, np.array([ideal.height]))[0])
+    levels = shape.real.highest * (np.arange(200) + 0.5) / 200
+    section = float(section_areas(shape.real, levels).mean() * shape.real.highest / ideal.height)
     found = {
         "real": Variant(shape.real, preload, bonded=touched if by_contact else None),
         "levelled": Variant(shape.levelled, 0.0),
@@ -112,8 +114,8 @@ def variants(
         "tilt_alone": Variant(shape.with_top(shape.tilt_alone), preload),
         "without_tilt": Variant(shape.with_top(shape.without_tilt), preload),
         "cuboid_to_highest_point": cuboid(height_ratio=shape.real.highest / ideal.height),
-        "cuboid_of_top_area": cuboid(top_area),
-        "cuboid_of_volume": cuboid(volume),
+        "cuboid_of_top_area": cuboid(top_area / ideal.area),
+        "cuboid_of_volume": cuboid(section / ideal.area),
     }
     for factor in settings.relief_factors:
         mesh = shape.with_top(shape.scaled_relief(factor))
@@ -128,19 +130,6 @@ def variants(
         if touched is not None:
             found["bond_by_contact"] = Variant(shape.real, preload, bonded=touched)
     return found
-
-
-def _top_area(shape: Shape) -> float:
-    """Area of the top [m2], projected on the base."""
-    return float(section_areas(shape.levelled, np.array([shape.ideal.height]))[0])
-
-
-def _mean_section(shape: Shape) -> float:
-    """Volume of the real sample over the height of the cuboid [m2]."""
-    heights = shape.real.highest * (np.arange(200) + 0.5) / 200
-    return float(
-        section_areas(shape.real, heights).mean() * shape.real.highest / shape.ideal.height
-    )
 
 
 @dataclass(frozen=True)

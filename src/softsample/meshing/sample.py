@@ -110,11 +110,7 @@ def mesh_ideal(
         If the shape is too small for such elements, or for the indenter.
     """
     start = process_time()
-    mesh = (
-        indented_hexes(shape, element_size, indenter, coarser)
-        if indenter
-        else ideal_hexes(shape, element_size)
-    )
+    mesh = ideal_hexes(shape, element_size, indenter, coarser)
     seconds = process_time() - start
     report = quality_report(mesh, element_size, shape.volume)
     return _with_fields(mesh, mesh.glued(0.0), report, seconds)
@@ -134,8 +130,12 @@ def indented_hexes(
     return graded_hexes(shape, fine, near, coarse)
 
 
-def ideal_hexes(shape: IdealShape, element_size: float) -> HexMesh:
+def ideal_hexes(
+    shape: IdealShape, element_size: float, indenter: Indenter | None = None, coarser: float = 1.0
+) -> HexMesh:
     """Hexahedra of an idealised sample; parameters and errors as of `mesh_ideal`."""
+    if indenter:
+        return indented_hexes(shape, element_size, indenter, coarser)
     if shape.kind == "cylinder":
         return mesh_cylinder(shape.length, shape.height, element_size)
     return mesh_cuboid(shape.length, shape.width, shape.height, element_size)

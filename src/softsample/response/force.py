@@ -7,7 +7,7 @@ from softsample.constitutive.material import Material
 from softsample.fem.boundary import BONDED, ContactSettings, Ends, mode_boundary
 from softsample.fem.explicit import ExplicitModel, SolverSettings
 from softsample.meshing.mesh import HexMesh
-from softsample.meshing.sample import ideal_hexes, indented_hexes
+from softsample.meshing.sample import ideal_hexes
 from softsample.protocol import is_homogeneous
 from softsample.response.unit import homogeneous_area, paced
 from softsample.shapes import IdealShape, Indenter
@@ -66,11 +66,7 @@ def force_curve(
     mesh = sample
     if isinstance(mesh, IdealShape):
         size = mesh.smallest / elements_across
-        mesh = (
-            indented_hexes(mesh, size, ends)
-            if isinstance(ends, Indenter)
-            else ideal_hexes(mesh, size)
-        )
+        mesh = ideal_hexes(mesh, size, ends if isinstance(ends, Indenter) else None)
     model = ExplicitModel(mesh, given)
     held = mode_boundary(mesh, mode, mesh.glued(0.0), ContactSettings(), ends)
     run = paced(model, material, held, travel).run

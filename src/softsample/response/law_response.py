@@ -22,7 +22,8 @@ J. W. Bandler et al., IEEE Trans. Microw. Theory Tech. 42 (1994) 2536, doi:10.11
 
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
-from functools import cached_property, lru_cache
+from functools import cached_property, lru_cache, partial
+from typing import TypeVar
 
 import numpy as np
 from scipy.interpolate import PchipInterpolator
@@ -32,6 +33,8 @@ from softsample.protocol import NEVER_UNIFORM, PRESSED_MODES
 from softsample.response.closed_form import ClosedForm, Terms, two_terms
 from softsample.response.curves import ResponseCurves
 from softsample.shapes import IdealShape
+
+T = TypeVar("T")
 
 POINTS, BEYOND, END = 64, 1.25, 0.05
 """Steps of the grid on which laws are computed, and how far it goes over the model's curves, to the
@@ -60,6 +63,11 @@ FOAM_EXCESS = np.log(2.0)
 
 LEAST_PART = 0.05
 """What is left of a compliance at least."""
+
+
+def _kept(method: Callable[..., T]) -> cached_property[Callable[..., T]]:
+    """A method of which each instance keeps the last results."""
+    return cached_property(lambda self: lru_cache(KEPT)(partial(method, self)))
 
 
 @dataclass(frozen=True, eq=False)
@@ -167,20 +175,14 @@ class LawResponse:
         mode = REFERRED.get(self.mode, self.mode)
         return ClosedForm(self.shape.area, mode, self._strain, self.normal, self.poisson_ratio)
 
-    @cached_property
-    def _ogden(self) -> Callable[[float, tuple[float, ...]], Array]:
-        return lru_cache(KEPT)(self._ogden_on_grid)
-
-    @cached_property
-    def _foam(self) -> Callable[[float, float, float], Array]:
-        return lru_cache(KEPT)(self._foam_on_grid)
-
-    def _ogden_on_grid(self, fraction: float, alpha: tuple[float, ...]) -> Array:
+    @_kept
+    def _ogden(self, fraction: float, alpha: tuple[float, ...]) -> Array:
         terms, _, own = two_terms(fraction, alpha), *self._model(fraction)
         more = 0.0 if self._exact else self._mixed_excess(fraction, alpha) - own
         return self._from_model(fraction, self._closed.ogden(terms), terms, more)
 
-    def _foam_on_grid(self, fraction: float, alpha: float, nu: float) -> Array:
+    @_kept
+    def _foam(self, fraction: float, alpha: float, nu: float) -> Array:
         closed, model = self._closed.foam(alpha, nu), self._excess_of_model(fraction)
         more = 0.0 if self._exact else self._foam_excess(alpha, nu) - model
         return self._from_model(fraction, closed, ((1.0, alpha),), more)
@@ -206,24 +208,16 @@ class LawResponse:
         """Closed form of the force along the shear, to which normal ones are referred."""
         return self._along.ogden(terms) if self.normal else self._closed.ogden(terms)
 
-    @cached_property
-    def _single(self) -> Callable[[float], tuple[Array, Array]]:
+    @_kept
+    def _single(self, alpha: float) -> tuple[Array, Array]:
         """Closed form along the shear and excess of a single term by its exponent."""
+        return self._sheared(((1.0, alpha),)), self._excess(alpha)
 
-        def of_term(alpha: float) -> tuple[Array, Array]:
-            return self._sheared(((1.0, alpha),)), self._excess(alpha)
-
-        return lru_cache(KEPT)(of_term)
-
-    @cached_property
-    def _model(self) -> Callable[[float], tuple[Array, Array | float]]:
+    @_kept
+    def _model(self, fraction: float) -> tuple[Array, Array | float]:
         """Closed form and excess of the model's own terms by their modulus fraction."""
-
-        def of_fraction(fraction: float) -> tuple[Array, Array | float]:
-            base = self._closed.ogden(two_terms(fraction, self.alpha))
-            return base, 0.0 if self._exact else self._mixed_excess(fraction, self.alpha)
-
-        return lru_cache(KEPT)(of_fraction)
+        base = self._closed.ogden(two_terms(fraction, self.alpha))
+        return base, 0.0 if self._exact else self._mixed_excess(fraction, self.alpha)
 
     @cached_property
     def _along(self) -> ClosedForm:

@@ -1,7 +1,8 @@
 """One test with the calibrated material: curve, deformed shape, energies, contact."""
 
-from collections.abc import Callable, Mapping
+from collections.abc import Mapping
 from dataclasses import dataclass
+from functools import partial
 from typing import Any
 
 import numpy as np
@@ -12,7 +13,7 @@ from softsample.arrays import Array
 from softsample.constitutive.homogeneous import principal_stretches
 from softsample.constitutive.material import Material
 from softsample.errors import CrushedError
-from softsample.fem.boundary import Boundary, Ends
+from softsample.fem.boundary import Ends
 from softsample.fem.explicit import ExplicitModel
 from softsample.fem.fields import CONTACT, contact_report, max_principal_hencky_strain
 from softsample.fem.setup import Sample, set_up
@@ -126,64 +127,26 @@ def optimum(
         Told what runs and the finished part.
     """
     mode, sections, ends = test
-
-    def homogeneous(crushed: int) -> Optimum:
-        points = sections["solver"]["curve_points"]
-        return homogeneous_optimum(sample[0], shape, mode, material, travel, points, crushed)
-
+    points = sections["solver"]["curve_points"]
+    homogeneous = partial(homogeneous_optimum, sample[0], shape, mode, material, travel, points)
     if mode == "shear" and ends == "sliding":
-        return homogeneous(crushed=0)
+        return homogeneous()
     model, boundary = set_up(sample, *test)
+    duration, told = loading_time(response, model), partial(progress, "run at the optimum")
     try:
-        return simulated_optimum(
-            model,
-            boundary,
-            material,
-            travel,
-            loading_time(response, model),
-            lambda done: progress("run at the optimum", done),
+        run = model.run(
+            material, boundary, travel, snapshots=SNAPSHOTS, loading_time=duration, progress=told
         )
     except CrushedError:
         if response["method"] != CLOSED_FORM:
             raise
         return homogeneous(crushed=1)
-
-
-def simulated_optimum(
-    model: ExplicitModel,
-    boundary: Boundary,
-    material: Material,
-    travel: float,
-    duration: float,
-    progress: Callable[[float], None] | None = None,
-) -> Optimum:
-    """A test by the solver.
-
-    Parameters
-    ----------
-    model, boundary, material
-        What is tested, and how it is held.
-    travel, duration : float
-        Displacement of the platen [m], loading time [s].
-    progress : callable, optional
-        Told the finished part.
-    """
-    run = model.run(
-        material, boundary, travel, snapshots=SNAPSHOTS, loading_time=duration, progress=progress
-    )
     contact = [
         {"displacement": state.travel, **contact_report(model.mesh, state)}
         for state in run.snapshots
     ]
-    return Optimum(
-        run.displacement,
-        run.force,
-        run.displacement_field,
-        run.held,
-        run.energies,
-        pd.DataFrame(contact),
-        run_report(run),
-    )
+    found = run.displacement, run.force, run.displacement_field, run.held, run.energies
+    return Optimum(*found, pd.DataFrame(contact), run_report(run))
 
 
 def homogeneous_optimum(

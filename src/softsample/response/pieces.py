@@ -213,13 +213,10 @@ def sample_mesher(
     bond = BondSettings(**given["bond"])
 
     def of_depth(out: float) -> SampleMesh:
+        bond_mask, labels = marks.get("bond_mask"), marks.get("labels")
+        shift = segmented + out
         return mesh_real(
-            *grid,
-            size,
-            preload,
-            boundary_shift=segmented + out,
-            bond_mask=marks.get("bond_mask"),
-            labels=marks.get("labels"),
+            *grid, size, preload, boundary_shift=shift, bond_mask=bond_mask, labels=labels
         )
 
     if bond.rule != CONTACT or given["mode"] in PRESSED_MODES or "bond_mask" in marks:

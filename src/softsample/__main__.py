@@ -94,8 +94,9 @@ def _add_study_commands(commands: Any) -> None:
     add.set_defaults(run=_add)
     for column, meaning in columns().items():
         option = column.removesuffix("_mm").replace("_", "-")
-        needed = column in ("mode", "record")
-        add.add_argument(f"--{option}", dest=column, required=needed, help=_of_command(meaning))
+        # as an option a path is one from where you are
+        needed, told = column in ("mode", "record"), meaning.replace(", relative to the table", "")
+        add.add_argument(f"--{option}", dest=column, required=needed, help=told)
     check = commands.add_parser("check", help="tell everything that is wrong with a study")
     check.set_defaults(run=lambda g: _check(g.folder))
     for command in (new, add, check):
@@ -109,11 +110,6 @@ def _add_study_commands(commands: Any) -> None:
     run.add_argument("--results", help="folder of the results (default: results in the study)")
     run.add_argument("--cores", type=int, default=2, help="jobs side by side (default: 2)")
     run.add_argument("--target", **several, help="rule or file (default: all); may be repeated")
-
-
-def _of_command(meaning: str) -> str:
-    """What a column means where it is an option: its path is one from where you are."""
-    return meaning.replace(", relative to the table", "")
 
 
 def _spoken(make: str, command: str) -> str:

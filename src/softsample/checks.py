@@ -77,7 +77,7 @@ def simulation_checks(
     """
     runs = [*(run for family in families for run in family.get("runs", [])), direct]
     bounds = [family["error_bound_percent"] for family in families if family.get("runs")]
-    return [
+    found = [
         check(
             "volume of the mesh against the geometry [%]",
             abs(quality["volume_difference_percent"]),
@@ -104,28 +104,18 @@ def simulation_checks(
             _largest(run["platen_against_base_percent"] for run in runs),
             limits["platen_against_base_percent_max"],
         ),
-        *(
-            [
-                check(
-                    "error of the finite loading time [% of peak]",
-                    _largest(bounds),
-                    limits["error_bound_percent_max"],
-                )
-            ]
-            if bounds
-            else []
-        ),
-        check(
-            "direct run against calibrated curve [% of peak]",
-            direct["against_calibrated_curve_percent"],
-            limits["direct_difference_percent_max"],
-        ),
-        *(
-            [check("runs at the optimum that crushed elements", crushed, 0, "==")]
-            if (crushed := direct.get("crushed_runs", 0))
-            else []
-        ),
     ]
+    if bounds:
+        most = limits["error_bound_percent_max"]
+        found.append(check("error of the finite loading time [% of peak]", _largest(bounds), most))
+    apart, most = (
+        direct["against_calibrated_curve_percent"],
+        limits["direct_difference_percent_max"],
+    )
+    found.append(check("direct run against calibrated curve [% of peak]", apart, most))
+    if crushed := direct.get("crushed_runs", 0):
+        found.append(check("runs at the optimum that crushed elements", crushed, 0, "=="))
+    return found
 
 
 def calibration_checks(fits: Iterable[Report]) -> list[dict[str, Any]]:
@@ -177,16 +167,11 @@ def gather(reports: Mapping[str, Report]) -> dict[str, Any]:
         if not item["passed"]
     ]
     if failed:
-        raise SimulationError(
-            "\n".join(
-                [
-                    f"{len(failed)} of {len(every)} checks failed; look at these results before "
-                    "using any number, then change the mesh, solver or limits in the config:",
-                    *failed,
-                    *(f"  {told}" for told in found),
-                ]
-            )
+        head = (
+            f"{len(failed)} of {len(every)} checks failed; look at these results before "
+            "using any number, then change the mesh, solver or limits in the config:"
         )
+        raise SimulationError("\n".join([head, *failed, *(f"  {told}" for told in found)]))
     worst: dict[str, float] = {}
     for _, item in every:
         worst[item["name"]] = max(worst.get(item["name"], item["value"]), item["value"])

@@ -129,13 +129,9 @@ def refuse_missing(files: Mapping[str, PathLike]) -> None:
     files : mapping
         Their paths by column.
     """
-    if files:
-        raise InputError(
-            "\n".join(
-                f"{path}: no such {column}; correct its path in the table"
-                for column, path in files.items()
-            )
-        )
+    cure = "correct its path in the table"
+    if missing := [f"{path}: no such {column}; {cure}" for column, path in files.items()]:
+        raise InputError("\n".join(missing))
 
 
 def disk_is_full(error: BaseException) -> bool:

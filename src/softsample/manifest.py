@@ -39,12 +39,8 @@ def check_files(
             state = "has changed" if name in listed else "is not listed"
             wrong.append(f"  {name} {state} (sha256 {found[:12]}...)")
     if wrong:
-        raise InputError(
-            "\n".join(
-                [
-                    f"files do not agree with {source}; restore them, or copy the folder and give "
-                    "the copy with --config samples=PATH:",
-                    *wrong,
-                ]
-            )
+        head = (
+            f"files do not agree with {source}; restore them, or copy the folder and give "
+            "the copy with --config samples=PATH:"
         )
+        raise InputError("\n".join([head, *wrong]))

@@ -138,12 +138,8 @@ def _dying_with_parent() -> Iterator[None]:
 def _reason(error: Exception) -> str:
     """What is wrong and, if known, what to do about it."""
     kind = "" if isinstance(error, SoftsampleError) else f"{type(error).__name__}: "
-    cure = (
-        "; make room there and run the same command again, what is finished is kept"
-        if disk_is_full(error)
-        else ""
-    )
-    return f"{kind}{error}{cure}"
+    cure = "; make room there and run the same command again, what is finished is kept"
+    return f"{kind}{error}{cure if disk_is_full(error) else ''}"
 
 
 def _cost() -> str:

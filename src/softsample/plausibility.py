@@ -233,7 +233,7 @@ def _explained(
                 if dimensions and fits(what, factor)
             )
         for quantity, column in by_quantity.items():
-            if STANDS_FOR.get(quantity, quantity) != what:
+            if STANDS_FOR.get(quantity, quantity) != what or column["unit_from"] == "cells":
                 continue
             for factor, unit in _units(quantity).items():
                 if factor != column["factor"] and fits(what, factor / column["factor"]):

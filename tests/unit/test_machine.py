@@ -132,8 +132,10 @@ REFUSED = {
     ),
     "brackets without a unit": (
         "Time (sec.),Disp (mm),Load (N)",
-        "'sec.' is no known unit of time .*; convert the column or, if it is no unit, take it out",
+        "'sec.' is no known unit of time .*; write one of these, convert the column or, if it is no unit, take it out",
     ),
+    "another case": ("Time (s),Disp (mm),Load (MN)", "'MN' is no .*; if it is mN, write that in"),
+    "minutes as metres": ("Time (m),Disp (mm),Load (N)", "'m' is no known .*; write one of these"),
     "unit of another quantity": (
         "Time (s),Disp (mm),Load (kPa)",
         "'kPa' is no known unit of force .*; it is one of stress, so name the column as that",
@@ -432,11 +434,34 @@ def test_whole_numbers_may_stand_beside_decimals(tmp_path):
     assert raw.table["displacement_mm"].tolist() == [0.0, 1.234, 2.0, 1.234]
 
 
-def test_a_power_of_ten_in_a_title_is_refused(tmp_path):
-    text = "Time (s),Disp (mm),Load (N) x10^-3\n0,0,0\n1,1,1\n"
-    named = {"columns": {"force": "Load (N) x10^-3"}, "units": {"force": "N"}}
-    with pytest.raises(InputError, match=r"Load .* a power of ten in a title \(10\^-3\) is not"):
-        read(machines.write(tmp_path / "r.csv", text), **named)
+@pytest.mark.parametrize(
+    ("title", "factor"),
+    [
+        ("Load (N) x10^-3", "10^-3"),
+        ("Load x10 (N)", "x10"),
+        ("Load (N) * 1000", "* 1000"),
+        ("Load (N)/1000", "/1000"),
+        ("Load in 1/100 N", "1/100"),
+        ("Load 0.01 N", "0.01"),
+        ("Load 0,1 N", "0,1"),
+    ],
+)
+def test_a_factor_in_a_title_is_refused(tmp_path, title, factor):
+    path = machines.write(tmp_path / "r.csv", f"Time (s);Disp (mm);{title}\n0;0;0\n1;1;1\n")
+    with pytest.raises(InputError) as refused:
+        read(path, {"force": title}, {"force": "N"})
+    assert f"a factor in a title ({factor}) is not read; convert" in str(refused.value)
+
+
+@pytest.mark.parametrize("title", ["Load cell 100 N", "Load (10 x 20 mm) [N]", "Fx10 (N)"])
+def test_a_number_in_a_title_is_no_factor(tmp_path, title):
+    path = machines.write(tmp_path / "r.csv", f"Time (s);Disp (mm);{title}\n0;0;0\n1;1;1\n")
+    assert read(path, {"force": title}).table["force_N"].tolist() == [0.0, 1.0]
+
+
+def test_titles_that_a_program_made_its_variables_hold_their_units(tmp_path):
+    path = machines.write(tmp_path / "r.csv", plain("Time_s_,Displacement_mm_,Force_mN_"))
+    np.testing.assert_allclose(read(path).table["force_N"], 1e-3 * TEST[2], atol=1e-7)
 
 
 def test_no_stress_along_the_platen_is_that_of_an_axial_test(tmp_path):
@@ -506,6 +531,7 @@ def test_times_of_a_clock_are_read_as_seconds(tmp_path, begin, title, date, mark
         (("11:59:59 PM", "12:00:00 AM", "12:00:01 am"), 86399.0),
         (("2024-03-01T00:00:05+01:00", "2024-03-01T00:00:06+01:00", "2024-03-01T00:00:07Z"), 5.0),
         (("00:00:05:000", "00:00:06:000", "00:00:07:000"), 5.0),
+        (("01:59.0", "02:00.0", "02:01.0"), 119.0),
     ],
 )
 def test_clocks_have_halves_of_the_day_zones_and_milliseconds(tmp_path, times, seconds):
@@ -515,8 +541,24 @@ def test_clocks_have_halves_of_the_day_zones_and_milliseconds(tmp_path, times, s
     np.testing.assert_allclose(table["time_s"], seconds + np.arange(3.0))
 
 
+@pytest.mark.parametrize(
+    ("times", "hours"),
+    [
+        (("2024-02-28 23:00:00", "2024-03-01 09:00:00", "2024-03-01T23:00:00Z"), (34, 48)),
+        (("2/28/2024 11:00:00 PM", "3/1/2024 9:00:00 AM", "3/1/2024 11:00:00 PM"), (34, 48)),
+        (("28.02.2024 23:00:00", "01.03.2024 09:00:00", "01.03.2024 23:00:00"), (34, 48)),
+        (("1.3.2024 23:00:00", "1.3.2024 01:00:00", "1.3.2024 14:00:00"), (2, 15)),
+        (("23:00:00", "01:00:00", "14:00:00"), (2, 15)),
+    ],
+)
+def test_days_are_those_of_the_dates_and_long_pauses_stay_long(tmp_path, times, hours):
+    text = "Timestamp;Extension (mm);Load (N)\n" + "".join(f"{time};0;0\n" for time in times)
+    time = read(machines.write(tmp_path / "r.csv", text)).table["time_s"].to_numpy()
+    np.testing.assert_allclose(np.subtract(time[1:], time[0]) / 3600.0, hours)
+
+
 def test_a_line_that_is_no_time_of_a_clock_is_told(tmp_path):
-    lines = [f"{of_day(t)};{d:.4f};{f:.5f}" for t, d, f in zip(*TEST, strict=True)]
+    lines = [f"{of_day(t, '{:02d}:{:02d}:{:02.0f}')};{d:.4f};{f:.5f}" for t, d, f in zip(*TEST, strict=True)]
     titles = "Time;Extension (mm);Load (N)"
     path = machines.write(tmp_path / "r.csv", "\n".join([titles, *(f"{x[3:]}" for x in lines)]))
     with pytest.raises(InputError, match="line 2: .*; write times in seconds, or as hh:mm:ss"):

@@ -143,6 +143,13 @@ def test_a_unit_of_the_settings_is_changed_there():
     assert "set `formats: {press: {units: {force: mN}}}`" in doubt
 
 
+def test_no_unit_explains_the_times_of_a_clock():
+    given = facts(seconds=1e4, rate=0.05)
+    given["reading"]["columns"]["time_s"]["unit_from"] = "cells"
+    (doubt,) = doubts(given, Size(), LIMITS)
+    assert "wrong? If it is right, set" in doubt
+
+
 @pytest.mark.parametrize(("mode", "doubted"), [("indentation", 0), ("torsion", 0), ("shear", 1)])
 def test_no_stress_is_doubted_where_no_sample_deforms_uniformly(mode, doubted):
     small = facts(way=0.002, force=1e-9)

@@ -18,12 +18,14 @@ NUMBER = re.compile(r"[+-]?(\d+[.,]?\d*|[.,]\d+)([eE][+-]?\d+)?", re.ASCII)
 """A number with a decimal point or comma; it has no thousands separators."""
 
 CLOCK = re.compile(
-    r"(?:\d{4}-\d\d-\d\d[ T]|\d\d?[./]\d\d?[./]\d{4} )?(\d+):(\d\d):(\d\d(?:[.,]\d*|:\d{3})?)"
-    r"(?: ?([AaPp])\.?[Mm]\.?)?(?:Z|[+-]\d\d:?\d\d)?",
+    r"(?:(?P<date>\d{4}-\d\d-\d\d|\d\d?[./]\d\d?[./]\d{4})[ T])?"
+    r"(?:(?P<hour>\d+):(?P<minute>\d\d)|(?P<minutes>\d+)(?=:\d\d[.,]\d)):"
+    r"(?P<second>\d\d(?:[.,]\d*|:\d{3})?)"
+    r"(?: ?(?P<half>[AaPp])\.?[Mm]\.?)?(?:Z|[+-]\d\d:?\d\d)?",
     re.ASCII,
 )
-"""A time of day, or one that elapsed: hours, minutes, seconds, and the half of a day; the date
-before it and the zone behind are of no use."""
+"""A time of day, or one that elapsed: date, hours, minutes, seconds, and the half of a day; the
+zone behind is of no use. Without hours, seconds have decimals: 12:30 may be hours and minutes."""
 
 VALUE = re.compile(f"{NUMBER.pattern}|{CLOCK.pattern}", re.ASCII)
 """Either of them."""

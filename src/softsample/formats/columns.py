@@ -41,13 +41,15 @@ BRACKETED = re.compile(r"(.*?)[\s_]*[(\[{<（［]([^()\[\]{}<>（）［］]*)[)\
 BRACKETS = re.compile(r"[\s_]*[(\[{<（［]([^()\[\]{}<>（）［］]*)[)\]}>）］]")
 """What each bracket of a title holds."""
 
-POWER = re.compile(
-    r"(?<![\d.])(?:10\s*(?:\^|\*\*)\s*[-−+]?\d+|10[⁺⁻]?[⁰¹²³⁴-⁹]+|1[eE][-+]?\d+)|[x×·*]\s*10[-−]\d+"
+FACTOR = re.compile(
+    r"(?<![\d.])(?:10\s*(?:\^|\*\*)\s*[-−+]?\d+|10[⁺⁻]?[⁰¹²³⁴-⁹]+|1[eE][-+]?\d+|0[.,]0*1(?!\d))"
+    r"|[x×·*]\s*10[-−]\d+|(?<!\w)[x×·*]\s*10+(?![\d⁺⁻⁰¹²³⁴-⁹]|\s*(?:\^|\*\*))"
+    r"|(?<!\d)1?\s*/\s*10+(?!\d)"
 )
-"""A power of ten in a title."""
+"""A power of ten in a title that numbers are to be multiplied with, or were."""
 
-BEHIND = re.compile(r"(.+?)(?:\s*[_/,]\s*|\s+in\s+|\s+)([^\s_/,]+)")
-"""A title, and its last word, which may be its unit."""
+BEHIND = re.compile(r"(.+?)(?:\s*[_/,]\s*|\s+in\s+|\s+)([^\s_/,]+)_?")
+"""A title, and its last word, which may be its unit; programs write `_` for a bracket."""
 
 WORDS = re.compile(r"[^\s_.:]+")
 """Each word of a title."""
@@ -217,10 +219,10 @@ def with_unit(column: Column, below: str, path: PathLike, asked: Asked) -> Colum
         If no unit is named, it is none of the quantity, or two of them differ in size.
     """
     where = f"{path}, column {column.title!r}"
-    if power := POWER.search(column.title):
+    if factor := FACTOR.search(column.title):
         raise InputError(
-            f"{where}: a power of ten in a title ({power[0]}) is not read; convert the column, and "
-            "take it out of the title"
+            f"{where}: a factor in a title ({factor[0].strip()}) is not read; convert the column, "
+            "and take it out of the title"
         )
     below, known = below.strip(AROUND), UNITS[column.quantity]
     told = {"title": column.unit, "below": below, "settings": asked.units.get(column.quantity, "")}
@@ -229,13 +231,7 @@ def with_unit(column: Column, below: str, path: PathLike, asked: Asked) -> Colum
     said = [*dict.fromkeys(filter(None, told.values()))]
     for unit in said:
         if unit not in known:
-            others = quantities_with(unit)
-            cure = (
-                f"it is one of {others[0]}, so name the column as that: "
-                f"{asked.setting(columns={others[0]: column.title})}"
-                if others
-                else "convert the column or, if it is no unit, take it out of the file"
-            )
+            cure = _cure_of_unit(unit, column, asked)
             raise InputError(
                 f"{where}: {unit!r} is no known unit of {column.quantity} ({', '.join(known)}); "
                 f"{cure}"
@@ -254,6 +250,20 @@ def with_unit(column: Column, below: str, path: PathLike, asked: Asked) -> Colum
         )
     source = next((name for name, unit in told.items() if unit in said), "settings")
     return replace(column, unit=said[0], unit_from=source)
+
+
+def _cure_of_unit(unit: str, column: Column, asked: Asked) -> str:
+    """What to do about a unit that is none of the quantity."""
+    alike = [known for known in UNITS[column.quantity] if known.lower() == unit.lower()]
+    if alike:
+        return f"if it is {alike[0]}, write that in its place"
+    others = quantities_with(unit)
+    if others and column.quantity != "time":
+        return (
+            f"it is one of {others[0]}, so name the column as that: "
+            f"{asked.setting(columns={others[0]: column.title})}"
+        )
+    return "write one of these, convert the column or, if it is no unit, take it out of the file"
 
 
 def split_title(title: str, quantity: str) -> tuple[str, str]:

@@ -100,6 +100,7 @@ UNITS = {
         (("ms", "msec", "millisecond", "milliseconds"), 1e-3),
         (("us", "µs", "μs"), 1e-6),
         (("min", "Min", "minute", "minutes", "Minuten"), 60.0),
+        (("d", "day", "days"), 86400.0),
         (("h", "hr", "hour", "hours"), 3600.0),
     ),
     "displacement": _all(

@@ -2,6 +2,8 @@
 
 import re
 from collections.abc import Collection, Sequence
+from contextlib import suppress
+from datetime import datetime
 from typing import Any
 
 import numpy as np
@@ -13,7 +15,7 @@ from softsample.files import PathLike
 from softsample.formats.cells import CLOCK, NUMBER
 
 DAY = 86400.0
-"""Seconds after which a clock begins anew."""
+"""Seconds of a day, after which a clock begins anew."""
 
 THOUSANDS = re.compile(r"[+-]?[1-9]\d{0,2}[.,]\d{3}", re.ASCII)
 """A number that may have a thousands separator."""
@@ -39,25 +41,49 @@ def numbers(cells: Sequence[str], factor: float = 1.0) -> Any:
 
 
 def seconds(cells: Sequence[str]) -> Array | None:
-    """Seconds (n,) of times of a clock, which go on after midnight; None if a cell is none."""
-    times = [CLOCK.fullmatch(cell) for cell in cells]
-    found = [
-        3600.0 * _hour(time) + 60.0 * int(time[2]) + _number(time[3].replace(":", "."))
-        for time in times
-        if time
-    ]
-    return np.unwrap(found, period=DAY) if len(found) == len(cells) else None
+    """Seconds (n,) of times of a clock; None if a cell is none.
+
+    The day is that of the date, if it changes; else a new one begins where the clock falls back by
+    half of a day.
+    """
+    times = [time for time in map(CLOCK.fullmatch, cells) if time]
+    if len(times) < len(cells):
+        return None
+    found = np.array([_of_day(time) for time in times])
+    dates = [time["date"] for time in times]
+    days = _days({*dates})
+    if days:
+        return found + DAY * np.array([days[date] for date in dates])
+    return found + DAY * np.cumsum(np.diff(found, prepend=found[:1]) < -0.5 * DAY)
 
 
-def _hour(time: re.Match[str]) -> int:
-    """Hour of a time, from 0 to 23 if it names the half of a day."""
-    hour, half = int(time[1]), time[4]
-    return hour % 12 + 12 * (half in "Pp") if half else hour
+def _of_day(time: re.Match[str]) -> float:
+    """Seconds of a time, with the hour from 0 to 23 if it names the half of a day."""
+    hour, half = int(time["hour"] or 0), time["half"]
+    if half:
+        hour = hour % 12 + 12 * (half in "Pp")
+    minute = int(time["minute"] or time["minutes"])
+    return 3600.0 * hour + 60.0 * minute + _number(time["second"].replace(":", "."))
+
+
+def _days(dates: Collection[str | None]) -> dict[str | None, int]:
+    """Days after the first of some dates; none if there is but one, or some are missing.
+
+    Of two orders of day and month the one with fewer days between the dates is right.
+    """
+    found = []
+    for order in ("%Y-%m-%d", "%d.%m.%Y", "%m.%d.%Y"):
+        with suppress(ValueError, AttributeError):
+            days = {d: datetime.strptime(d.replace("/", "."), order).toordinal() for d in dates}
+            first = min(days.values(), default=0)
+            found.append({date: day - first for date, day in days.items()})
+    return min(found, key=lambda days: max(days.values())) if found and len(dates) > 1 else {}
 
 
 def rises(cells: Sequence[str]) -> bool:
-    """Whether cells are numbers that rise from line to line, as time does."""
-    values = numbers(cells)
+    """Whether cells are numbers, or times of a clock, that rise from line to line, as time does."""
+    values = seconds(cells)
+    values = numbers(cells) if values is None else values
     return bool(values.dtype == np.float64 and len(values) > 1 and np.all(np.diff(values) > 0.0))
 
 

@@ -52,6 +52,8 @@ RELAXED = 0.9
 REVERSED = 0.9
 """A record without time that begins beyond this part of its largest force, and ends at what is left
 of it, is stored from the last line to the first."""
+MOSTLY = 0.3
+"""A column that is empty in more of its lines is not cured by deleting them."""
 COLUMNS = {"displacement": "displacement_mm", "force": "force_N"}
 """Quantities with a sign and a zero that every record has, and their columns."""
 STANDS_FOR = {"displacement": ("strain",), "force": ("stress",)}
@@ -476,10 +478,17 @@ def _no_numbers(table: pd.DataFrame, source: str) -> Iterator[str]:
         bad = [n for n, cell in enumerate(cells) if not _is_finite(cell)]
         if bad:
             value = cells[bad[0]]
-            shown = "empty" if value is None or value != value else repr(value)
+            empty = value is None or value != value
+            cure = "delete the line or give the value, with a decimal point"
+            if empty and len(bad) > MOSTLY * len(cells):
+                cure = (
+                    "record all channels at the same times; if the cells are formulas of a "
+                    "workbook, save it in a spreadsheet program, which stores their values"
+                )
             yield (
-                f"{source}, line {table.index[bad[0]]}, column {column!r}: {shown} is not a number "
-                f"({len(bad)} such cells); delete the line or give the value, with a decimal point"
+                f"{source}, line {table.index[bad[0]]}, column {column!r}: "
+                f"{'empty' if empty else repr(value)} is not a number ({len(bad)} such cells); "
+                f"{cure}"
             )
 
 
@@ -522,6 +531,8 @@ def _wrong_time(table: pd.DataFrame, source: str) -> Iterator[str]:
                 "let the time go on if it begins anew in each step" if again else "sort the lines"
             )
             cure += ", or give a test that begins here a file of its own"
+            first = f"delete line {table.index[0]} if it holds no readings, else "
+            cure = first * (at == 0) + cure
         elif len(back) == 1:
             cure = "delete one of these lines if it repeats the other"
         else:

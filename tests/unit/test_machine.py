@@ -383,6 +383,14 @@ def test_the_line_with_numbers_below_is_told_before_others(tmp_path):
     assert str(refused.value).endswith(cure)
 
 
+def test_a_test_in_lines_across_is_not_told_cell_by_cell(tmp_path):
+    lines = [["Time (s)", *TEST[0]], ["Travel (mm)", *TEST[1]], ["Load (N)", *TEST[2]]]
+    text = "\n".join(",".join(map(str, line)) for line in lines)
+    with pytest.raises(InputError, match="no column is known to hold .* and [0-9]+ more") as told:
+        read(machines.write(tmp_path / "r.csv", text))
+    assert len(str(told.value)) < 1000
+
+
 def test_in_torsion_an_angle_is_asked_for(tmp_path):
     rheometer = "Time\tTorque\tDisplacement\ns\tmNm\trad\n0\t1\t2\n"
     with pytest.raises(InputError, match=r"columns: \{angle: Displacement\}"):
@@ -724,17 +732,18 @@ def test_the_first_sheet_with_titles_is_read(tmp_path):
         read(path, sheet="Notes")
 
 
-def test_it_is_told_which_sheet_is_read_and_which_could_be(tmp_path):
+def test_another_sheet_that_may_be_the_test_is_doubted(tmp_path):
     untimed = [row[1:] for row in rows()]
     sheets = {"Summary": untimed, "First": rows(), "Notes": [["made up"]], "Second": rows()}
     path = workbook(tmp_path / "r.xlsx", sheets)
     first = read(path).reading
     assert first["sheet"] == "First"
-    assert first["notes"] == [
-        "sheet First is read",
-        "sheets that can be read instead: Summary, Second; set `records: {sheet: Summary}`",
-    ]
+    assert first["notes"] == ["sheet First is read"]
+    (doubt,) = first["doubts"]
+    assert "sheet First is read, and others can be: Second; name the right one" in doubt
+    assert doubt.endswith("such as `records: {sheet: Second}`")
     second = read(path, sheet="Second").reading
+    assert not second["doubts"]
     assert (second["sheet"], second["notes"]) == ("Second", ["sheet Second is read"])
     text = machines.write(tmp_path / "r.csv", plain("time_s,displacement_mm,force_N"))
     assert "sheet" not in read(text).reading

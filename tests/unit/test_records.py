@@ -70,6 +70,15 @@ REFUSED = {
         put("force_N", 100, np.nan),
         "line 100, column 'force_N': empty is not a number",
     ),
+    "channels in turn": (
+        lambda t: t.assign(force_N=t["force_N"].where(np.arange(len(t)) % 2 == 0)),
+        "column 'force_N': empty is not a .*; record all channels at the same times; if the cells "
+        "are formulas of a workbook, save it",
+    ),
+    "line of channel numbers": (
+        put("time_s", 4, 1.0),
+        "line 5, column 'time_s': 0.01 s follows 1 s, .*; delete line 4 if it holds no readings",
+    ),
     "infinite": (
         put("force_N", 100, np.inf),
         "line 100, column 'force_N': inf is not a number",

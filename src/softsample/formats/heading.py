@@ -34,6 +34,9 @@ from softsample.formats.titles import COLUMNS, NAMES, UNITS
 LOOKED_AT = 10
 """Lines below the titles that tell whether a column holds numbers."""
 
+TOLD = 20
+"""Titles that a message names at most."""
+
 HEAD = 1000
 """Lines of which the likeliest one to be that of titles is told, if none is."""
 
@@ -127,7 +130,8 @@ def _no_titles(
     if not titles:
         _nothing_like_titles(text)
     where = f"{text.path}, line {number + 1}"
-    there = f"there are {', '.join(map(repr, titles))}"
+    more = f" and {len(titles) - TOLD} more" if len(titles) > TOLD else ""
+    there = f"there are {', '.join(map(repr, titles[:TOLD]))}{more}"
     wanted = asked.columns
     absent = [wanted[way] for name in missing for way in asked.ways(name) if way in wanted]
     if absent:

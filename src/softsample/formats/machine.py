@@ -117,7 +117,7 @@ def read(
 def _text_with_titles(path: PathLike, sheet: str | None, asked: Asked) -> tuple[Text, Heading]:
     """The text of a file, or the first sheet of a workbook with titles, those of time before all.
 
-    What could be read instead is told.
+    Others that could be the test as well are doubted.
     """
     if not is_workbook(path):
         if sheet is not None and Path(path).suffix.lower() in (".xlsx", ".xls"):
@@ -134,11 +134,13 @@ def _text_with_titles(path: PathLike, sheet: str | None, asked: Asked) -> tuple[
     if not usable:
         raise refused[0] if refused else InputError(f"{path}: no sheet with cells; export the test")
     text, heading = next((one for one in usable if one[1].timed), usable[0])
-    others = [other.sheet for other, _ in usable if other is not text]
+    others = [o.sheet for o, h in usable if o is not text and h.timed == heading.timed]
     text.notes.append(f"sheet {text.sheet} is read")
     if others:
-        cure = asked.setting(sheet=others[0])
-        text.notes.append(f"sheets that can be read instead: {', '.join(others)}; set {cure}")
+        text.doubts.append(
+            f"sheet {text.sheet} is read, and others can be: {', '.join(others)}; name the right "
+            f"one in the settings of the study, such as {asked.setting(sheet=others[0])}"
+        )
     return text, heading
 
 

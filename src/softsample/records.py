@@ -13,6 +13,7 @@ from softsample.errors import InputError, records_setting
 from softsample.lone import LoneRows
 from softsample.protocol import (
     LARGEST,
+    NEVER_UNIFORM,
     SHEARED_MODES,
     Course,
     Loading,
@@ -36,6 +37,8 @@ MISSING = 5.0
 FEWEST_AT_REST = 10
 LARGEST_GAP = 0.1
 """A ramp may lack samples over this part of its duration."""
+OTHER_SIZE = 0.03
+"""A file's own dimensions may differ by this part from those stated without a doubt raised."""
 OFF_ZERO = 0.05
 """A ramp may begin at this part of its displacement or of its peak force without a doubt raised."""
 STARTS_LOADED = 0.25
@@ -299,6 +302,7 @@ def aligned_record(
     signs = _Signs(turned, settings)
     record, facts = _checked(aligned, mode, schema, source, signs, size, which)
     facts["warnings"] += lone.doubts
+    facts["warnings"] += _own_size(reading, mode, size)
     facts["warnings"] += _untimed(reading, settings) if not record.timed else []
     facts["warnings"] += reading.get("doubts", [])
     return aligned.assign(**record.marks), {
@@ -346,6 +350,25 @@ def _forces(table: pd.DataFrame, size: Sized | None, mode: str, source: str) -> 
         else:
             columns[str(name)] = table[name]
     return pd.DataFrame(columns)
+
+
+def _own_size(reading: Mapping[str, Any], mode: str, size: Sized | None) -> Iterator[str]:
+    """What to say of strain and stress that a file made with other dimensions than those stated."""
+    if size is None or mode in NEVER_UNIFORM:
+        return
+    for name, of_file in reading.get("own_size", {}).items():
+        stated = size.height / MM if name == "height_mm" else size.area / MM**2
+        if abs(of_file - stated) > OTHER_SIZE * stated:
+            made, here, unit = (
+                ("strain is its displacement", "height", "mm")
+                if name == "height_mm"
+                else ("stress is its force", "section", "mm2")
+            )
+            yield (
+                f"the file's own {made} over {of_file:.4g} {unit}, but the {here} in the table is "
+                f"{stated:.4g} {unit}; correct the dimensions, or the unit that is wrong in the "
+                "file, unless the machine was not told this sample's dimensions"
+            )
 
 
 def _positive(

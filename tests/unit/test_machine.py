@@ -895,6 +895,37 @@ def test_stretch_is_read_and_force_goes_before_stress(tmp_path):
     np.testing.assert_allclose(named.table["stress_Pa"], 9e3 * force)
 
 
+OWN_SIZE = {
+    "both": ("Strain (%),Stress (kPa)", {"height_mm": 25.0, "area_mm2": 80.0}),
+    "below 0 in compression": ("Strain (%),Compressive stress (kPa)", {"height_mm": 25.0}),
+    "a strain without a unit": ("Strain,Stress (MPa)", {"area_mm2": 0.08}),
+    "two strains": ("Strain 1 (%),Strain 2 (%)", {}),
+    "another unit": ("Strain (%),Stress (N)", {"height_mm": 25.0}),
+}
+
+
+@pytest.mark.parametrize("name", OWN_SIZE)
+def test_the_dimensions_that_a_file_was_made_with_are_found(tmp_path, name):
+    titles, own = OWN_SIZE[name]
+    time, travel, force = TEST
+    test = (time, travel + 3.0, force, travel / 25.0 * 100.0, 1e3 * force / 80.0)
+    rows = "\n".join(",".join(f"{x:.6f}" for x in row) for row in zip(*test, strict=True))
+    path = machines.write(tmp_path / "r.csv", f"Time (s),Disp (mm),Load (N),{titles}\n{rows}\n")
+    found = read(path, mode="compression").reading["own_size"]
+    assert {name: found.get(name) for name in own} == pytest.approx(own, rel=1e-3)
+
+
+def test_a_strain_of_another_shape_tells_no_height(tmp_path):
+    time, travel, force = TEST
+    rows = "\n".join(
+        ",".join(f"{x:.6f}" for x in row)
+        for row in zip(time, travel, force, np.log(1.0 + travel / 20.0), strict=True)
+    )
+    titles = "Time (s),Disp (mm),Load (N),Strain (mm/mm)"
+    path = machines.write(tmp_path / "r.csv", f"{titles}\n{rows}\n")
+    assert read(path).reading["own_size"] == {}
+
+
 def test_a_file_without_time_is_read_and_told(tmp_path):
     lines = [f"{d:.4f};{f:.5f}" for d, f in zip(*TEST[1:], strict=True)]
     lines[40:40] = lines[39:40]  # the same twice is a sample like others

@@ -524,6 +524,24 @@ def test_stress_and_strain_become_force_and_displacement():
         aligned(of_material(record()))
 
 
+@pytest.mark.parametrize(
+    ("mode", "own", "told"),
+    [
+        ("compression", {"height_mm": 10.2, "area_mm2": 99.0}, ()),
+        ("compression", {"height_mm": 12.0}, ("over 12 mm, but the height in the table is 10 mm",)),
+        ("compression", {"area_mm2": 10.0}, ("over 10 mm2, but the section in the table is 100 m",)),
+        ("indentation", {"height_mm": 12.0}, ()),
+    ],
+)
+def test_dimensions_that_a_file_was_made_with_are_compared_with_the_table(mode, own, told):
+    read = RecordSettings({}, {}, dict.fromkeys(AS_IN_FILE, "tension"), AS_IN_FILE)
+    reading, size = {"compressive": [], "own_size": own}, IdealShape("cuboid", 0.01, 0.01, 0.01)
+    facts = aligned_record(record(), reading, mode, read, SCHEMA, "r.csv", size)[1]
+    doubts = [one for one in facts["warnings"] if "the file's own" in one]
+    assert len(doubts) == len(told)
+    assert all(words in doubt for words, doubt in zip(told, doubts, strict=True))
+
+
 def test_a_plain_strain_under_a_title_in_percent_is_told_as_such():
     table = of_material(record()).assign(strain=lambda t: 1e-2 * t["strain"])
     told = {"strain": {"title": "Strain (%)", "unit": "%"}}

@@ -22,12 +22,25 @@ import pandas as pd
 from softsample.errors import InputError
 from softsample.files import PathLike
 from softsample.formats.cells import Text, cell_at
-from softsample.formats.columns import NEEDED, TURNED, Asked, Column, with_unit
+from softsample.formats.columns import (
+    NEEDED,
+    TURNED,
+    Asked,
+    Column,
+    of_quantities,
+    with_unit,
+)
 from softsample.formats.heading import Heading, heading_of
 from softsample.formats.rows import Rows, rows_of
 from softsample.formats.titles import COLUMNS
 from softsample.formats.values import decimal_comma, numbers, rises, seconds
 from softsample.formats.workbook import is_workbook
+
+OWN = {"height_mm": ("displacement", "strain", 1.0), "area_mm2": ("force", "stress", 1e6)}
+"""Sizes that a file itself divided by: what it divided, what came out, and the unit."""
+
+PROPORTIONAL = 0.003
+"""They are told if both columns are proportional but for this part of the range."""
 
 DERIVED = ("phase", "cycle", "calibrated")
 """Columns of our own results that are found anew."""
@@ -52,8 +65,9 @@ class MachineRecord:
     reading : dict
         What was understood: `kind`, `columns` (title, unit and factor of each), `decimal_comma`,
         `compressive` (quantities whose titles count compression as positive), `ignored`
-        (titles), `ascending` (those of them whose numbers rise as time does), `notes`, `doubts`;
-        of a workbook `sheet`.
+        (titles), `ascending` (those of them whose numbers rise as time does), `own_size` (the
+        dimensions by which the file itself made strain and stress), `notes`, `doubts`; of a
+        workbook `sheet`.
     """
 
     table: pd.DataFrame
@@ -108,6 +122,7 @@ def read(
         "compressive": [column.quantity for column in found if column.compressive],
         "ignored": ignored,
         "ascending": [title for title in ignored if rises(_titled(title, heading, rows))],
+        "own_size": dict(_own_size(text, heading, rows, asked)),
         "notes": text.notes,
         "doubts": text.doubts,
     }
@@ -179,6 +194,31 @@ def _table(
     if repeated.any():
         text.notes.append(f"lines left out since they repeat another one: {int(repeated.sum())}")
     return table[~repeated], ignored
+
+
+def _own_size(
+    text: Text, heading: Heading, rows: Rows, asked: Asked
+) -> Iterator[tuple[str, float]]:
+    """The height [mm] and section [mm2] by which a file made the strain and stress beside it."""
+    form = {name: (name,) for wholes in OWN.values() for name in wholes[:2]}
+    found = of_quantities(heading.titles, replace(asked, form=form))
+    for size, (whole, part, unit) in OWN.items():
+        if not len(found[whole]) == len(found[part]) == 1:
+            continue
+        try:
+            columns = [
+                with_unit(column, cell_at(rows.units, column.place), text.path, asked)
+                for column in (*found[whole], *found[part])
+            ]
+        except InputError:  # of a column that is not read
+            continue
+        if columns[1].unit_from == "settings":  # a strain without a unit may be in %
+            continue
+        y, x = (numbers(rows.column(column.place), column.factor) for column in columns)
+        if x.dtype == y.dtype == np.float64 and np.isfinite(x).all() and np.ptp(x) > 0.0:
+            slope, rest = np.polyfit(x, y, 1)
+            if np.abs(y - slope * x - rest).max() < PROPORTIONAL * np.ptp(y):
+                yield size, float(unit * abs(slope))
 
 
 def _titled(title: str, heading: Heading, rows: Rows) -> list[str]:

@@ -50,7 +50,7 @@ def seconds(cells: Sequence[str]) -> Array | None:
     if len(times) < len(cells):
         return None
     found = np.array([_of_day(time) for time in times])
-    dates = [time["date"] for time in times]
+    dates = [time["date"] or "" for time in times]
     days = _days({*dates})
     if days:
         return found + DAY * np.array([days[date] for date in dates])
@@ -66,14 +66,14 @@ def _of_day(time: re.Match[str]) -> float:
     return 3600.0 * hour + 60.0 * minute + _number(time["second"].replace(":", "."))
 
 
-def _days(dates: Collection[str | None]) -> dict[str | None, int]:
+def _days(dates: Collection[str]) -> dict[str, int]:
     """Days after the first of some dates; none if there is but one, or some are missing.
 
     Of two orders of day and month the one with fewer days between the dates is right.
     """
     found = []
     for order in ("%Y-%m-%d", "%d.%m.%Y", "%m.%d.%Y"):
-        with suppress(ValueError, AttributeError):
+        with suppress(ValueError):
             days = {d: datetime.strptime(d.replace("/", "."), order).toordinal() for d in dates}
             first = min(days.values(), default=0)
             found.append({date: day - first for date, day in days.items()})

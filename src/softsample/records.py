@@ -710,8 +710,7 @@ def _facts(
         warnings += _gap(lines, record.clock, ramp)
     if is_clipped(force):
         warnings.append(f"the force stays at {peak:g} N: the load cell seems to be overloaded")
-    if len(rows) < MANY_IN_RAMP:
-        warnings.append(f"the loading has {len(rows)} samples only")
+    warnings += _few(record, rows)
     return {
         "samples": len(record.force),
         "timed": record.timed,
@@ -726,6 +725,21 @@ def _facts(
         **({} if size is None else _of_material(record, rows, size)),
         "warnings": warnings,
     }
+
+
+def _few(record: Record, rows: NDArray[np.intp]) -> Iterator[str]:
+    """What to say of few samples, or of few different readings, of a loading."""
+    if len(rows) < MANY_IN_RAMP:
+        yield f"the loading has {len(rows)} samples only"
+        return
+    for quantity in COLUMNS:
+        different = len(np.unique(getattr(record, quantity)[rows]))
+        if different < MANY_IN_RAMP:
+            yield (
+                f"the {quantity} has {different} different readings only in {len(rows)} samples of "
+                "the loading; export it with more digits or, if it was recorded less often than "
+                "the rest, record all at the same times"
+            )
 
 
 def _pace(record: Record, loading: Loading, way: float) -> dict[str, float | None]:

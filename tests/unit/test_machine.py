@@ -566,7 +566,10 @@ def test_days_are_those_of_the_dates_and_long_pauses_stay_long(tmp_path, times, 
 
 
 def test_a_line_that_is_no_time_of_a_clock_is_told(tmp_path):
-    lines = [f"{of_day(t, '{:02d}:{:02d}:{:02.0f}')};{d:.4f};{f:.5f}" for t, d, f in zip(*TEST, strict=True)]
+    lines = [
+        f"{of_day(t, '{:02d}:{:02d}:{:02.0f}')};{d:.4f};{f:.5f}"
+        for t, d, f in zip(*TEST, strict=True)
+    ]
     titles = "Time;Extension (mm);Load (N)"
     path = machines.write(tmp_path / "r.csv", "\n".join([titles, *(f"{x[3:]}" for x in lines)]))
     with pytest.raises(InputError, match="line 2: .*; write times in seconds, or as hh:mm:ss"):

@@ -233,6 +233,43 @@ def test_a_sudden_step_is_no_row_alone(travel):
     assert LoneRows.of(table, "r.csv") == LoneRows([], [])
 
 
+@pytest.mark.parametrize(
+    ("column", "told"),
+    [
+        ("displacement_mm", "the displacement jumps from -1.5 to 0 mm, while the force does not"),
+        ("force_N", "the force jumps from -0.1.* to .* N, while the displacement does not"),
+    ],
+)
+@pytest.mark.parametrize("timed", [True, False])
+def test_a_channel_that_is_zeroed_within_the_record_is_a_warning(column, told, timed):
+    table = record(noise=0.0)
+    after = table["displacement_mm"] < -1.501
+    table.loc[after, column] -= table.loc[after.idxmax(), column]
+    found = LoneRows.of(table if timed else table.drop(columns="time_s"), "r.csv")
+    assert not found.faults
+    (doubt,) = found.doubts
+    assert re.search(
+        f"line {after.idxmax()}: {told}; .* zeroed there, add -[01].* to it from", doubt
+    )
+
+
+def test_a_sudden_step_that_the_force_follows_is_no_zeroed_channel():
+    table = record(noise=0.0)
+    step = table["time_s"] >= 5.0
+    table["displacement_mm"] = np.where(step, -2.0, 0.0)
+    table["force_N"] = np.where(step, -0.5 - 0.5 * np.exp(5.0 - table["time_s"]), 0.0)
+    assert not LoneRows.of(table, "r.csv").doubts
+
+
+@pytest.mark.parametrize(("column", "name"), [("displacement_mm", "displac"), ("force_N", "force")])
+def test_few_different_readings_are_a_warning(column, name):
+    table = record()
+    coarse = (table[column] / 0.3).round() * 0.3 if name == "displac" else table[column].round(1)
+    said = [one for one in check(table.assign(**{column: coarse}))["warnings"] if "readings" in one]
+    assert len(said) == 1
+    assert re.search(rf"the {name}\w* has 1\d different readings only in \d+ samples", said[0])
+
+
 def test_noise_does_not_stand_alone():
     noisy = record(noise=0.05)  # the peak is 1 N or so
     assert not [w for w in check(noisy)["warnings"] if "far from" in w]
@@ -338,7 +375,8 @@ def test_a_sample_that_fails_in_loading_is_a_warning(seed):
     table = record(rest=0.0, seed=seed)
     left = 1e-3 * np.random.default_rng(seed).normal(size=len(table))
     table["force_N"] = table["force_N"].where(table["displacement_mm"] > -2.0, left)
-    (_, warning) = check(table)["warnings"]
+    (_, warning, jump) = check(table)["warnings"]
+    assert "look whether the sample slipped or failed" in jump
     assert re.match("the force falls from -0.2[0-9]* N to .* N along the loading", warning)
 
 
@@ -529,7 +567,11 @@ def test_stress_and_strain_become_force_and_displacement():
     [
         ("compression", {"height_mm": 10.2, "area_mm2": 99.0}, ()),
         ("compression", {"height_mm": 12.0}, ("over 12 mm, but the height in the table is 10 mm",)),
-        ("compression", {"area_mm2": 10.0}, ("over 10 mm2, but the section in the table is 100 m",)),
+        (
+            "compression",
+            {"area_mm2": 10.0},
+            ("over 10 mm2, but the section in the table is 100 m",),
+        ),
         ("indentation", {"height_mm": 12.0}, ()),
     ],
 )

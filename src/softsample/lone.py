@@ -18,9 +18,9 @@ NOISE, STEPS, FASTER = 10.0, 3.0, 5.0
 and by so many times the steps beside it; the first and the last one, which have one neighbour, if
 the step to it is so many times as fast as all others."""
 
-JUMP, STAYS = 0.02, 0.05
+JUMP, STAYS, LOST = 0.02, 0.05, 10
 """A jump is larger than this part of a channel's range, and a channel that does not jump stays
-within this part of its own."""
+within this part of its own; readings are lost in no more lines, before the channel jumps back."""
 
 
 @dataclass(frozen=True)
@@ -126,20 +126,29 @@ def lone(values: Array, clock: Array, part: float) -> NDArray[np.intp]:
 
 
 def _shifted(table: pd.DataFrame, looked: _Looked, other: _Looked) -> Iterator[str]:
-    """What to say of a channel that jumps once, while the other one goes on: it may be zeroed."""
+    """What to say of a channel that jumps while the other one goes on, or jumps there and back."""
     values, beside = (table[one.column].to_numpy(np.float64) for one in (looked, other))
     if len(values) < FEWEST:
         return
     time = table["time_s"].to_numpy(np.float64) if "time_s" in table else None
-    step = np.abs(np.diff(values))
-    speed = step / np.diff(clock_of(time, values))
-    at = int(step[:-1].argmax())
-    jumps = step[at] > JUMP * np.ptp(values) and speed[at] > FASTER * np.delete(speed, at).max()
-    if jumps and np.ptp(beside[max(at - 1, 0) : at + 3]) < STAYS * np.ptp(beside):
-        before, after = values[at : at + 2]
+    step = np.diff(values)
+    speed = np.abs(step) / np.diff(clock_of(time, values))
+    first, last = sorted(np.argsort(speed)[-2:])
+    back = 1 < last - first <= LOST and abs(step[first] + step[last]) < 0.5 * abs(step[first])
+    at = first if back else int(np.abs(step[:-1]).argmax())
+    others = np.delete(speed, [first, last] if back else at)
+    if abs(step[at]) <= JUMP * np.ptp(values) or speed[at] <= FASTER * others.max():
+        return
+    before, after = values[at : at + 2]
+    told = (
+        f"line {table.index[at + 1]}: the {looked.name} jumps from {before:.4g} to {after:.4g} "
+        f"{looked.unit}"
+    )
+    if back:
+        yield f"{told}, and back; if readings were lost, delete the {last - first} lines between"
+    elif np.ptp(beside[max(at - 1, 0) : at + 3]) < STAYS * np.ptp(beside):
         yield (
-            f"line {table.index[at + 1]}: the {looked.name} jumps from {before:.4g} to {after:.4g} "
-            f"{looked.unit}, while the {other.name} does not; if the channel was zeroed there, add "
+            f"{told}, while the {other.name} does not; if the channel was zeroed there, add "
             f"{before - after:.4g} {looked.unit} to it from this line on, else look whether the "
             "sample slipped or failed"
         )

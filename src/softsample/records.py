@@ -548,7 +548,9 @@ def _wrong_time(table: pd.DataFrame, source: str) -> Iterator[str]:
     back = np.flatnonzero(np.diff(time) <= 0.0)
     if len(back):
         at = int(back[0])
-        if (time[back + 1] < time[back]).any():
+        if (np.diff(time) < 0.0).all():
+            cure = "turn the lines round, as they are stored from the last to the first"
+        elif (time[back + 1] < time[back]).any():
             again = time[at + 1] <= time[0]
             cure = (
                 "let the time go on if it begins anew in each step" if again else "sort the lines"

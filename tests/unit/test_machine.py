@@ -132,7 +132,7 @@ REFUSED = {
     ),
     "brackets without a unit": (
         "Time (sec.),Disp (mm),Load (N)",
-        "'sec.' is no known unit of time .*; write one of these, convert the column or, if it is no unit, take it out",
+        "'sec.' is no known unit of time .*; write one of these, convert the column or, if it",
     ),
     "another case": ("Time (s),Disp (mm),Load (MN)", "'MN' is no .*; if it is mN, write that in"),
     "minutes as metres": ("Time (m),Disp (mm),Load (N)", "'m' is no known .*; write one of these"),
@@ -354,6 +354,7 @@ GROUPED = {
     "narrow spaces": lambda x: f"{x:_.2f}".replace(".", ",").replace("_", "\u202f"),
     "apostrophes": lambda x: f"{x:_.2f}".replace("_", "'"),
     "a minus sign": lambda x: f"{x:,.2f}".replace("-", "\u2212"),
+    "a dash": lambda x: f"{x:,.2f}".replace("-", "\u2013"),
 }
 
 
@@ -461,7 +462,9 @@ def test_a_factor_in_a_title_is_refused(tmp_path, title, factor):
     assert f"a factor in a title ({factor}) is not read; convert" in str(refused.value)
 
 
-@pytest.mark.parametrize("title", ["Load cell 100 N", "Load (10 x 20 mm) [N]", "Fx10 (N)"])
+@pytest.mark.parametrize(
+    "title", ["Load cell 100 N", "Load at 0.1 mm/s [N]", "Load (10 x 20 mm) [N]", "Fx10 (N)"]
+)
 def test_a_number_in_a_title_is_no_factor(tmp_path, title):
     path = machines.write(tmp_path / "r.csv", f"Time (s);Disp (mm);{title}\n0;0;0\n1;1;1\n")
     assert read(path, {"force": title}).table["force_N"].tolist() == [0.0, 1.0]

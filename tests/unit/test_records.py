@@ -103,6 +103,10 @@ REFUSED = {
         lambda t: t.assign(time_s=t["time_s"].round(1)),
         r"0 s follows 0 s.*; \d{4} times are rounded .* more decimals, or take its column out",
     ),
+    "stored backwards": (
+        lambda t: t.iloc[::-1],
+        "follows 13.49 s, but time must rise from line to line; turn the lines round",
+    ),
     "one time twice": (
         lambda t: t.assign(time_s=t["time_s"].where(t.index != t.index[5], t["time_s"].iloc[4])),
         "0.04 s follows 0.04 s, .*; delete one of these lines if it repeats the other",
@@ -251,6 +255,15 @@ def test_a_channel_that_is_zeroed_within_the_record_is_a_warning(column, told, t
     assert re.search(
         f"line {after.idxmax()}: {told}; .* zeroed there, add -[01].* to it from", doubt
     )
+
+
+def test_lost_readings_are_a_warning():
+    table = record(noise=0.0)
+    table.loc[700:704, ["displacement_mm", "force_N"]] = 0.0
+    doubts = LoneRows.of(table, "r.csv").doubts
+    assert len(doubts) == 2
+    told = r"line 700: the .* jumps from -\d.* to 0 .*, and back; .* delete the 5 lines"
+    assert all(re.match(told, doubt) for doubt in doubts)
 
 
 def test_a_sudden_step_that_the_force_follows_is_no_zeroed_channel():

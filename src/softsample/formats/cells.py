@@ -41,8 +41,8 @@ GROUPED = re.compile(
 """A number that has thousands separators for certain: sign, thousands, and decimals behind another
 mark."""
 
-MINUS = "\u2212"
-"""The minus sign of typesetters."""
+MINUS = re.compile("^[\u2212\u2013]")
+"""The minus sign of typesetters, and the dash that is taken for one."""
 
 LONGEST_TITLE = 6
 """A title in quotes goes over fewer lines."""
@@ -138,7 +138,7 @@ def _plain(cell: str) -> str:
     """A cell as it stands; a number without thousands separators, and with the usual minus."""
     if NUMBER.fullmatch(cell):
         return cell
-    plain = cell.replace(MINUS, "-", 1)
+    plain = MINUS.sub("-", cell)
     if grouped := GROUPED.fullmatch(plain):
         sign, thousands, decimals = grouped.groups(default="")
         plain = sign + re.sub(r"\D", "", thousands) + decimals

@@ -69,12 +69,12 @@ def _of_day(time: re.Match[str]) -> float:
 def _days(dates: Collection[str]) -> dict[str, int]:
     """Days after the first of some dates; none if there is but one, or some are missing.
 
-    Of two orders of day and month the one with fewer days between the dates is right.
+    Where day and month may stand in either order, fewer days between the dates are right.
     """
     found = []
-    for order in ("%Y-%m-%d", "%d.%m.%Y", "%m.%d.%Y"):
+    for order in ("%Y-%m-%d", "%d.%m.%Y", "%d/%m/%Y", "%m/%d/%Y"):
         with suppress(ValueError):
-            days = {d: datetime.strptime(d.replace("/", "."), order).toordinal() for d in dates}
+            days = {date: datetime.strptime(date, order).toordinal() for date in dates}
             first = min(days.values(), default=0)
             found.append({date: day - first for date, day in days.items()})
     return min(found, key=lambda days: max(days.values())) if found and len(dates) > 1 else {}

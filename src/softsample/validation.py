@@ -430,7 +430,7 @@ def _wrong_ends(row: Mapping[str, str]) -> Iterator[tuple[str, str]]:
         yield ("ends", "unknown on an indenter; give bonded, sliding or a coefficient of friction")
     if ends in ("unknown", "sliding") and mode == "torsion":
         yield "ends", f"{ends!r} in torsion, where only bonded ends turn a sample; leave it empty"
-    if _is_number(ends) and mode not in ("compression", "indentation"):
+    if _is_number(ends) and mode not in ("", "compression", "indentation"):
         yield (
             "ends",
             f"{ends}: Coulomb friction holds only what is pressed, and not in {mode}; give bonded "

@@ -456,6 +456,12 @@ def test_a_bad_geometry_is_refused_with_its_cure(name):
         check_samples(stated(cells), SCHEMAS["samples"], "t.tsv", ("instron", "univert"))
 
 
+def test_friction_of_a_row_without_a_mode_is_not_what_is_wrong():
+    with pytest.raises(InputError, match="column 'mode'") as refused:
+        check_samples(stated({**CUBOID, "mode": "", "ends": "0.3"}), SCHEMAS["samples"], "t.tsv")
+    assert "Coulomb" not in str(refused.value)
+
+
 def test_a_piece_belongs_to_one_group():
     rows = {"specimen": "P", **CUBOID}, {"sample": "A2", "group": "H", "specimen": "P", **CUBOID}
     with pytest.raises(InputError, match="'P' is of group 'H' in row 3; .*\n.*of group 'G' in row"):

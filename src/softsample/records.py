@@ -556,8 +556,9 @@ def _wrong_time(table: pd.DataFrame, source: str) -> Iterator[str]:
                 "let the time go on if it begins anew in each step" if again else "sort the lines"
             )
             cure += ", or give a test that begins here a file of its own"
-            first = f"delete line {table.index[0]} if it holds no readings, else "
-            cure = first * (at == 0) + cure
+            alone = {0: f"line {table.index[0]}", len(time) - 2: f"lines from {table.index[-1]} on"}
+            if at in alone:
+                cure = f"delete {alone[at]} if they are no readings, else {cure}"
         elif len(back) == 1:
             cure = "delete one of these lines if it repeats the other"
         else:

@@ -77,7 +77,7 @@ REFUSED = {
     ),
     "line of channel numbers": (
         put("time_s", 4, 1.0),
-        "line 5, column 'time_s': 0.01 s follows 1 s, .*; delete line 4 if it holds no readings",
+        "line 5, column 'time_s': 0.01 s follows 1 s, .*; delete line 4 if they are no readings",
     ),
     "infinite": (
         put("force_N", 100, np.inf),
@@ -106,6 +106,10 @@ REFUSED = {
     "stored backwards": (
         lambda t: t.iloc[::-1],
         "follows 13.49 s, but time must rise from line to line; turn the lines round",
+    ),
+    "a last line of zeros": (
+        lambda t: pd.concat([t, pd.DataFrame([0.0 * t.iloc[0]], index=[t.index[-1] + 1])]),
+        "0 s follows 13.49 s, .*; delete lines from 1354 on if they are no readings, else let the",
     ),
     "one time twice": (
         lambda t: t.assign(time_s=t["time_s"].where(t.index != t.index[5], t["time_s"].iloc[4])),

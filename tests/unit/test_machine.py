@@ -368,6 +368,43 @@ def test_thousands_separators_that_can_be_nothing_else_are_left_out(tmp_path, na
     assert np.abs(raw.table["time_s"]).max() > 1.0
 
 
+BLANKS = {
+    "fixed width": ("      Time      Disp      Load\n         s        mm         N", "{:10.3f}"),
+    "titles with units": ("Time (s)   Disp (mm)   Load (N)", "{:10.3f}"),
+    "one blank": ("Time (s) Disp (mm) Load (N)", "{:.3f}"),
+    "our own": ("time_s displacement_mm force_N", "{:.3f}"),
+    "decimal commas": ("Zeit_s Weg_mm Kraft_N", "{:.3f}"),
+}
+
+
+@pytest.mark.parametrize("name", BLANKS)
+def test_blanks_may_stand_between_cells(tmp_path, name):
+    titles, form = BLANKS[name]
+    rows = "\n".join(" ".join(map(form.format, row)) for row in zip(*TEST, strict=True))
+    rows = rows.replace(".", ",") if name == "decimal commas" else rows
+    text = f"Operator made up\n\n{titles}\n{rows}\n\nEnd\n"
+    raw = read(machines.write(tmp_path / "r.txt", text))
+    for column, values in zip(("time_s", "displacement_mm", "force_N"), TEST, strict=True):
+        np.testing.assert_allclose(raw.table[column], values, atol=6e-4)
+    assert "cells are separated by blanks" in raw.reading["notes"]
+
+
+def test_no_number_goes_into_the_place_of_an_empty_one(tmp_path):
+    rows = [f"{t:8.3f} {d:8.3f} {f:8.3f}   37.0" for t, d, f in zip(*TEST, strict=True)]
+    rows[50] = f"{rows[50][:8]}         {rows[50][17:]}"
+    text = "\n".join(["Time_s Disp_mm Load_N Temp_C", *rows, ""])
+    with pytest.raises(InputError, match="line 52: '.* stands among the numbers"):
+        read(machines.write(tmp_path / "r.txt", text))
+
+
+def test_a_blank_between_thousands_is_none_between_cells(tmp_path):
+    test = zip(*abs(np.array(TEST)), strict=True)
+    rows = [f"{1000 * t:.0f},1 {100 * d:03.0f},{1000 * f:.0f}" for t, d, f in test]
+    text = "\n".join(["Time (ms),Disp (um),Load (mN)", *rows, ""])
+    raw = read(machines.write(tmp_path / "r.txt", text))
+    assert raw.table["displacement_mm"].iloc[0] == "1 000"
+
+
 def test_a_title_in_quotes_may_go_over_lines(tmp_path):
     titles = 'Sample 5" wide\nTime (s),"Disp\n(mm)","Load\n\n(N)"'
     raw = read(machines.write(tmp_path / "r.csv", plain(titles)))

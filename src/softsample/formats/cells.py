@@ -2,8 +2,10 @@
 
 import csv
 import re
+from collections import Counter
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, field
+from operator import itemgetter
 from typing import Self
 
 from softsample.errors import InputError
@@ -44,6 +46,9 @@ mark."""
 MINUS = re.compile("^[\u2212\u2013]")
 """The minus sign of typesetters, and the dash that is taken for one."""
 
+BLANKS = (r"\s{2,}", r"\s+(?![(\[])", r"\s+")
+"""What may stand between cells where no mark does; a bracket belongs to the word before it."""
+
 LONGEST_TITLE = 6
 """A title in quotes goes over fewer lines."""
 
@@ -80,7 +85,10 @@ class Text:
             lines, notes = read_lines(path, "export the test as CSV, text or .xlsx")
         except FileNotFoundError as error:
             raise InputError(f"{path}: no such record; correct its path in the table") from error
-        return cls(path, _joined(lines), notes)
+        spaced = _tabbed(lines)
+        if spaced is not lines:
+            notes.append("cells are separated by blanks")
+        return cls(path, _joined(spaced), notes)
 
     @classmethod
     def of_sheets(cls, path: PathLike, sheet: str | None) -> Iterator[Self]:
@@ -116,6 +124,31 @@ def cell_at(cells: Sequence[str], place: int) -> str:
 def is_comment(line: str) -> bool:
     """Whether a line begins with #."""
     return line.lstrip().startswith("#")
+
+
+def _tabbed(lines: list[str]) -> list[str]:
+    """Lines with tabs in place of the blanks, if these alone stand between the numbers of a text.
+
+    Only lines with as many cells as those of numbers are changed, so that none is shifted where a
+    cell is empty. Commas are those of decimals, if no other line has some.
+    """
+    if any(mark in line for line in lines for mark in "\t;"):
+        return lines
+    cells = [line.split() for line in lines]
+    numeric = [
+        len(row) > 1 and all(VALUE.fullmatch(cell) and cell[-1] != "," for cell in row)
+        for row in cells
+    ]
+    numbers = Counter(len(row) for row, is_one in zip(cells, numeric, strict=True) if is_one)
+    count, often = max(numbers.items(), key=itemgetter(1), default=(0, 0))
+    commas = {is_one for line, is_one in zip(lines, numeric, strict=True) if "," in line}
+    if often < LONGEST_TITLE or 2 * often < sum(map(bool, cells)) or len(commas) > 1:
+        return lines
+    ways = [[re.split(mark, line.strip()) for mark in BLANKS] for line in lines]
+    return [
+        "\t".join(next((cut for cut in cuts if len(cut) == count), [line]))
+        for cuts, line in zip(ways, lines, strict=True)
+    ]
 
 
 def _joined(lines: Sequence[str]) -> list[str]:

@@ -2,6 +2,7 @@
 
 from collections.abc import Iterator
 from dataclasses import dataclass
+from itertools import permutations
 from typing import Self
 
 import numpy as np
@@ -23,23 +24,10 @@ JUMP, STAYS, LOST = 0.02, 0.05, 10
 within this part of its own; readings are lost in no more lines, before the channel jumps back."""
 
 
-@dataclass(frozen=True)
-class _Looked:
-    """A column that is looked at, and the part of its range that a reading has to be off by.
+LOOKED_AT = {"displacement_mm": 0.01, "force_N": 0.05}
+"""Columns that are looked at, with the part of its range that a reading has to be off by.
 
-    A platen is moved without leaps, so that a small one is none of its own.
-    """
-
-    column: str
-    name: str
-    unit: str
-    part: float
-
-
-LOOKED_AT = (
-    _Looked("displacement_mm", "displacement", "mm", 0.01),
-    _Looked("force_N", "force", "N", 0.05),
-)
+A platen is moved without leaps, so that a small one is none of its own."""
 
 
 @dataclass(frozen=True)
@@ -72,18 +60,18 @@ class LoneRows:
         """
         time = table["time_s"].to_numpy(np.float64) if "time_s" in table else None
         rows = cls([], [])
-        for looked in LOOKED_AT:
-            values = table[looked.column].to_numpy(np.float64)
-            found = lone(values, clock_of(time, values), looked.part)
+        for column, part in LOOKED_AT.items():
+            values = table[column].to_numpy(np.float64)
+            found = lone(values, clock_of(time, values), part)
             deciding = [at for at in found if at == 0 or _decides(values, at)]
             rows.faults.extend(
-                f"{source}, line {table.index[at]}, column {looked.column!r}: "
-                f"{_alone(values, at, looked.unit)}; delete the line"
+                f"{source}, line {table.index[at]}, column {column!r}: "
+                f"{_alone(values, at, column)}; delete the line"
                 for at in deciding
             )
-            rows.doubts.extend(_doubts(table.index, values, looked, [*{*found} - {*deciding}]))
-        for looked, other in (LOOKED_AT, LOOKED_AT[::-1]):
-            rows.doubts.extend(_shifted(table, looked, other))
+            rows.doubts.extend(_doubts(table.index, values, column, [*{*found} - {*deciding}]))
+        for pair in permutations(LOOKED_AT):
+            rows.doubts.extend(_shifted(table, *pair))
         return rows
 
 
@@ -125,9 +113,10 @@ def lone(values: Array, clock: Array, part: float) -> NDArray[np.intp]:
     return np.flatnonzero(alone)
 
 
-def _shifted(table: pd.DataFrame, looked: _Looked, other: _Looked) -> Iterator[str]:
+def _shifted(table: pd.DataFrame, column: str, other: str) -> Iterator[str]:
     """What to say of a channel that jumps while the other one goes on, or jumps there and back."""
-    values, beside = (table[one.column].to_numpy(np.float64) for one in (looked, other))
+    name, _, unit = column.partition("_")
+    values, beside = (table[one].to_numpy(np.float64) for one in (column, other))
     if len(values) < FEWEST:
         return
     time = table["time_s"].to_numpy(np.float64) if "time_s" in table else None
@@ -140,17 +129,14 @@ def _shifted(table: pd.DataFrame, looked: _Looked, other: _Looked) -> Iterator[s
     if abs(step[at]) <= JUMP * np.ptp(values) or speed[at] <= FASTER * others.max():
         return
     before, after = values[at : at + 2]
-    told = (
-        f"line {table.index[at + 1]}: the {looked.name} jumps from {before:.4g} to {after:.4g} "
-        f"{looked.unit}"
-    )
+    told = f"line {table.index[at + 1]}: the {name} jumps from {before:.4g} to {after:.4g} {unit}"
     if back:
         yield f"{told}, and back; if readings were lost, delete the {last - first} lines between"
     elif np.ptp(beside[max(at - 1, 0) : at + 3]) < STAYS * np.ptp(beside):
         yield (
-            f"{told}, while the {other.name} does not; if the channel was zeroed there, add "
-            f"{before - after:.4g} {looked.unit} to it from this line on, else look whether the "
-            "sample slipped or failed"
+            f"{told}, while the {other.partition('_')[0]} does not; if the channel was zeroed "
+            f"there, add {before - after:.4g} {unit} to it from this line on, else look whether "
+            "the sample slipped or failed"
         )
 
 
@@ -164,8 +150,9 @@ def _decides(values: Array, at: int) -> bool:
     return at < len(values) - 1 and bool(beyond > np.ptp(others))
 
 
-def _alone(values: Array, at: int, unit: str) -> str:
+def _alone(values: Array, at: int, column: str) -> str:
     """A reading with those beside it and the range of the others, in words."""
+    _, _, unit = column.partition("_")
     others = np.delete(values, at)
     beside = " and ".join(f"{x:.4g}" for x in (*values[max(at - 1, 0) : at], values[at + 1]))
     row = "the first row" if at == 0 else "this row"
@@ -175,12 +162,13 @@ def _alone(values: Array, at: int, unit: str) -> str:
     )
 
 
-def _doubts(lines: pd.Index, values: Array, looked: _Looked, found: list[int]) -> Iterator[str]:
+def _doubts(lines: pd.Index, values: Array, column: str, found: list[int]) -> Iterator[str]:
     """What to say of readings that decide nothing."""
+    name, _, unit = column.partition("_")
     if found:
         at = min(found)
         more = f", and {len(found) - 1} more" if len(found) > 1 else ""
         yield (
-            f"line {lines[at]}: the {looked.name} is {values[at]:.3g} {looked.unit}, far from that "
+            f"line {lines[at]}: the {name} is {values[at]:.3g} {unit}, far from that "
             f"of the lines beside it{more}; delete such lines if the reading was disturbed"
         )

@@ -342,8 +342,9 @@ def test_the_page_says_first_what_is_not_predicted():
     # parts that are left out have diagnoses of their own, whatever is said of all records
     unknown = {**verdict, "rule": "each mode left out in turn", "verdict": "unknown", "effects": []}
     assert "predicted to 28.3 %" in page("A7", unknown).split("##")[0]
-    same = {**unknown, "held_out_after": unknown["held_out_before"]}
-    assert "predicted to" not in page("A7", same).split("##")[0]
+    same = {**unknown, "held_out_after": unknown["held_out_before"], "verdict": "none"}
+    alone = "What is held out is predicted to 29.3 % of the peak. **Not predicted:** `leave_out_"
+    assert alone in page("A7", same).split("##")[0]
     verdict["held_out_before"]["leave_out_tension"]["tension"]["rms_percent"] = 346.0
     verdict["held_out_after"]["leave_out_tension"]["tension"]["rms_percent"] = 228.0
     opening = page("A7", {**verdict, "rule": "each mode left out in turn"}).split("##")[0]
@@ -381,6 +382,15 @@ def test_a_modulus_beside_relaxation_is_said_to_be_instantaneous(there):
     if there:
         verdict["recommended"]["models"][0]["effects"] += ["viscoelastic_relaxation"]
     assert ("It is the instantaneous modulus" in page("A7", verdict)) == there
+
+
+@pytest.mark.parametrize(("low", "faster"), [(12.0, True), (9.0, False)])
+def test_a_relaxation_as_fast_as_records_tell_is_said_to_be_extrapolated(low, faster):
+    verdict = verdict_on(15.0)
+    verdict["effects"][0]["parameters"] = {
+        "tau1_s": {"value": 12.0, "low": low, "high": 19.0, "unit": "s"}
+    }
+    assert ("this modulus is extrapolated" in page("A7", verdict)) == faster
 
 
 def test_values_at_a_bound_are_zero_and_an_error_below_the_noise_says_so():

@@ -25,6 +25,9 @@ WORTH_A_NAME = 0.05
 RELAXING = ("viscoelastic_relaxation", "poroelastic_drainage")
 """Effects beside which the modulus is that of a sudden load."""
 
+SHORTEST, AT_END = "tau1_s", 1e-3
+"""The shortest time of relaxation, and by what part it may lie from an end at which it is."""
+
 NO_BETTER = 0.8
 """Part of the error without effects from which on what is held out is not predicted."""
 
@@ -71,6 +74,7 @@ def page(template: str | os.PathLike[str], group: str, verdict: Mapping[str, Any
         "all_models": round(sum(one["weight"] for one in models), 2) == 1.0,
         "possible": sorted(in_models - explained - {*_corrects(verdict)}),
         "relaxing": [name for name in RELAXING if name in in_models],
+        "fastest": _is_faster(verdict),
         "relaxed": quoted.get("mu_relaxed"),
         "predicted": _predicted(verdict),
         "scale_percent": _scale(verdict),
@@ -99,16 +103,16 @@ def _unwrapped(text: str) -> str:
 
 
 def _predicted(verdict: Mapping[str, Any]) -> dict[str, Any] | None:
-    """How well effects predict what the study holds out, and what they do not; None without any.
+    """How well a verdict predicts what the study holds out, and what it does not.
 
     Parts that are left out in turn have diagnoses of their own, whatever the verdict on all is.
     """
     before, after = (held_out_percent(verdict, when) for when in ("before", "after"))
-    if not verdict.get("rule") or before == after:
+    if not verdict.get("rule") or not before:
         return None
     least = FAR * verdict["floor"]["floor_percent"]
     return {
-        "before": root_mean_square([*before.values()]),
+        "before": root_mean_square([*before.values()]) if before != after else None,
         "after": root_mean_square([*after.values()]),
         "failed": [
             name
@@ -116,6 +120,17 @@ def _predicted(verdict: Mapping[str, Any]) -> dict[str, Any] | None:
             if after[name] > max(min(NO_BETTER * was, HALF), least)
         ],
     }
+
+
+def _is_faster(verdict: Mapping[str, Any]) -> bool:
+    """Whether relaxation has the shortest time of its range: its interval begins with it."""
+    times = (
+        size
+        for effect in verdict["effects"]
+        for name, size in effect["parameters"].items()
+        if name == SHORTEST
+    )
+    return any(time["value"] <= (1.0 + AT_END) * time["low"] for time in times)
 
 
 def _scale(verdict: Mapping[str, Any]) -> float | None:

@@ -133,6 +133,17 @@ def test_ranges_go_with_size_and_force_only_far_from_those_of_the_study(
     assert set(by) <= units
 
 
+def test_no_sample_of_known_shape_pulls_by_more_than_it_weighs(tests):
+    """Whatever its peak force; half of it is the nominal size."""
+    cell = 40.0 / np.median([s.peak for s in tests])
+    for weight in (0.003, 0.6):
+        known = [replace(s, elastic=replace(s.elastic, weight=weight)) for s in scaled(tests, cell)]
+        (size,) = named(known)["self_weight"].parameters
+        assert (size.low, size.high) == pytest.approx((-1e3 * weight, 1e3 * weight))
+        assert size.nominal == pytest.approx(-500.0 * weight)
+        assert named(known)["force_offset"] == named(scaled(tests, cell))["force_offset"]
+
+
 def test_effects_on_constants_depart_from_those_of_the_group(tests):
     solid = unit_modulus(0.5, (1.3, 5.0), 0.45, 1.0)
     found = {effect.name: effect for effect in candidates(tests, HEIGHT, solid)}

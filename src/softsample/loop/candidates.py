@@ -2,11 +2,12 @@
 
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
+from typing import Any
 
 import numpy as np
 
 from softsample.constitutive.material import Material
-from softsample.loop.effects import library
+from softsample.loop.effects import library, self_weight
 from softsample.loop.effects.base import Effect, Parameter
 from softsample.loop.specimen import Specimen
 
@@ -25,8 +26,8 @@ def candidates(specimens: Sequence[Specimen], height: float, solid: Material) ->
 
     Effects of time are no candidates without recorded time, and none that goes by where the platen
     has been if a record without time sweeps to both sides. A law has the exponents whose response
-    is known (`softsample.response.law_response`). Ranges of lengths and forces go with
-    the size of the sample and the peak force where these are far from those of the study.
+    is known (`softsample.response.law_response`). Ranges go with the size of the sample and the
+    peak force where these are far from the study's; no known shape pulls by more than it weighs.
 
     Parameters
     ----------
@@ -44,6 +45,8 @@ def candidates(specimens: Sequence[Specimen], height: float, solid: Material) ->
     peaks = [s.peak for s in specimens if not s.held_out.all()]
     force = _beyond(float(np.median(peaks)), PEAKS)
     scales = {"mm": length, "mN": force, "mN/s": force, "mm/N": length / force}
+    weights = [s.elastic.weight for s in specimens if s.elastic.weight is not None]
+    weight = 1e3 * max(weights) / self_weight.MOST_MN if weights else force
     laws = [s.elastic.laws.exponents for s in specimens if s.elastic.laws is not None]
     there = {
         "mains_pickup": rippled,
@@ -53,7 +56,7 @@ def candidates(specimens: Sequence[Specimen], height: float, solid: Material) ->
     }
     known = max((low for low, _ in laws), default=0.0), min((high for _, high in laws), default=0.0)
     return [
-        _suited(effect, scales, known)
+        _suited(effect, scales | ({"mN": weight} if effect.name == "self_weight" else {}), known)
         for effect in library(solid, specimens).values()
         if (timed or not effect.of_time)
         and (followed or not effect.of_past)
@@ -82,15 +85,9 @@ def _suited(effect: Effect, scales: Mapping[str, float], exponents: tuple[float,
         if effect.is_law and p.name.startswith("alpha"):
             grid = tuple(value for value in p.grid if least <= value <= most)
             return replace(p, low=max(p.low, least), high=min(p.high, most), grid=grid)
-        by = scales.get(p.unit, 1.0)
-        return replace(
-            p,
-            low=by * p.low,
-            high=by * p.high,
-            nominal=by * p.nominal,
-            neutral=by * p.neutral,
-            grid=tuple(by * value for value in p.grid),
-            limits=tuple(by * value for value in p.limits),
-        )
+        by, names = scales.get(p.unit, 1.0), ("low", "high", "nominal", "neutral")
+        scaled: dict[str, Any] = {name: by * getattr(p, name) for name in names}
+        scaled |= {m: tuple(by * x for x in getattr(p, m)) for m in ("grid", "limits")}
+        return replace(p, **scaled)
 
     return replace(effect, parameters=tuple(map(suited, effect.parameters)))

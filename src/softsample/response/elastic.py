@@ -25,6 +25,10 @@ from softsample.response.law_response import LawResponse
 from softsample.response.memory import remembered
 from softsample.shapes import IdealShape
 
+# ASSUME: no sample is denser than 1.2 g/cm3, as filled silicones are; wet tissue has 1.0 to 1.1.
+HEAVIEST = 1.2e3 * 9.81
+"""Weight of a volume, at most [N/m3]."""
+
 LEAST_PART = 0.05
 """What a compliance is of the model's at least when the Poisson's ratio changes."""
 
@@ -76,8 +80,8 @@ class Elastic:
         What other laws would change.
     most_push : float
         Push per modulus [m2] at which a sample that was pulled buckles on unloading.
-    height : float, optional
-        Of the idealised shape [m].
+    height, weight : float, optional
+        Of the idealised shape [m], and the most that it weighs [N].
     release : bool
         Whether a platen leaves a sample that would pull on it.
     """
@@ -89,6 +93,7 @@ class Elastic:
     laws: LawResponse | None = None
     most_push: float = np.inf
     height: float | None = None
+    weight: float | None = None
     release: bool = True
 
     @classmethod
@@ -134,8 +139,8 @@ class Elastic:
         push = np.inf
         if shape and mode == "tension" and not across:  # ASSUME: Euler's load of clamped ends.
             push = 12.0 * shape.area * (np.pi * shape.gyration / shape.height) ** 2
-        height = shape.height if shape else None
-        return cls(found, perturbations, pressed, nu, laws, push, height, tables.release)
+        height, weight = (shape.height, HEAVIEST * shape.volume) if shape else (None, None)
+        return cls(found, perturbations, pressed, nu, laws, push, height, weight, tables.release)
 
     @cached_property
     def grain(self) -> float:

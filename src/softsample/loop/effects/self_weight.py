@@ -2,11 +2,14 @@
 
 from softsample.loop.effects.base import Effect, Parameter
 
+MOST_MN = 60.0
+"""Weight of a sample of 6 g; of a known shape that of its volume takes its place [mN]."""
+
 EFFECT = Effect(
     name="self_weight",
     title="Own weight",
-    parameters=(Parameter("weight_mN", "mN", -60.0, 60.0, -30.0),),
-    source="half the weight of 6 g",
+    parameters=(Parameter("weight_mN", "mN", -MOST_MN, MOST_MN, -0.5 * MOST_MN),),
+    source="at most all of the weight; half of it of a sample held at both ends",
     signature="a constant along the machine's axis in tension and compression, none in shear",
     confused_with=("force_offset", "adhesion"),
     experiment="turn the machine upside down; tare before and after mounting",

@@ -393,6 +393,16 @@ def test_a_relaxation_as_fast_as_records_tell_is_said_to_be_extrapolated(low, fa
     assert ("this modulus is extrapolated" in page("A7", verdict)) == faster
 
 
+@pytest.mark.parametrize(("fraction", "alone"), [(0.0, True), (1.0, True), (0.02, False)])
+def test_the_page_says_where_one_term_takes_all_of_the_modulus(fraction, alone):
+    verdict = verdict_on(15.0)
+    verdict["theta_after"]["mu1_fraction"]["value"] = fraction
+    told = "ask for another elastic law than this pair"
+    assert (told in page("A7", verdict)) == alone
+    verdict["effects"][0]["name"] = "elastic_law"  # which is another law
+    assert told not in page("A7", verdict)
+
+
 def test_values_at_a_bound_are_zero_and_an_error_below_the_noise_says_so():
     verdict = verdict_on(15.0)
     size = {"value": 1e-6, "low": -4.9e-7, "high": 0.01, "unit": "1"}

@@ -28,6 +28,9 @@ RELAXING = ("viscoelastic_relaxation", "poroelastic_drainage")
 SHORTEST, AT_END = "tau1_s", 1e-3
 """The shortest time of relaxation, and by what part it may lie from an end at which it is."""
 
+LEAST_TERM = 0.005
+"""Part of the modulus below which a term is none."""
+
 NO_BETTER = 0.8
 """Part of the error without effects from which on what is held out is not predicted."""
 
@@ -76,6 +79,7 @@ def page(template: str | os.PathLike[str], group: str, verdict: Mapping[str, Any
         "relaxing": [name for name in RELAXING if name in in_models],
         "fastest": _is_faster(verdict),
         "relaxed": quoted.get("mu_relaxed"),
+        "one_term": _has_one_term(verdict),
         "predicted": _predicted(verdict),
         "scale_percent": _scale(verdict),
         "unseen": next((name for name in limits if name not in counted), None),
@@ -131,6 +135,13 @@ def _is_faster(verdict: Mapping[str, Any]) -> bool:
         if name == SHORTEST
     )
     return any(time["value"] <= (1.0 + AT_END) * time["low"] for time in times)
+
+
+def _has_one_term(verdict: Mapping[str, Any]) -> bool:
+    """Whether one term of the study's law takes all of the modulus."""
+    fraction = verdict["theta_after"]["mu1_fraction"]["value"]
+    laws = (library()[effect["name"]].is_law for effect in verdict["effects"])
+    return min(fraction, 1.0 - fraction) < LEAST_TERM and not any(laws)
 
 
 def _scale(verdict: Mapping[str, Any]) -> float | None:

@@ -41,8 +41,6 @@ OTHER_SIZE = 0.03
 """A file's own dimensions may differ by this part from those stated without a doubt raised."""
 OFF_ZERO = 0.05
 """A ramp may begin at this part of its displacement or of its peak force without a doubt raised."""
-STARTS_LOADED = 0.25
-"""A force of this part of the peak in the first sample, without a rest before it, is doubted."""
 FREE_PART, FREE_PARTS, FREE_FORCE, FREE_NOISE = 0.25, 20, 0.002, 3.0
 """The first quarter of a loading, in twentieths, is doubted if the mean force of each stays below
 this part of the peak and so many standard errors."""
@@ -813,7 +811,7 @@ def _off_zero(
     else:  # a test to both sides may be on its way through zero
         away = record.displacement
         there = abs(away[0]) <= far and not (away.min() < -far and away.max() > far)
-        loaded = there and abs(before.mean()) > STARTS_LOADED * abs(peak)
+        loaded = there and abs(before.mean()) > OFF_ZERO * abs(peak)
     if loaded:
         yield (
             f"the force before the ramp is {before.mean():.3g} N; if the sample is not loaded "

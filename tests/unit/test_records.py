@@ -366,6 +366,14 @@ def test_a_cell_that_was_not_tared_is_no_wrong_sign(mode, sign):
     assert re.match("the force before the ramp is -?1.5 N; .*zero: {force: start}", warning)
 
 
+@pytest.mark.parametrize(("first", "told"), [(0.08, True), (0.03, False)])
+def test_a_first_reading_off_zero_is_doubted_without_a_rest_too(first, told):
+    table = record(rest=0.0)
+    table["force_N"] -= first
+    saying = f"the force before the ramp is -{first} N; if the sample is not loaded there"
+    assert any(saying in warning for warning in check(table)["warnings"]) == told
+
+
 def test_a_force_that_falls_all_along_may_have_the_wrong_sign():
     """Compression is positive in the file, from a cell that was not tared."""
     table = record(rest=0.0).assign(force_N=lambda table: -table["force_N"] - 1.5)

@@ -21,7 +21,7 @@ are fitted from several initial guesses. Offsets, drift and weight have the sign
 
 Ranges of lengths and forces hold for samples 6.5 to 26 mm high and peak forces of 0.2 to 5 N;
 beyond, they scale with height and peak force. `self_weight` of a sample of known shape is at most
-its volume at 1.2 g/cm3. The three relaxation times have equal ratios and
+the weight of its volume at 1.2 g/cm3. The three relaxation times have equal ratios and
 follow loading time and duration of the records; the table has those of a usual study.
 `specimen_stiffness` has one parameter, named after the specimen, for every specimen but the first
 of its mode and direction. Where the study table states how each piece was cut (`material_z`,

@@ -384,11 +384,15 @@ def test_a_modulus_beside_relaxation_is_said_to_be_instantaneous(there):
     assert ("It is the instantaneous modulus" in page("A7", verdict)) == there
 
 
-@pytest.mark.parametrize(("low", "faster"), [(12.0, True), (9.0, False)])
-def test_a_relaxation_as_fast_as_records_tell_is_said_to_be_extrapolated(low, faster):
+@pytest.mark.parametrize(
+    ("low", "high", "faster"),
+    [(12.0, 19.0, True), (9.0, 19.0, False), (12.0, 12.0, False)],  # the last is known exactly
+)
+def test_a_relaxation_as_fast_as_records_tell_is_said_to_be_extrapolated(low, high, faster):
     verdict = verdict_on(15.0)
+    verdict["recommended"]["models"][0]["effects"] += ["viscoelastic_relaxation"]
     verdict["effects"][0]["parameters"] = {
-        "tau1_s": {"value": 12.0, "low": low, "high": 19.0, "unit": "s"}
+        "tau1_s": {"value": 12.0, "low": low, "high": high, "unit": "s"}
     }
     assert ("this modulus is extrapolated" in page("A7", verdict)) == faster
 

@@ -216,6 +216,16 @@ def test_a_pressed_sample_bears_nothing_before_contact_whatever_is_changed():
     assert elastic.change_per_mu("poisson_0.02_less", 0.6, np.array([1e-3]))[0] > 0.0
 
 
+def test_a_sample_of_known_shape_weighs_no_more_than_1200_kg_in_a_cubic_metre():
+    """Of a disc of 20 mm and 10 mm: 3.14 cm3, 37 mN."""
+    tables = Tables(response("compression"), [], SOLID)
+    known, unknown = (
+        Elastic.of_tables("compression", tables, shape=shape) for shape in (SHAPE, None)
+    )
+    assert known.weight == pytest.approx(0.03698, rel=1e-3)
+    assert unknown.weight is None
+
+
 @pytest.mark.parametrize("ends", ["bonded", "sliding", 0.3])
 @pytest.mark.parametrize("friction", [None, 0.2])
 def test_changed_models_rub_on_the_platens_as_the_unchanged_one_does(block, ends, friction):

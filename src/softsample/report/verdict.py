@@ -127,14 +127,14 @@ def _predicted(verdict: Mapping[str, Any]) -> dict[str, Any] | None:
 
 
 def _is_faster(verdict: Mapping[str, Any]) -> bool:
-    """Whether relaxation has the shortest time of its range: its interval begins with it."""
+    """Whether relaxation has the shortest time of its range: its interval goes up from there."""
     times = (
         size
         for effect in verdict["effects"]
         for name, size in effect["parameters"].items()
         if name == SHORTEST
     )
-    return any(time["value"] <= (1.0 + AT_END) * time["low"] for time in times)
+    return any(time["value"] <= (1.0 + AT_END) * time["low"] < time["high"] for time in times)
 
 
 def _has_one_term(verdict: Mapping[str, Any]) -> bool:

@@ -13,7 +13,7 @@ from typing import Any
 
 import numba
 import numpy as np
-from llvmlite import ir
+from llvmlite import binding, ir
 from numba import types
 from numba.core.cgutils import get_or_insert_function
 from numba.core.datamodel import models
@@ -23,8 +23,11 @@ from numba.np.arrayobj import make_array
 
 from softsample.constitutive.functions import exp, expm1, growth, lesser, log, positive
 
-LANES = {np.dtype(np.float32): 16, np.dtype(np.float64): 8}
-"""Elements per block: one 512-bit register; narrower machines take several."""
+_BYTES = 64 if binding.get_host_cpu_features().get("avx512f") else 32
+
+LANES = {kind: _BYTES // kind.itemsize for kind in map(np.dtype, (np.float32, np.float64))}
+"""Elements per block: one register of the processor, of 512 or 256 bits. With blocks of two
+registers the values of an element do not fit into all of them (a fifth slower)."""
 
 FUSED = ("contract",)
 """Let the compiler fuse multiplication and addition, nothing else."""

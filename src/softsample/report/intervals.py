@@ -16,7 +16,7 @@ from scipy.special import ndtri
 
 from softsample.response.bond import log_force
 from softsample.response.floor import FloorSettings, rectangular
-from softsample.response.sensitivity import COARSE, SOFTER, STIFFER
+from softsample.response.sensitivity import COARSE, STIFFER
 from softsample.response.unit import CLOSED_FORM
 
 MEASURED = ("statistics", "geometry", "contact_zero", "time", "bond")
@@ -67,14 +67,13 @@ def force_terms(
     geometry = np.nan if band is None else 0.5 * (band["high_percent"] - band["low_percent"])
     if curves.get("method") == CLOSED_FORM:
         return {"geometry": geometry, **dict.fromkeys(("time", "bond", *FLOOR), 0.0)}
-    softer, stiffer = (changes[name]["modulus_percent"] for name in (SOFTER, STIFFER))
     richardson = changes[COARSE]["modulus_percent"] / (2.0**settings.mesh_order - 1.0)
     return {
         "geometry": geometry,
         "time": rectangular(curves["error_bound_percent"]),
         "bond": rectangular(100.0 * log_force(bond)) if bond else 0.0,
         "mesh": rectangular(richardson),
-        "hourglass": rectangular(max(-softer, stiffer, key=abs)),
+        "hourglass": rectangular(changes[STIFFER]["modulus_percent"]),
         "element": rectangular(settings.element(mode, element_size_mm)),
     }
 

@@ -12,19 +12,16 @@ from softsample.fem.setup import Sample, set_up
 from softsample.response.optimum import loading_time
 from softsample.response.unit import CLOSED_FORM, Progress, curve_difference
 
-SOFTER, STIFFER = "half the hourglass stiffness", "twice the hourglass stiffness"
-COARSE = "elements of twice the size"
-DOUBLE = f"{COARSE}, double precision"
-"""Names of the changes. Rounding changes so little that it is looked at where it costs little."""
+STIFFER, COARSE = "twice the hourglass stiffness", "elements of twice the size"
+"""Names of the changes. Half the hourglass stiffness changes less than twice in all fifteen samples
+of the study, and double precision less than 0.001 %."""
 
 
 def numerical_changes(hourglass_coefficient: float) -> dict[str, tuple[str, dict[str, Any]]]:
     """By name of each change: which mesh, `mesh` or `coarse`, and settings of the solver."""
     return {
-        SOFTER: ("mesh", {"hourglass_coefficient": 0.5 * hourglass_coefficient}),
         STIFFER: ("mesh", {"hourglass_coefficient": 2.0 * hourglass_coefficient}),
         COARSE: ("coarse", {}),
-        DOUBLE: ("coarse", {"precision": "float64"}),
     }
 
 
@@ -82,7 +79,7 @@ def changes_of_force(
     forces : mapping of (n,) float64
         Force [N] along the record by name of the change.
     reference : (n,) float64
-        Without a change; double precision is compared with single on the same mesh.
+        Without a change.
     scale_of : callable
         Factor that brings a force closest to the record: that of the calibrated modulus.
 
@@ -91,12 +88,11 @@ def changes_of_force(
     dict
         By name: `largest_percent_of_peak`, `end_force_percent`, `modulus_percent`.
     """
-    before = {name: forces[COARSE] if name == DOUBLE else reference for name in forces}
     return {
         name: {
-            "largest_percent_of_peak": 100.0 * curve_difference(force, before[name]),
-            "end_force_percent": 100.0 * float(force[-1] / before[name][-1] - 1.0),
-            "modulus_percent": 100.0 * (scale_of(force) / scale_of(before[name]) - 1.0),
+            "largest_percent_of_peak": 100.0 * curve_difference(force, reference),
+            "end_force_percent": 100.0 * float(force[-1] / reference[-1] - 1.0),
+            "modulus_percent": 100.0 * (scale_of(force) / scale_of(reference) - 1.0),
         }
         for name, force in forces.items()
     }

@@ -52,10 +52,11 @@ class ResponseSettings:
     ----------
     nodes : int
         Modulus fractions mu1 / mu that are computed, from 0 to 1: Chebyshev-Lobatto points in
-        sqrt(1 - mu1/mu), where the force is smooth.
+        sqrt(1 - mu1/mu), where the force is smooth. Between 6 it is within 0.25 % of its peak,
+        between 8 within 0.1 % (three samples, one of each mode, to their strains).
     """
 
-    nodes: int = 8
+    nodes: int = 6
 
 
 def modulus_fractions(settings: ResponseSettings) -> Array:

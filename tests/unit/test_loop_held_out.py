@@ -332,6 +332,18 @@ def test_tests_at_another_speed_or_to_another_displacement_tell_nothing_of_stiff
     assert relative_stiffness(problem.fit_material()) == {}
 
 
+def test_what_only_one_record_has_tells_nothing_of_stiffness():
+    """A hold and an unloading with a loss, of which the other record has none."""
+    (whole,) = laboratory.Lab(seed=7).specimens(["shear"])
+    after = np.isin(whole.phase, ["hold", "unloading"])
+    lossy = replace(whole, force=np.where(after, 0.7 * whole.force, whole.force))
+    other = stiffer(whole, 1.2, "B")
+    part = replace(other, held_out=other.held_out | after)
+    problem, _ = pose([lossy, part], SETTINGS.noise)
+    found = relative_stiffness(problem.fit_material())
+    assert found["B"] / found[whole.piece] == pytest.approx(1.2, rel=0.02)
+
+
 def test_pieces_cut_along_other_directions_tell_nothing_of_stiffness():
     """What is stiffer along the fibres is no stiffer specimen; either sign is the same."""
     (one,) = (replace(s, material_z=1, material_x=2)

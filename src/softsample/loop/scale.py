@@ -6,6 +6,7 @@ import numpy as np
 
 from softsample.loop.discrepancy import scaled
 from softsample.loop.fit import Fit
+from softsample.loop.noise import KINDS
 from softsample.loop.same_piece import numbered, same_piece
 from softsample.loop.specimen import Array, Specimen
 from softsample.protocol import ALIKE
@@ -62,10 +63,11 @@ def _relative(fit: Fit) -> dict[str, float]:
     """Stiffness that each specimen's records ask for, all else as it is, over the mean."""
     problem = fit.problem
     asked: dict[int, dict[str, Array]] = {}
-    forces = problem.predicted(fit.model, fit.state)
-    for specimen, w, force, test in problem.each(forces, same_tests(problem.specimens)):
-        apart = w.without_scale
-        one, measured = apart(force), apart(specimen.force)
+    forces, tests = problem.predicted(fit.model, fit.state), same_tests(problem.specimens)
+    common = _common_phases(problem.specimens, tests)
+    for specimen, w, force, test in problem.each(forces, tests):
+        apart, there = w.without_scale, np.isin(specimen.phase, common[test])
+        one, measured = apart(there * force), apart(there * specimen.force)
         more = np.array([one @ measured, one @ one / specimen.stiffness])
         sums = asked.setdefault(test, {})
         nothing = np.array([0.0, 1e-300])  # a test without force asks for no stiffness
@@ -77,6 +79,15 @@ def _relative(fit: Fit) -> dict[str, float]:
         for piece, log in own.items():
             logs.setdefault(piece, []).append(float(log) - mean)
     return {piece: float(np.exp(np.mean(parts))) for piece, parts in logs.items()}
+
+
+def _common_phases(specimens: Sequence[Specimen], tests: Sequence[int]) -> dict[int, list[str]]:
+    """By test, phases that all its fitted records have: what only one has may be history."""
+    found: dict[int, set[str]] = {test: set(KINDS) for test in tests}
+    for specimen, test in zip(specimens, tests, strict=True):
+        if fitted := {*specimen.phase[~specimen.held_out]}:
+            found[test] &= fitted
+    return {test: [*phases] for test, phases in found.items()}
 
 
 def same_tests(specimens: Sequence[Specimen]) -> list[int]:

@@ -147,16 +147,19 @@ def test_torsion_indentation_and_compression_give_one_modulus(tmp_path):
     punch = {"indenter": "flat", "indenter_radius_mm": 1e3 * pooled.PUNCH}
     rows = []
     for mode in ("torsion", "indentation", "compression"):
-        own = {"mode": mode, "record": f"{mode}.csv", **size}
         shutil.copy(pooled.TARGET / f"{mode}.csv", tmp_path)
-        own |= punch if mode == "indentation" else {}
-        rows += [{"sample": mode, "group": f"{mode}_alone", **own}]
-        rows += [{"sample": f"{mode}_too", "group": "all", **own}]
-    write_table(tmp_path, rows)
-    groups = {row["group"] for row in rows}
-    study(tmp_path, *(f"{tmp_path}/results/calibration/{g}/ideal/ogden2.json" for g in groups))
-    for group in groups:
-        assert modulus(tmp_path, group) == pytest.approx(sum(pooled.MATERIAL.mu), rel=0.05), group
+        own = punch if mode == "indentation" else {}
+        rows.append({"sample": mode, "mode": mode, "record": f"{mode}.csv", **size, **own})
+    alone = [{**row, "group": f"{row['sample']}_alone"} for row in rows]
+    together = [{**row, "group": "all"} for row in rows]  # of the same responses
+    for table in (alone, together):
+        write_table(tmp_path, table)
+        groups = {row["group"] for row in table}
+        asked = [f"{tmp_path}/results/calibration/{g}/ideal/ogden2.json" for g in groups]
+        study(tmp_path, *asked)
+        for group in groups:
+            found = modulus(tmp_path, group)
+            assert found == pytest.approx(sum(pooled.MATERIAL.mu), rel=0.05), group
     study(tmp_path, "export_torsion", "export_indentation")
     for mode, motion in (("torsion", "*RIGID BODY, NSET=BONDED"), ("indentation", "PLATEN, 3, 3,")):
         written = tmp_path / f"results/export/{mode}"

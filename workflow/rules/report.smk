@@ -119,7 +119,7 @@ rule table_sensitivity:
     params:
         samples=PIECES,
     message:
-        "Sensitivity of all samples to mesh, hourglass control and precision"
+        "Sensitivity of all samples to mesh and hourglass control"
     script:
         "../scripts/table_sensitivity.py"
 

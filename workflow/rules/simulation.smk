@@ -131,7 +131,7 @@ rule sensitivity:
     params:
         **OF_RUNS,
     message:
-        "Sensitivity to mesh, hourglass control and precision: {wildcards.sample}, {wildcards.geometry} geometry"
+        "Sensitivity to mesh and hourglass control: {wildcards.sample}, {wildcards.geometry} geometry"
     script:
         "../scripts/sensitivity.py"
 

@@ -32,13 +32,18 @@ registers the values of an element do not fit into all of them (a fifth slower).
 FUSED = ("contract",)
 """Let the compiler fuse multiplication and addition, nothing else."""
 
-_loop = partial(numba.njit, error_model="numpy", _nrt=False)
+_OPTIONS = {"error_model": "numpy", "_nrt": False}
 # Without reference counting of arrays (`_nrt`), which halves the speed of these loops.
 
-compiled, inline = _loop(cache=True), _loop(forceinline=True)
-"""Decorators of a kernel that Python calls and of its parts. A cached kernel does not notice an
-edit of a part in another file: tests, make and the workflow keep one cache for each state of the
-sources (`softsample.dependencies.state_of_kernels`)."""
+_PART = {**_OPTIONS, "forceinline": True, "no_cpython_wrapper": True, "no_cfunc_wrapper": True}
+# What only compiled code calls needs no entry for Python: a third of the time to compile.
+
+compiled, inline = numba.njit(cache=True, **_OPTIONS), numba.njit(**_PART)
+"""Decorators of a kernel that Python calls and of its parts, which Python must not call. A cached
+kernel does not notice an edit of a part in another file: tests, make and the workflow keep one
+cache for each state of the sources (`softsample.dependencies.state_of_kernels`)."""
+
+_overload_part = partial(overload, jit_options=_PART)
 
 
 class Lanes(types.Type):
@@ -287,21 +292,21 @@ def scatter_add(array, nodes, index, lane, grouped, x, y, z):
     array[node, 2] += z
 
 
-@overload(load, inline="always")
+@_overload_part(load)
 def _load(array, index, lane):
     if isinstance(lane, types.NoneType):
         return lambda array, index, lane: _load_lanes(array, index)
     return load
 
 
-@overload(store, inline="always")
+@_overload_part(store)
 def _store(array, index, lane, value):
     if isinstance(lane, types.NoneType):
         return lambda array, index, lane, value: _store_lanes(array, index, value)
     return store
 
 
-@overload(gather, inline="always")
+@_overload_part(gather)
 def _gather(array, nodes, index, lane, grouped):
     if isinstance(lane, types.NoneType):
 
@@ -314,7 +319,7 @@ def _gather(array, nodes, index, lane, grouped):
     return gather
 
 
-@overload(scatter_add, inline="always")
+@_overload_part(scatter_add)
 def _scatter_add(array, nodes, index, lane, grouped, x, y, z):
     if isinstance(lane, types.NoneType):
 
@@ -470,12 +475,12 @@ def _overload(function, generate, scalar=None):
 
     if unary:
 
-        @overload(function, inline="always")
+        @_overload_part(function)
         def choose_one(x):
             return (lambda x: one(x)) if isinstance(x, Lanes) else plain
     else:
 
-        @overload(function, inline="always")
+        @_overload_part(function)
         def choose_two(x, y):
             return (lambda x, y: two(x, y)) if isinstance(x, Lanes) else plain
 
@@ -487,7 +492,7 @@ _overload(expm1, _expm1_code)
 _overload(log, _log_code)
 _overload(lesser, lambda code, x, y: code.call("llvm.minnum", x, y), lambda x, y: x if x < y else y)
 _overload(positive, _positive_code, lambda x: 1.0 if x > 0.0 else 0.0)
-overload(growth, inline="always")(lambda x: growth)
+_overload_part(growth)(lambda x: growth)
 
 
 @intrinsic
@@ -495,7 +500,7 @@ def _like_lanes(typing_context, x, value):
     return x(x, x), lambda context, builder, sig, args: args[1]
 
 
-@overload(like, inline="always")
+@_overload_part(like)
 def _like(x, value):
     if isinstance(x, Lanes):
         return lambda x, value: _like_lanes(x, value)

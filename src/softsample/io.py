@@ -28,6 +28,7 @@ from softsample.meshing.marks import MarkedImage
 from softsample.meshing.mesh import HexMesh
 from softsample.meshing.surface import TriangleSurface
 from softsample.records import Record
+from softsample.shapes import IdealShape
 from softsample.units import MM
 
 VTK_HEXAHEDRON = 12
@@ -182,6 +183,11 @@ def read_samples(path: PathLike) -> pd.DataFrame:
 def read_record(path: PathLike) -> Record:
     """Read a record of the workflow, `records/{sample}.csv`."""
     return Record.of_table(read_table(path))
+
+
+def read_shape(path: PathLike) -> IdealShape:
+    """Read the idealised shape of a sample, `cuboid/{sample}.json`."""
+    return IdealShape.of_report(read_json(path))
 
 
 def write_image(path: PathLike, data: NDArray[Any], affine: ArrayLike) -> None:

@@ -41,7 +41,7 @@ ALLOWED = {
     "costs": {"errors", "workflow"},
     "dependencies": {"workflow"},
     "formats": {"errors", "files"},
-    "io": {"errors", "files", "formats", "meshing", "records"},
+    "io": {"errors", "files", "formats", "meshing", "records", "shapes"},
     "fem": {"errors", "meshing", "constitutive", "protocol", "shapes"},
     "response": {"protocol"} | MECHANICS,
     "calibration": {

@@ -5,7 +5,6 @@ from softsample.calibration.direct import simulated_curves, simulation_costs
 from softsample.calibration.group import GroupCurves
 from softsample.calibration.slsqp import CalibrationSettings, fit_ogden
 from softsample.calibration.uncertainty import Uncertainty, UncertaintySettings
-from softsample.shapes import IdealShape
 from softsample.units import MM
 from softsample.validation import modelled_ends
 from softsample.workflow import logged_to, provenance
@@ -14,7 +13,7 @@ with logged_to(snakemake):
     given, files, of = snakemake.params, snakemake.input, snakemake.wildcards
     settings, simulated = CalibrationSettings(**given.settings), {}
     records = [*map(io.read_record, files.records)]
-    heights = [IdealShape.of_report(io.read_json(path)).height for path in files.cuboids]
+    heights = [io.read_shape(path).height for path in files.cuboids]
     tables = map(io.read_table, files.curves)
     group = GroupCurves.of(given.rows, records, heights, tables, given.hold_out)
     if settings.method == "direct":

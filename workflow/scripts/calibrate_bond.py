@@ -3,14 +3,13 @@
 from softsample.calibration.bond import other_bond
 from softsample.calibration.group import GroupCurves
 from softsample.calibration.slsqp import CalibrationSettings
-from softsample.io import read_json, read_record, read_table, write_json
-from softsample.shapes import IdealShape
+from softsample.io import read_json, read_record, read_shape, read_table, write_json
 from softsample.workflow import logged_to, provenance
 
 with logged_to(snakemake):
     given, files = snakemake.params, snakemake.input
     records = [read_record(path) for path in files.records]
-    heights = [IdealShape.of_report(read_json(path)).height for path in files.cuboids]
+    heights = [read_shape(path).height for path in files.cuboids]
     group = GroupCurves.of(
         given.rows, records, heights, map(read_table, files.curves), given.hold_out
     )

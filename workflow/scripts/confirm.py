@@ -6,13 +6,12 @@ from softsample.protocol import travel_sign
 from softsample.records import reach
 from softsample.response.curves import ResponseCurves
 from softsample.response.optimum import optimum
-from softsample.shapes import IdealShape
 from softsample.workflow import logged_to, progress_bar, provenance
 
 with logged_to(snakemake):
     given, files, written = snakemake.params, snakemake.input, snakemake.output
     response, sample = io.read_json(files.response), io.read_mesh_with_data(files.mesh)
-    shape = IdealShape.of_report(io.read_json(files.cuboid))
+    shape = io.read_shape(files.cuboid)
     material = of_fit(io.read_json(files.fit))
     travel = response["reached"] * reach(map(io.read_record, files.records), given.mode)
     test = given.mode, given, given.ends

@@ -6,7 +6,6 @@ from softsample.loop.candidates import candidates
 from softsample.loop.confirm import confirmations, sizes_to_confirm
 from softsample.loop.held_out import Tables, specimens_of
 from softsample.loop.posed import LoopSettings
-from softsample.shapes import IdealShape
 from softsample.workflow import logged_to
 
 with logged_to(snakemake):
@@ -17,7 +16,7 @@ with logged_to(snakemake):
         for curves, *changes in zip(files.curves, files.perturbations, files.runs, strict=True)
     ]
     records = [io.read_record(path) for path in files.records]
-    shapes = [IdealShape.of_report(io.read_json(path)) for path in files.cuboids]
+    shapes = [*map(io.read_shape, files.cuboids)]
     samples = zip(given.rows, records, responses, shapes, strict=True)
     tests = [test for sample in samples for test in specimens_of(*sample, given.hold_out)]
     effects = {effect.name: effect for effect in candidates(tests, shapes[0].height, solid)}

@@ -3,8 +3,7 @@
 from softsample.calibration.measured import MeasuredCurve
 from softsample.geometry_effects.shapes import Shape
 from softsample.geometry_effects.variants import EffectSettings, ShapeTest
-from softsample.io import read_distance, read_json, read_record, write_table
-from softsample.shapes import IdealShape
+from softsample.io import read_distance, read_json, read_record, read_shape, write_table
 from softsample.workflow import logged_to, progress_bar
 
 with logged_to(snakemake):
@@ -14,7 +13,7 @@ with logged_to(snakemake):
     test = ShapeTest.of(travel, read_json(files.family)["loading_time_s"], given)
     shape = Shape.of(
         read_distance(files.distance, files.segmentation),
-        IdealShape.of_report(read_json(files.cuboid)),
+        read_shape(files.cuboid),
         given.mesh,
         coarser,
         test.preload,

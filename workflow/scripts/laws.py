@@ -4,13 +4,12 @@ from softsample import io
 from softsample.laws.group import LawSettings, group_report
 from softsample.laws.setup import SamplesOfGroup, SimulatedPiece
 from softsample.response.floor import FloorSettings
-from softsample.shapes import IdealShape
 from softsample.workflow import logged_to, progress_bar, provenance
 
 with logged_to(snakemake):
     given, files, settings = snakemake.params, snakemake.input, LawSettings(**snakemake.params.laws)
     records = [*map(io.read_record, files.records)]
-    shapes = [IdealShape.of_report(io.read_json(path)) for path in files.cuboids]
+    shapes = [*map(io.read_shape, files.cuboids)]
     samples = SamplesOfGroup(given.rows, given.pieces, records, shapes, given)
     meshes, reports = map(io.read_mesh_with_data, files.meshes), map(io.read_json, files.reports)
     fractions = [io.read_json(path)["mu1_fraction"] for path in files.fits]

@@ -5,13 +5,13 @@ from functools import partial
 from softsample import io
 from softsample.meshing.surface import boundary_surface
 from softsample.response.pieces import sample_mesher
-from softsample.shapes import IdealShape, element_size
+from softsample.shapes import element_size
 from softsample.units import MM
 from softsample.workflow import logged_to, provenance
 
 with logged_to(snakemake):
     given, files = snakemake.params, snakemake.input
-    ideal = IdealShape.of_report(io.read_json(files.cuboid))
+    ideal = io.read_shape(files.cuboid)
     wanted = given.mesh["element_size_mm"] * MM
     size = given.coarsening * element_size(ideal, wanted, given.mesh["elements_across"])
     grid = partial(io.read_distance, files.distance, files.segmentation)

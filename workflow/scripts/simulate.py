@@ -1,11 +1,10 @@
 """Unit-modulus response of one piece and geometry (rule `simulate`)."""
 
 from softsample.fem.setup import set_up
-from softsample.io import read_json, read_mesh_with_data, read_record, write_json, write_table
+from softsample.io import read_mesh_with_data, read_record, read_shape, write_json, write_table
 from softsample.protocol import is_homogeneous
 from softsample.records import reach
 from softsample.response import unit
-from softsample.shapes import IdealShape
 from softsample.workflow import logged_to, progress_bar, provenance
 
 with logged_to(snakemake):
@@ -14,7 +13,7 @@ with logged_to(snakemake):
     law = given.material["alpha"], given.material["poisson_ratio"]
     points, bar = given.solver["curve_points"], progress_bar()
     if snakemake.wildcards.geometry == "ideal" and is_homogeneous(given.mode, given.ends):
-        shape = IdealShape.of_report(read_json(files.cuboid))
+        shape = read_shape(files.cuboid)
         found = unit.homogeneous_response(shape, given.mode, travel, unit.EXACT, *law, points)
     else:
         law = unit.modulus_fractions(unit.ResponseSettings(**given.family)), *law

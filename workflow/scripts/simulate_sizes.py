@@ -3,18 +3,17 @@
 from functools import partial
 
 from softsample.constitutive.ogden import of_fit
-from softsample.io import read_distance, read_json, read_marks, read_record, write_table
+from softsample.io import read_distance, read_json, read_marks, read_record, read_shape, write_table
 from softsample.loop.confirm import of_mode, sizes_to_confirm
 from softsample.records import reach
 from softsample.response.at_size import at_size, simulate_sizes
 from softsample.response.changes import table_of_changes
 from softsample.response.pieces import MechanicalTest, mesher
-from softsample.shapes import IdealShape
 from softsample.workflow import logged_to
 
 with logged_to(snakemake):
     files, given = snakemake.input, {**snakemake.params, "normal": False}
-    shape = IdealShape.of_report(read_json(files.cuboid))
+    shape = read_shape(files.cuboid)
     marks = partial(read_marks, files.bond_mask, files.labels, files.segmentation)
     grid = partial(read_distance, files.distance, files.segmentation)
     mesh_shifted = mesher(snakemake.wildcards.geometry, shape, lambda: (grid(), marks()), given)

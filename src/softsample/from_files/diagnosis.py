@@ -7,7 +7,7 @@ from typing import Any, Self
 import pandas as pd
 
 from softsample.constitutive.material import Material
-from softsample.io import read_json, read_record, read_table
+from softsample.io import read_json, read_record, read_shape, read_table
 from softsample.loop.candidates import candidates
 from softsample.loop.effects.base import Effect
 from softsample.loop.ends import AssumedEnds, with_ends
@@ -111,7 +111,7 @@ class _Recorded:
             }
             tables.append([of_curves[path] for path in curves])
         records = [*map(read_record, files["records"])]
-        shapes = [IdealShape.of_report(read_json(path)) for path in files["cuboids"]]
+        shapes = [*map(read_shape, files["cuboids"])]
         return cls(given.rows, records, shapes, tables, solid)
 
     def tests(self, ends: int, hold_out: Sequence[Mapping[str, Any]]) -> list[Specimen]:

@@ -160,7 +160,6 @@ def element_size(shape: IdealShape, wanted: float, across: Sequence[float]) -> f
 
     Parameters
     ----------
-    shape : IdealShape
     wanted : float
         Edge that is taken wherever the bounds allow it [m].
     across : (2,) sequence of float

@@ -72,7 +72,6 @@ def simulated_curves(
 
     Parameters
     ----------
-    group : GroupCurves
     samples, ends, reports : iterable
         Of every sample of the group: mesh with its data, ends as of `softsample.fem.setup.set_up`,
         report of the unit-modulus response.

@@ -90,7 +90,6 @@ class GroupCurves:
             `group`, `geometry` and `model`: `ogden1` or `ogden2`.
         material : mapping
             Section of the config.
-        fit : Fit
         """
         return {
             **{name: of[name] for name in ("group", "geometry", "model")},

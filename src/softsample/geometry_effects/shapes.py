@@ -82,7 +82,6 @@ class Shape:
         ----------
         distance : tuple
             As `softsample.io.read_distance` returns it.
-        ideal : IdealShape
         mesh : mapping
             Section `mesh` of the config.
         element_size_mm : float

@@ -76,7 +76,6 @@ def measure(
         Position of ``distance[0, 0, 0]`` [m].
     spacing : float
         Grid spacing [m].
-    settings : MeasurementSettings, optional
     shape : {"cuboid", "cylinder"}
         What the sample is idealised as.
 

@@ -62,7 +62,6 @@ def glance(
     ----------
     data, affine, settings, loading_axis, shear_axis
         As of `softsample.imaging.segment.segment`.
-    measurement : MeasurementSettings, optional
     is_mask : bool
         Whether `data` is a segmentation made elsewhere in place of an image.
 

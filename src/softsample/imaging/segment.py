@@ -145,7 +145,6 @@ def segment(
         Intensities, tissue bright (T2-weighted), free fluid brighter.
     affine : (4, 4) array
         From voxel index to world RAS+ [mm].
-    settings : SegmentationSettings, optional
     loading_axis, shear_axis : (3,) array
         World directions, nominally: from the glued base upward, and of the shear.
     find_film : bool

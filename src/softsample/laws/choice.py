@@ -73,7 +73,6 @@ def choose(
 
     Parameters
     ----------
-    candidates : sequence of Candidate
     errors : mapping
         Errors on the folds, as parts of the peak, by name of the law; the same folds for all.
     simpler : mapping

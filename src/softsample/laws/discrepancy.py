@@ -37,7 +37,6 @@ def covariance(test: LawTest, model: Array, kept: Mask, size: float) -> Array:
 
     Parameters
     ----------
-    test : LawTest
     model : (n,) float64
         Predicted forces [N] of these points, for the error of scale.
     kept : (n_points,) bool

@@ -39,7 +39,6 @@ class LawFit:
 
     Parameters
     ----------
-    candidate : Candidate
     mu : float
         Shear modulus [Pa], >= 0.
     shape : (n_shape,) float64
@@ -75,7 +74,6 @@ class Problem:
 
     Parameters
     ----------
-    tests : sequence of LawTest
     kept : sequence of (n,) bool
         Points of each that count.
     whiten : callable, optional
@@ -142,7 +140,6 @@ class Problem:
 
         Parameters
         ----------
-        candidate : Candidate
         first : sequence of (n_shape,) float64, optional
             Shapes to set out from, before those of a grid that fit best.
         most : int

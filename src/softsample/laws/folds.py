@@ -46,7 +46,6 @@ def inner_folds(tests: Sequence[LawTest], kept: Sequence[Mask]) -> list[Fold]:
 
     Parameters
     ----------
-    tests : sequence of LawTest
     kept : sequence of (n,) bool
         Points that the choice may see.
     """
@@ -100,12 +99,7 @@ def error_on(
 
 
 class Fits:
-    """Fits of laws to parts of tests; each part is fitted once.
-
-    Parameters
-    ----------
-    tests : sequence of LawTest
-    """
+    """Fits of laws to parts of tests; each part is fitted once."""
 
     def __init__(self, tests: Sequence[LawTest]) -> None:
         self.tests = tests

@@ -58,7 +58,6 @@ def parts_of(tests: Sequence[LawTest], folds: Mapping[str, Sequence[str]]) -> di
 
     Parameters
     ----------
-    tests : sequence of LawTest
     folds : mapping
         Samples that are left out, by name of the fold.
     """
@@ -79,7 +78,6 @@ def law_report(
 
     Parameters
     ----------
-    candidate : Candidate
     fits : Fits
         Of the tests of the group.
     parts : mapping
@@ -130,8 +128,6 @@ def group_report(
 
     Parameters
     ----------
-    tests : sequence of LawTest
-    candidates : sequence of Candidate
     folds : mapping
         Samples that the study leaves out in turn, by name of the fold.
     tolerance : float

@@ -20,8 +20,6 @@ class HomogeneousResponse:
 
     Parameters
     ----------
-    shape : IdealShape
-    mode : str
     poisson_ratio : float
         Of laws that have none of their own.
     """

@@ -32,7 +32,6 @@ class SimulatedPiece:
 
     Parameters
     ----------
-    name : str
     ends : str or float
         As of `softsample.fem.setup.set_up`.
     sample : tuple
@@ -89,7 +88,6 @@ class SamplesOfGroup:
 
         Parameters
         ----------
-        piece : SimulatedPiece
         fine : DataFrame
             Response on the study's mesh, at the exponents of the study.
         mu1_fraction : float
@@ -117,7 +115,6 @@ class SamplesOfGroup:
         ----------
         simulated, element_sizes_mm : mapping
             Of each piece that has no closed form: response, element size of the study's mesh [mm].
-        floor : FloorSettings
         contact_zero_mm : float
             Standard deviation of the highest point of an image [mm].
         hold_out : sequence of mapping
@@ -158,7 +155,6 @@ class SamplesOfGroup:
         ----------
         piece : SimulatedPiece
             With the study's mesh.
-        candidate : Candidate
         report, curves : mapping, DataFrame
             `group_report` of the group.
 

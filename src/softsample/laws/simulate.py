@@ -163,7 +163,6 @@ def simulate_law(
 
     Parameters
     ----------
-    candidate : Candidate
     tests : sequence of LawTest
         Those with a `SimulatedResponse` get runs.
     tolerance : float

@@ -30,7 +30,6 @@ def choice_of(candidates: Sequence[Candidate], reports: Reports, part: str = ALL
 
     Parameters
     ----------
-    candidates : sequence of Candidate
     reports : mapping
         Of each group that is asked (`group_report`).
     part : str
@@ -56,7 +55,6 @@ def choices(
 
     Parameters
     ----------
-    candidates : sequence of Candidate
     reports : mapping
         `group_report` by group.
     pool : bool
@@ -137,7 +135,6 @@ def law_table(
 
     Parameters
     ----------
-    candidates : sequence of Candidate
     reports : mapping
         `group_report` by group.
     chosen : mapping

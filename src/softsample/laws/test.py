@@ -102,10 +102,8 @@ class LawTest:
         ----------
         row : mapping of str
             Of the study table, defaults filled in.
-        record : Record
         held_out : (n_record,) bool
             Samples of it that the study holds out.
-        response : Response
         height : float
             Of the undeformed sample [m].
         stated : bool

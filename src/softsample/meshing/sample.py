@@ -95,7 +95,6 @@ def mesh_ideal(
 
     Parameters
     ----------
-    shape : IdealShape
     element_size : float
         Wanted edge of the elements [m].
     indenter : Indenter, optional

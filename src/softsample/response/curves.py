@@ -232,7 +232,6 @@ class Scaled:
 
     Parameters
     ----------
-    curves : Curves
     factor, displacement : (k,) sequence of float
         Factors, and where they are known [m], ascending: linear between, constant beyond.
     """

@@ -32,8 +32,6 @@ def against_one_point(
         `nodes_mm`, `hex8` and `top` of its mesh, the nodes that are glued to the platen.
     curve : DataFrame
         `ux_mm`, `Fx_N` ... of the platen; its end counts.
-    solver : SolverSettings
-    material : Material
 
     Returns
     -------

@@ -114,7 +114,6 @@ def optimum(
     ----------
     sample : tuple
         Mesh with its data.
-    shape : IdealShape
     test : tuple
         Mode, sections of the config and ends, as of `softsample.fem.setup.set_up`.
     material : Material

@@ -219,7 +219,7 @@ def test_interpolation_is_exact_for_polynomials_of_the_root():
     family = ResponseCurves(fractions, travel, np.array([force(r) for r in fractions]))
     for r in (0.2, 0.33, 0.77, 0.949, 0.95):
         np.testing.assert_allclose(family.force_per_mu(r, travel), force(r), atol=1e-13)
-    assert family.bounds == {"mu1_fraction": (0.2, 0.95)}
+    assert family.bounds == (0.2, 0.95)
 
 
 def test_between_its_points_a_curve_bends():

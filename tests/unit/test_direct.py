@@ -60,9 +60,7 @@ def test_direct_simulations_end_at_the_optimum_of_the_families():
     }
     bars = {sample: Bar(sample) for sample in TRAVEL}
     simulated = {
-        s: SimulatedCurves(
-            model, None, TRAVEL[s], 0.04, alpha, 0.49, {"mu1_fraction": (0.05, 0.95)}
-        )
+        s: SimulatedCurves(model, None, TRAVEL[s], 0.04, alpha, 0.49, (0.05, 0.95))
         for s, model in bars.items()
     }
     direct = fit_ogden(simulated, measured, CalibrationSettings(method="direct"))

@@ -190,8 +190,8 @@ def test_families_of_a_table_are_split_by_their_terms():
     ]
     two_term, one_term = families(pd.DataFrame(rows))
     # the first term alone is the end of the two-term range too
-    assert two_term["real"].bounds == {"mu1_fraction": (0.2, 1.0)}
-    assert one_term["real"].bounds == {"mu1_fraction": (1.0, 1.0)}
+    assert two_term["real"].bounds == (0.2, 1.0)
+    assert one_term["real"].bounds == (1.0, 1.0)
     assert one_term["real"].force_per_mu(1.0, np.array([0.5])) == pytest.approx(0.5)
 
 

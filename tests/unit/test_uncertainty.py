@@ -180,7 +180,7 @@ def test_report_of_two_samples_is_complete_and_plain():
     assert report["effective_points"] == pytest.approx(480.0, rel=0.4)
     assert set(report["per_percent_of_force"]) == {"T1", "C1"}
     assert set(report["contact_zero"]) == {"C1"}
-    for name, value in zip(MODULI, moduli(*fit.parameters), strict=True):
+    for name, value in zip(MODULI, moduli(fit.mu, fit.mu1_fraction), strict=True):
         interval = report["profile"][f"{name}_pa"]
         assert interval["low"] < value < interval["high"]
     both = np.sum([c["mu_pa"] for c in report["per_percent_of_force"].values()])
@@ -204,7 +204,11 @@ def test_the_interval_of_an_absent_term_has_no_lower_end():
     def deviance(term):
         moduli = fit.mu * np.linspace(0.9, 1.1, 801)
         least = min(found.objective(mu, term / mu) for mu in moduli)
-        return 2.0 * found.effective_points() * np.log(least / found.objective(*fit.parameters))
+        return (
+            2.0
+            * found.effective_points()
+            * np.log(least / found.objective(fit.mu, fit.mu1_fraction))
+        )
 
     assert deviance(0.95 * interval["high"]) < normal_quantile(0.9) ** 2
     assert deviance(1.05 * interval["high"]) > normal_quantile(0.9) ** 2

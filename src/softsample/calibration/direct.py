@@ -29,7 +29,7 @@ class SimulatedCurves:
         Exponents.
     poisson_ratio : float
         Initial Poisson's ratio.
-    bounds : dict
+    bounds : tuple of float
         Range of the `mu1_fraction`.
     """
 
@@ -39,7 +39,7 @@ class SimulatedCurves:
     loading_time: float
     alpha: tuple[float, float]
     poisson_ratio: float
-    bounds: dict[str, tuple[float, float]]
+    bounds: tuple[float, float]
     cpu_s: float = 0.0
     _runs: dict[tuple[float, float], Run] = field(default_factory=dict)
 

@@ -26,8 +26,8 @@ STEPS = 2.0 ** np.arange(-1, 8)
 """Distances of a profile's points from the optimum, in steps."""
 
 
-def moduli(mu: float, mu1_fraction: float, *_: float) -> Array:
-    """mu, mu1 and mu2 [Pa] (3,) of a modulus [Pa] and a shape."""
+def moduli(mu: float, mu1_fraction: float) -> Array:
+    """mu, mu1 and mu2 [Pa] (3,) of a modulus [Pa] and a fraction."""
     return np.array([mu, mu * mu1_fraction, mu * (1.0 - mu1_fraction)])
 
 
@@ -73,7 +73,7 @@ class AreaLikelihood:
 
     def __init__(self, search: Search, fit: Fit, points: float) -> None:
         self.search, self.fit, self.points = search, fit, points
-        self.best = search.pack(*fit.parameters)
+        self.best = search.pack(fit.mu, fit.mu1_fraction)
         self.bounds = list(search.bounds.values())
         self._least = search(self.best)
 
@@ -82,22 +82,20 @@ class AreaLikelihood:
         return float(np.log(self.search(x) / self._least))
 
     def profile(self, name: str, step: float, confidence: float) -> Profile:
-        """Profile of `mu`, `mu1`, `mu2` or a shape parameter.
+        """Profile of `mu`, `mu1` or `mu2`.
 
         Parameters
         ----------
         name : str
             The parameter.
         step : float
-            First distance from the optimum, doubled a few times; of a modulus a part of its value.
+            First distance from the optimum, a part of its value, doubled a few times.
         confidence : float
             Of the interval; a term whose share may be about `LEAST_SHARE` has no lower end.
         """
-        if name not in MODULI:
-            return self._profile(self, self.best, self.bounds, name, step, confidence)
         split = name != "mu" and "mu1_fraction" in self.search.bounds
         deviance, best, bounds = self._of_term(name) if split else (self, self.best, self.bounds)
-        found = self._profile(deviance, best, bounds, "mu", step, confidence)
+        found = self._profile(deviance, best, bounds, step, confidence)
         ends = (found.low, found.high)
         low, high = (float(np.exp(end)) if np.isfinite(end) else end for end in ends)
         if not (split and low <= 2.0 * LEAST_SHARE * self.fit.mu):
@@ -121,22 +119,22 @@ class AreaLikelihood:
 
         def deviance(x: Array) -> float:
             fraction = sign * (np.exp(x[1]) - offset)
-            return self(np.array([x[0] - x[1], fraction, *x[2:]]))
+            return self(np.array([x[0] - x[1], fraction]))
 
         logs = [float(np.log(max(share(end), LEAST_SHARE))) for end in self.bounds[1]]
         best = self.best.copy()
         best[1] = np.log(max(share(best[1]), LEAST_SHARE))
         best[0] += best[1]
         term = self.bounds[0][0] + min(logs), self.bounds[0][1] + max(logs)
-        return deviance, best, [term, (min(logs), max(logs)), *self.bounds[2:]]
+        return deviance, best, [term, (min(logs), max(logs))]
 
     def _profile(
-        self, deviance: Callable[[Array], float], best: Array, bounds: list, name: str,
-        step: float, confidence: float,
+        self, deviance: Callable[[Array], float], best: Array, bounds: list, step: float,
+        confidence: float,
     ) -> Profile:  # fmt: skip
-        index = list(self.search.bounds).index(name)
-        values = best[index] + step * np.concatenate([-STEPS[::-1], [0.0], STEPS])
-        values = np.unique(np.clip(values, *bounds[index]))
-        depths, _ = profile(deviance, best, index, values, bounds)
+        """Profile of the first variable."""
+        values = best[0] + step * np.concatenate([-STEPS[::-1], [0.0], STEPS])
+        values = np.unique(np.clip(values, *bounds[0]))
+        depths, _ = profile(deviance, best, 0, values, bounds)
         depths *= 2.0 * self.points
-        return Profile(values, depths, *profile_interval(values, depths, best[index], confidence))
+        return Profile(values, depths, *profile_interval(values, depths, best[0], confidence))

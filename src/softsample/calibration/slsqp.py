@@ -2,7 +2,6 @@
 
 from collections.abc import Mapping
 from dataclasses import dataclass
-from itertools import product
 from typing import Any
 
 import numpy as np
@@ -55,8 +54,8 @@ class Fit:
     ----------
     mu : float
         Shear modulus mu1 + mu2 [Pa].
-    shape : dict of float
-        The other parameters: `mu1_fraction` = mu1 / mu.
+    mu1_fraction : float
+        mu1 / mu, dimensionless.
     area_error : dict of float
         Per sample: area between the curves over the area under the measured one.
     rms : dict of float
@@ -68,21 +67,11 @@ class Fit:
     """
 
     mu: float
-    shape: dict[str, float]
+    mu1_fraction: float
     area_error: dict[str, float]
     rms: dict[str, float]
     starts: list[dict[str, Any]]
     active_bounds: list[str]
-
-    @property
-    def parameters(self) -> tuple[float, ...]:
-        """Modulus [Pa] and shape, as `AreaObjective` takes them."""
-        return self.mu, *self.shape.values()
-
-    @property
-    def mu1_fraction(self) -> float:
-        """mu1 / mu, dimensionless."""
-        return self.shape["mu1_fraction"]
 
     @property
     def converged(self) -> bool:
@@ -130,7 +119,7 @@ class Fit:
             "mu1_pa": self.mu1,
             "mu2_pa": self.mu2,
             "mu_pa": self.mu,
-            **self.shape,
+            "mu1_fraction": self.mu1_fraction,
             "area_error_percent": {name: 100.0 * e for name, e in self.area_error.items()},
             "rms_N": self.rms,
             "active_bounds": self.active_bounds,
@@ -176,35 +165,33 @@ class AreaObjective:
         self.bounds = _common_bounds(families)
         self._scale = sum(curve.area for curve in measured.values())
 
-    def force(self, sample: str, mu: float, *shape: float) -> Array:
+    def force(self, sample: str, mu: float, fraction: float) -> Array:
         """Modelled force [N] of `sample` at its measured displacements."""
-        return self.families[sample].force(self.measured[sample].displacement, mu, *shape)
+        return self.families[sample].force(self.measured[sample].displacement, mu, fraction)
 
-    def __call__(self, mu: float, *shape: float) -> float:
+    def __call__(self, mu: float, fraction: float) -> float:
         """Sum of the areas between the curves over the sum of the areas under the measured."""
         areas = (
-            curve.area_between(self.force(sample, mu, *shape))
+            curve.area_between(self.force(sample, mu, fraction))
             for sample, curve in self.measured.items()
         )
         return sum(areas) / self._scale
 
 
-def _common_bounds(families: Mapping[str, Curves]) -> dict[str, tuple[float, float]]:
-    """Range of every shape parameter that all samples share."""
-    common = {}
-    for name in next(iter(families.values())).bounds:
-        ranges = [family.bounds[name] for family in families.values()]
-        common[name] = max(low for low, _ in ranges), min(high for _, high in ranges)
-        if common[name][0] > common[name][1]:
-            raise CalibrationError(
-                f"the curves of {sorted(families)} share no range of {name}; simulate them with "
-                "the same settings"
-            )
-    return common
+def _common_bounds(families: Mapping[str, Curves]) -> tuple[float, float]:
+    """Range of mu1 / mu that all samples share."""
+    ranges = [family.bounds for family in families.values()]
+    low, high = max(low for low, _ in ranges), min(high for _, high in ranges)
+    if low > high:
+        raise CalibrationError(
+            f"the curves of {sorted(families)} share no range of mu1_fraction; simulate them with "
+            "the same settings"
+        )
+    return low, high
 
 
 class Search:
-    """The calibration as SLSQP sees it: variables ln(mu) and what of the shape has a range.
+    """The calibration as SLSQP sees it: variables ln(mu) and, if it has a range, mu1 / mu.
 
     Parameters
     ----------
@@ -216,20 +203,18 @@ class Search:
 
     def __init__(self, objective: AreaObjective, settings: CalibrationSettings) -> None:
         self.objective, self.settings = objective, settings
-        free = {name: ends for name, ends in objective.bounds.items() if ends[0] < ends[1]}
+        low, high = objective.bounds
         modulus = np.log(settings.mu_pa_min), np.log(settings.mu_pa_max)
-        self.bounds = {"mu": (float(modulus[0]), float(modulus[1])), **free}
+        self.bounds = {"mu": (float(modulus[0]), float(modulus[1]))}
+        self.bounds |= {"mu1_fraction": (low, high)} if low < high else {}
 
-    def pack(self, mu: float, *shape: float) -> Array:
-        """Variables of a modulus [Pa] and a shape."""
-        named = dict(zip(self.objective.bounds, shape, strict=True))
-        return np.array([np.log(mu), *(named[name] for name in self.bounds if name != "mu")])
+    def pack(self, mu: float, fraction: float) -> Array:
+        """Variables of a modulus [Pa] and a fraction."""
+        return np.array([np.log(mu), fraction][: len(self.bounds)])
 
-    def unpack(self, x: Array) -> tuple[float, ...]:
-        """Modulus [Pa] and shape of variables."""
-        fixed = {name: ends[0] for name, ends in self.objective.bounds.items()}
-        shape = fixed | dict(zip(list(self.bounds)[1:], map(float, x[1:]), strict=True))
-        return float(np.exp(x[0])), *shape.values()
+    def unpack(self, x: Array) -> tuple[float, float]:
+        """Modulus [Pa] and fraction of variables."""
+        return float(np.exp(x[0])), float(x[1]) if len(x) > 1 else self.objective.bounds[0]
 
     def __call__(self, x: Array) -> float:
         """Relative area at variables `x`."""
@@ -250,27 +235,25 @@ class Search:
         )
 
     def starts(self) -> list[Array]:
-        """Inner points of the shape's ranges, each with moduli around the one that fits it best.
+        """Inner points of the range of mu1 / mu, each with moduli around the one that fits it best.
 
-        And the ends of the ranges, where that costs no simulation: where one term is a thousand
+        And the ends of the range, where that costs no simulation: where one term is a thousand
         times as stiff as the other at the end of the stroke, no inner point leads to the softer.
         """
         n = STARTS_PER_PARAMETER[self.settings.method]
         inner = (np.arange(n) + 0.5) / n
-        grids = [
-            low + inner * (high - low) if high > low else [low]
-            for low, high in self.objective.bounds.values()
-        ]
+        low, high = self.objective.bounds
         measured = self.objective.measured
         seen = sum(np.abs(curve.force).sum() for curve in measured.values())
         starts = []
-        points = [(shape, np.exp(np.linspace(-0.5, 0.5, n))) for shape in product(*grids)]
+        around = np.exp(np.linspace(-0.5, 0.5, n))
+        points = [(part, around) for part in (low + inner * (high - low) if high > low else [low])]
         if n > 1 and len(self.bounds) > 1:
-            points += [(end, np.ones(1)) for end in product(*self.objective.bounds.values())]
-        for shape, factors in points:
-            unit = sum(np.abs(self.objective.force(s, 1.0, *shape)).sum() for s in measured)
+            points += [(end, np.ones(1)) for end in (low, high)]
+        for fraction, factors in points:
+            unit = sum(np.abs(self.objective.force(s, 1.0, fraction)).sum() for s in measured)
             for factor in factors:
-                x = self.pack(factor * seen / unit, *shape)
+                x = self.pack(factor * seen / unit, fraction)
                 x[0] = np.clip(x[0], *self.bounds["mu"])
                 starts.append(x)
         return starts
@@ -281,7 +264,7 @@ def fit_ogden(
     measured: Mapping[str, MeasuredCurve],
     settings: CalibrationSettings,
 ) -> Fit:
-    """Find the shear modulus and the shape of a group's curves by multi-start SLSQP.
+    """Find mu and mu1 / mu of a group's curves by multi-start SLSQP.
 
     The variables are ln(mu), and mu1/mu as far as the families cover a range.
 
@@ -305,7 +288,7 @@ def fit_ogden(
 
 
 def _start_report(search: Search, start: Array, result: OptimizeResult) -> dict[str, Any]:
-    names = ["mu_pa", *search.objective.bounds]
+    names = ("mu_pa", "mu1_fraction")
     points = {"from": search.unpack(start), "to": search.unpack(result.x)}
     return {
         **{f"{w}_{n}": v for w, point in points.items() for n, v in zip(names, point, strict=True)},
@@ -326,11 +309,10 @@ def _active(x: Array, bounds: Mapping[str, tuple[float, float]]) -> list[str]:
 
 def _fit(search: Search, x: Array, starts: list[dict[str, Any]]) -> Fit:
     objective, active = search.objective, _active(x, search.bounds)
-    mu, *shape = search.unpack(x)
+    mu, fraction = search.unpack(x)
     area_error, rms = {}, {}
     for sample, curve in objective.measured.items():
-        force = objective.force(sample, mu, *shape)
+        force = objective.force(sample, mu, fraction)
         area_error[sample] = curve.area_between(force) / curve.area
         rms[sample] = root_mean_square(force - curve.force)
-    named = dict(zip(objective.bounds, shape, strict=True))
-    return Fit(mu, named, area_error, rms, starts, active)
+    return Fit(mu, fraction, area_error, rms, starts, active)

@@ -141,7 +141,8 @@ class Uncertainty:
 
     def __post_init__(self) -> None:
         self.objective = AreaObjective(self.families, self.measured)
-        self.model = {s: self.objective.force(s, *self.fit.parameters) for s in self.measured}
+        self._optimum = self.fit.mu, self.fit.mu1_fraction
+        self.model = {s: self.objective.force(s, *self._optimum) for s in self.measured}
         self.residual = {s: curve.force - self.model[s] for s, curve in self.measured.items()}
         self.correlation = {s: correlation(residual) for s, residual in self.residual.items()}
 
@@ -162,7 +163,7 @@ class Uncertainty:
         """Moduli (3,) of other curves or records, by SLSQP from the optimum."""
         objective = AreaObjective(families or self.families, measured or self.measured)
         search = Search(objective, self.calibration)
-        return moduli(*search.unpack(search.descend(search.pack(*self.fit.parameters)).x))
+        return moduli(*search.unpack(search.descend(search.pack(*self._optimum)).x))
 
     def bootstrap(self) -> Array:
         """Moduli (draws, 3) of records made of the model and its resampled residual."""
@@ -209,7 +210,7 @@ class Uncertainty:
         spread = draws.std(axis=0, ddof=1)
         tail = 50.0 * (1.0 - self.settings.confidence)
         percentiles = np.percentile(draws, [tail, 100.0 - tail], axis=0).T
-        likelihood, values = self.likelihood(), moduli(*self.fit.parameters)
+        likelihood, values = self.likelihood(), moduli(*self._optimum)
         rms_of_noise = {
             s: float(np.sqrt(0.5 * np.mean(np.diff(r) ** 2))) for s, r in self.residual.items()
         }

@@ -229,7 +229,7 @@ class Problem:
     @property
     def fractions(self) -> tuple[float, float]:
         """Least and largest r that the response curves of all tests hold."""
-        ends = [specimen.elastic.curves.bounds["mu1_fraction"] for specimen in self.specimens]
+        ends = [specimen.elastic.curves.bounds for specimen in self.specimens]
         return max(low for low, _ in ends), min(high for _, high in ends)
 
     def with_forces(self, forces: Sequence[Array]) -> "Problem":

@@ -73,7 +73,7 @@ class ResponseCurves:
         if not np.all(np.isfinite(force_per_mu)):
             raise CalibrationError("a simulated force is not finite; simulate the sample again")
         self.fractions, self.displacement, self.before = fractions, displacement, before
-        self.bounds = {"mu1_fraction": (float(fractions.min()), float(fractions.max()))}
+        self.bounds = float(fractions.min()), float(fractions.max())
         self._nodes = np.sqrt(1.0 - fractions)  # in which the force is smooth
         apart = np.subtract.outer(self._nodes, self._nodes) + np.eye(len(fractions))
         self._weights = 1.0 / np.prod(apart, axis=1)
@@ -151,9 +151,8 @@ class ResponseCurves:
             force[before] += self._onwards(0, curve, displacement[before])
         return np.asarray(force)
 
-    def force(self, displacement: Array, /, mu: float, *shape: float) -> Array:
-        """Force along the displacement [N] for a modulus `mu` [Pa]; `shape` is the fraction."""
-        (fraction,) = shape
+    def force(self, displacement: Array, /, mu: float, fraction: float) -> Array:
+        """Force along the displacement [N] for a modulus `mu` [Pa] and a modulus fraction."""
         return mu * self.force_per_mu(fraction, displacement)
 
     def _shares(self, fraction: float) -> Array:
@@ -219,10 +218,10 @@ class Curves(Protocol):
     """Modelled curves of one sample and geometry, whatever they come from."""
 
     @property
-    def bounds(self) -> dict[str, tuple[float, float]]:
-        """Range of each parameter beside the modulus, in the order in which `force` takes them."""
+    def bounds(self) -> tuple[float, float]:
+        """Least and largest modulus fraction mu1 / mu."""
 
-    def force(self, displacement: Array, /, mu: float, *shape: float) -> Array:
+    def force(self, displacement: Array, /, mu: float, fraction: float) -> Array:
         """Force [N] at platen displacements [m], modulus `mu` [Pa]."""
 
 
@@ -241,11 +240,11 @@ class Scaled:
     displacement: Sequence[float] | Array = (0.0,)
 
     @property
-    def bounds(self) -> dict[str, tuple[float, float]]:
+    def bounds(self) -> tuple[float, float]:
         """Those of the curves."""
         return self.curves.bounds
 
-    def force(self, displacement: Array, /, mu: float, *shape: float) -> Array:
+    def force(self, displacement: Array, /, mu: float, fraction: float) -> Array:
         """Force along the displacement [N]."""
         factor = np.interp(displacement, self.displacement, self.factor)
-        return factor * self.curves.force(displacement, mu, *shape)
+        return factor * self.curves.force(displacement, mu, fraction)

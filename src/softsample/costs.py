@@ -84,26 +84,15 @@ def cost_table(logs: str | os.PathLike[str]) -> pd.DataFrame:
     `cpu_s_largest` (of one job), `share_percent` (of all), `peak_mb`. Errors as in `job_costs`.
     """
     jobs = job_costs(logs)
-    table = (
-        jobs.groupby("kind")
-        .agg(
+    table, total = (
+        of.groupby("kind", as_index=False).agg(
             jobs=("cpu_s", "size"),
             cpu_s=("cpu_s", "sum"),
             cpu_s_largest=("cpu_s", "max"),
             peak_mb=("peak_mb", "max"),
         )
-        .sort_values("cpu_s", ascending=False)
-        .reset_index()
+        for of in (jobs, jobs.assign(kind="all"))
     )
-    total = pd.DataFrame(
-        {
-            "kind": ["all"],
-            "jobs": [len(jobs)],
-            "cpu_s": [table["cpu_s"].sum()],
-            "cpu_s_largest": [table["cpu_s_largest"].max()],
-            "peak_mb": [table["peak_mb"].max()],
-        }
-    )
-    table = pd.concat([table, total], ignore_index=True)
+    table = pd.concat([table.sort_values("cpu_s", ascending=False), total], ignore_index=True)
     table.insert(4, "share_percent", 100.0 * table["cpu_s"] / total["cpu_s"][0])
     return table

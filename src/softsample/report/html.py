@@ -17,6 +17,7 @@ from markupsafe import Markup, escape
 from PIL import Image
 
 from softsample.report.page import MISSING
+from softsample.report.template import render
 from softsample.wording import DIGITS, significant, true_minus
 
 WEBP_QUALITY = 86
@@ -46,12 +47,7 @@ def render_report(template: Path, **parts: Any) -> str:
     jinja2.UndefinedError
         If the template uses a part that is not given.
     """
-    environment = jinja2.Environment(
-        loader=jinja2.FileSystemLoader(template.parent), undefined=jinja2.StrictUndefined,
-        trim_blocks=True, lstrip_blocks=True, autoescape=True,
-    )  # fmt: skip
-    environment.filters |= {"table": table, "written": written}
-    return environment.get_template(template.name).render(**parts)
+    return render(template, parts, html=True, table=table, written=written)
 
 
 def caption(template: Path, config: Mapping[str, Any], **wildcards: str) -> Markup:

@@ -1,4 +1,4 @@
-"""Text of Jinja templates, the same way for all pages in Markdown."""
+"""Text of Jinja templates, the same way for all pages."""
 
 import os
 from collections.abc import Callable, Mapping
@@ -8,9 +8,15 @@ import jinja2
 
 
 def render(
-    template: str | os.PathLike[str], values: Mapping[str, Any], **filters: Callable[..., Any]
+    template: str | os.PathLike[str],
+    values: Mapping[str, Any],
+    *,
+    html: bool = False,
+    **filters: Callable[..., Any],
 ) -> str:
     """The text of a template, in which values and filters stand under their names.
+
+    Of `html` a value is escaped unless it is marked as HTML.
 
     Raises
     ------
@@ -20,7 +26,7 @@ def render(
     folder, name = os.path.split(template)
     environment = jinja2.Environment(
         loader=jinja2.FileSystemLoader(folder), undefined=jinja2.StrictUndefined,
-        trim_blocks=True, lstrip_blocks=True, keep_trailing_newline=True, autoescape=False,
+        trim_blocks=True, lstrip_blocks=True, keep_trailing_newline=not html, autoescape=html,
     )  # fmt: skip
     environment.filters |= filters
     return environment.get_template(name).render(values)

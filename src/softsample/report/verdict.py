@@ -91,8 +91,8 @@ def page(template: str | os.PathLike[str], group: str, verdict: Mapping[str, Any
         "rounds": list(_rounds(verdict)),
         "limits": limits,
     }
-    words = {"significant": significant, "fitted": fitted, "code": "`{}`".format}
-    return _unwrapped(render(template, {**verdict, **added}, **words))
+    parts, code = {**verdict, **added}, "`{}`".format
+    return _unwrapped(render(template, parts, significant=significant, fitted=fitted, code=code))
 
 
 def _unwrapped(text: str) -> str:

@@ -315,8 +315,8 @@ def _mesh(tables: Tables) -> Finding:
     )
 
 
-def _strain(tables: Tables) -> Finding:
-    return Finding("figure 7", UNTESTABLE, "seen in the strain maps; the paper gives no number")
+def _untestable(why: str, found: str = "–") -> Callable[[Tables], Finding]:
+    return lambda tables: Finding(found, UNTESTABLE, why)
 
 
 def _rounded(value: float) -> str:
@@ -360,11 +360,11 @@ CLAIMS: tuple[tuple[str, str, tuple[str, ...], Callable[[Tables], Finding]], ...
     ("3.2", "but not beyond (cited there from [15])", ("prescribed",),
      _prescribed("ideal", alike=False, at_end=True)),
     ("3.2", "and not on real geometries", ("prescribed",), _prescribed("real", alike=False)),
-    ("3.2", "strain is localised and without symmetry on real geometries", (), _strain),
+    ("3.2", "strain is localised and without symmetry on real geometries", (),
+     _untestable("seen in the strain maps; the paper gives no number", "figure 7")),
     ("2.2, 2.3", "images, records and bonded nodes of the paper's own samples", (),
-     lambda tables: Finding("–", UNTESTABLE, "they are not public; the cohort is virtual")),
+     _untestable("they are not public; the cohort is virtual")),
     ("4", "cylinders are likely to show similar effects", (),
-     lambda tables: Finding("–", UNTESTABLE,
-                            "the cohort has no cylinder; the workflow supports cylinders")),
+     _untestable("the cohort has no cylinder; the workflow supports cylinders")),
 )  # fmt: skip
 """Section, claim, tables it rests on, and how it is judged."""

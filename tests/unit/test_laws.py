@@ -13,7 +13,7 @@ from softsample.laws.candidates import FRACTION, Candidate
 from softsample.laws.choice import choose
 from softsample.laws.discrepancy import Discrepancy
 from softsample.laws.fit import Problem
-from softsample.laws.folds import Fits, error_on, everything, inner_folds
+from softsample.laws.folds import Fits, error_on, inner_folds
 from softsample.laws.group import ALL, group_report, parts_of
 from softsample.laws.intervals import intervals, left_open
 from softsample.laws.response import HomogeneousResponse
@@ -82,6 +82,11 @@ def loading(mode, stress, mu=800.0, noise=0.0, rng=None, points=40):
         force = force + noise * force.max() * rng.standard_normal(points)
     response = HomogeneousResponse(CUBE, mode, ALMOST)
     return LawTest(mode[0], mode, "s", SIDE * strain, force, noise * force.max(), response)
+
+
+def everything(tests):
+    """All points of all tests."""
+    return [np.ones(len(test.force), bool) for test in tests]
 
 
 def three(stress, **kind):
@@ -442,7 +447,7 @@ def by_solver(mode):
 
 def test_runs_go_where_the_fit_goes_until_they_are_as_predicted():
     tests, candidate = [by_solver("tension"), by_solver("compression")], Candidate.of("ogden")
-    assert simulate_law(candidate, tests, 0.003) < 0.003
+    assert simulate_law(candidate, tests, 0.003, everything(tests)) < 0.003
     assert tests[0].response.model.runs <= 7
     fit = Problem(tests, everything(tests)).fit(candidate)
     assert fit.shape[0] == pytest.approx(-18.0, rel=5e-3)
@@ -463,7 +468,7 @@ def test_a_law_without_runs_has_the_ratio_of_a_known_one_as_first_guess():
 
 def test_runs_end_where_the_optimum_no_longer_moves():
     tests = [by_solver("tension"), by_solver("compression")]
-    assert simulate_law(Candidate.of("ogden"), tests, 0.0) < 0.003
+    assert simulate_law(Candidate.of("ogden"), tests, 0.0, everything(tests)) < 0.003
     assert tests[0].response.model.runs <= 9
 
 

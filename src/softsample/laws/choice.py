@@ -59,11 +59,6 @@ class Choice:
         return self.equal[0] if self.equal else None
 
 
-def log_likelihood(error: float) -> float:
-    """Of what was left out, per independent point, at an error given as a part of the peak."""
-    return -0.5 * float(np.log(error**2 + LEAST_ERROR**2))
-
-
 def choose(
     candidates: Sequence[Candidate],
     errors: Mapping[str, Sequence[float]],
@@ -79,7 +74,10 @@ def choose(
         Laws that the fitted records do not reject beside each.
     """
     names = [candidate.name for candidate in candidates]
-    table = np.array([[log_likelihood(e) for e in errors[name]] for name in names])
+    # log likelihood per independent point
+    table = -0.5 * np.array(
+        [[np.log(error**2 + LEAST_ERROR**2) for error in errors[name]] for name in names]
+    )
     folds = table.shape[1]
     means = table.mean(axis=1) if folds else np.zeros(len(names))
     score = dict(zip(names, means.tolist(), strict=True))

@@ -36,11 +36,6 @@ class Fold:
     left_out: Sequence[Mask]
 
 
-def everything(tests: Sequence[LawTest]) -> list[Mask]:
-    """All points of all tests."""
-    return [np.ones(len(test.force), bool) for test in tests]
-
-
 def inner_folds(tests: Sequence[LawTest], kept: Sequence[Mask]) -> list[Fold]:
     """Each mode, each specimen if there are more than samples of one, the last part of all.
 

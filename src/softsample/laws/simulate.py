@@ -23,7 +23,7 @@ from softsample.fem.boundary import Boundary
 from softsample.fem.explicit import ExplicitModel
 from softsample.laws.candidates import Candidate
 from softsample.laws.fit import Problem
-from softsample.laws.folds import Fits, everything
+from softsample.laws.folds import Fits
 from softsample.laws.response import HomogeneousResponse
 from softsample.laws.test import LawTest
 from softsample.response.unit import unit_runs
@@ -157,7 +157,7 @@ def simulate_law(
     candidate: Candidate,
     tests: Sequence[LawTest],
     tolerance: float,
-    kept: Sequence[Mask] | None = None,
+    kept: Sequence[Mask],
 ) -> float | None:
     """Make the runs that a fit of a law needs, for all pieces of some tests.
 
@@ -167,8 +167,8 @@ def simulate_law(
         Those with a `SimulatedResponse` get runs.
     tolerance : float
         Largest error of the prediction at the optimum, as a part of the peak.
-    kept : sequence of (n,) bool, optional
-        Points that are fitted; all by default.
+    kept : sequence of (n,) bool
+        Points that are fitted.
 
     Returns
     -------
@@ -180,7 +180,6 @@ def simulate_law(
               if isinstance(t.response, SimulatedResponse)}  # fmt: skip
     if not pieces:
         return 0.0
-    kept = kept or everything(tests)
     shape = Problem(tests, kept).fit(candidate).shape
     if _add(candidate, shape, pieces.values(), tests) is None:
         return None

@@ -183,7 +183,10 @@ def _row(
         "mu_pa": law["mu_pa"],
         "mu_low_pa": _further(law["mu_pa"], mu["low"], half),
         "mu_high_pa": _further(law["mu_pa"], mu["high"], half),
-        "shape": "; ".join(_shape_words(law)),
+        "shape": "; ".join(
+            f"{shape} = {value:.3g} ({_end(law, shape, 'low')} to {_end(law, shape, 'high')})"
+            for shape, value in law["shape"].items()
+        ),
         "error_fitted_percent": law["error_fitted_percent"],
         "error_folds_percent": 100.0 * root_mean_square(folds),
         "error_held_out_percent": 100.0 * root_mean_square(held_out),
@@ -207,14 +210,6 @@ def _standing(name: str, choice: Mapping[str, Any]) -> str:
     if name == choice["recommended"]:
         return "recommended"
     return "as good" if name in choice["equal"] else "no"
-
-
-def _shape_words(law: Mapping[str, Any]) -> list[str]:
-    """Shape parameters with their intervals."""
-    return [
-        f"{name} = {value:.3g} ({_end(law, name, 'low')} to {_end(law, name, 'high')})"
-        for name, value in law["shape"].items()
-    ]
 
 
 def _end(law: Mapping[str, Any], name: str, end: str) -> str:

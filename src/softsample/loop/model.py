@@ -78,13 +78,9 @@ class Model:
         """Whether an effect may be added."""
         return not any(one.excludes(effect) for one in self.effects)
 
-    def _acting(self, specimen: Specimen) -> list[Effect]:
-        """Effects that change tests of this kind."""
-        return self._of_kind[specimen.kind]
-
     @cached_property
-    def _of_kind(self) -> dict[str, list[Effect]]:
-        """The same of every kind: fits ask again and again."""
+    def _acting(self) -> dict[str, list[Effect]]:
+        """Effects that change tests of each kind: fits ask again and again."""
         return {kind: [e for e in self.effects if kind in e.modes] for kind in MODES}
 
     def travel(self, specimen: Specimen, state: "State") -> Array:
@@ -103,7 +99,7 @@ class Model:
 
     def _crosstalk(self, specimen: Specimen, state: "State") -> Array | float:
         """What a normal force reads of the predicted force along the displacement (n,) [N]."""
-        acting = self._acting(specimen)
+        acting = self._acting[specimen.kind]
         if specimen.partner is None or not any(effect.crosstalk for effect in acting):
             return 0.0
         _, along = self._loading(specimen.partner, state)
@@ -121,7 +117,7 @@ class Model:
         """
         reported = self._reported(specimen, state)
         travel, force = reported, self._force(specimen, state, reported)
-        values, acting = state.values, self._acting(specimen)
+        values, acting = state.values, self._acting[specimen.kind]
         compliance = sum(e.compliance(specimen, values[e.name]) for e in acting if e.compliance)
         if not compliance:
             return travel, force
@@ -143,7 +139,7 @@ class Model:
         travel = specimen.travel
         if specimen.elastic.contact:
             travel = travel - 1e-3 * (state.contact_zero + specimen.contact)
-        for effect in self._acting(specimen):
+        for effect in self._acting[specimen.kind]:
             if effect.travel:
                 travel = effect.travel(specimen, travel, state.values[effect.name])
         return travel
@@ -157,7 +153,7 @@ class Model:
         fraction = state.material.mu1_fraction
         model = specimen.elastic.force_per_mu(fraction, travel)
         force = added = self._of_law(specimen, state, travel, model)
-        for effect in self._acting(specimen):
+        for effect in self._acting[specimen.kind]:
             if effect.elastic and not effect.is_law:
                 change = effect.elastic(specimen, fraction, travel, state.values[effect.name])
                 if specimen.channel == FORCE:
@@ -173,7 +169,7 @@ class Model:
 
         Of columns side by side if the face is uneven.
         """
-        acting, values = self._acting(specimen), state.values
+        acting, values = self._acting[specimen.kind], state.values
         columns, parts = travel[:, None], np.ones(1)
         for effect in acting:
             if effect.heights:
@@ -199,7 +195,7 @@ class Model:
     def _force(self, specimen: Specimen, state: "State", travel: Array) -> Array:
         """Force on the sample (n,) [N] for a travel that reaches it."""
         force, values = self._elastic(specimen, state, travel), state.values
-        acting = self._acting(specimen)
+        acting = self._acting[specimen.kind]
         for effect in acting:
             if effect.tissue:
                 force = effect.tissue(specimen, force, travel, values[effect.name])
@@ -217,7 +213,7 @@ class Model:
         self, specimen: Specimen, force: Array, travel: Array, values: Mapping[str, Values]
     ) -> Array:
         """What the instrument makes of a force (n,) [N]; only of that along the displacement."""
-        for effect in self._acting(specimen) if specimen.channel == FORCE else ():
+        for effect in self._acting[specimen.kind] if specimen.channel == FORCE else ():
             if effect.instrument:
                 force = effect.instrument(specimen, force, travel, values[effect.name])
         return force

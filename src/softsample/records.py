@@ -382,7 +382,7 @@ def _positive(
     if {quantity, *STANDS_FOR[quantity]} & {*reading["compressive"]}:
         return "compression", TITLED
     said = settings.positive[quantity]
-    return said, _other_sign(_sign(said, mode), mode)
+    return said, next(word for word in COUNTED if _sign(word, mode) != _sign(said, mode))
 
 
 def _zero_of(quantity: str, mode: str, settings: RecordSettings) -> str:
@@ -396,11 +396,6 @@ def _zero(zero: str, table: pd.DataFrame, column: str, source: str) -> float:
     if zero == "start":
         return float(table[column].iloc[0])
     return float(table[column].iloc[_rest(table, source)].mean()) if zero == "rest" else 0.0
-
-
-def _other_sign(sign: float, mode: str) -> str:
-    """What has to count as positive if a sign is wrong that is read with a factor."""
-    return next(said for said in COUNTED if _sign(said, mode) != sign)
 
 
 @dataclass(frozen=True)

@@ -223,7 +223,7 @@ def _check_row(
     result.doubts += [f"{where}: {doubt}" for doubt in doubted]
     surface = attempt("surface", lambda path: _surface(path, row, told))
     size = _size(row, told)
-    around = _around(surface) if surface else None
+    around = IdealShape("cuboid", *map(float, np.ptp(surface.points, axis=0))) if surface else None
     known = size or (piece.shape if piece else None) or around
     tested = attempt(
         "record", lambda path: _record(path, row, (size, known), where, settings, result, told)
@@ -313,11 +313,6 @@ def _surface(path: str, row: Mapping[str, str], told: list[str]) -> TriangleSurf
     loading_axis = world_axis(validation.axes_of(row)["loading_axis"])
     told += _told_round(circularity_of_surface(surface, loading_axis), row)
     return surface
-
-
-def _around(surface: TriangleSurface) -> IdealShape:
-    """The cuboid around a surface."""
-    return IdealShape("cuboid", *map(float, np.ptp(surface.points, axis=0)))
 
 
 def _size(row: Mapping[str, str], told: list[str]) -> IdealShape | None:

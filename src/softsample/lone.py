@@ -1,9 +1,7 @@
 """Rows of a record that stand alone: one bad reading, far from those beside it."""
 
 from collections.abc import Iterator
-from dataclasses import dataclass
 from itertools import permutations
-from typing import Self
 
 import numpy as np
 import pandas as pd
@@ -30,49 +28,41 @@ LOOKED_AT = {"displacement_mm": 0.01, "force_N": 0.05}
 A platen is moved without leaps, so that a small one is none of its own."""
 
 
-@dataclass(frozen=True)
-class LoneRows:
-    """What is to be said of rows that stand alone.
+def lone_rows(table: pd.DataFrame, source: str) -> tuple[list[str], list[str]]:
+    """What is to be said of rows of a record that stand alone.
 
     Parameters
     ----------
+    table
+        Columns `displacement_mm` and `force_N`, and `time_s` if it was recorded, with signs and
+        zero of the file; the index is the line.
+    source
+        The file's path, for the messages.
+
+    Returns
+    -------
     faults : list of str
         Rows that decide what all others count for: the first, since zero and signs rest on it,
         and one that is farther from all others than these are from each other.
     doubts : list of str
         The rest of them, the first of each column with the number of others.
     """
-
-    faults: list[str]
-    doubts: list[str]
-
-    @classmethod
-    def of(cls, table: pd.DataFrame, source: str) -> Self:
-        """Those of a record.
-
-        Parameters
-        ----------
-        table
-            Columns `displacement_mm` and `force_N`, and `time_s` if it was recorded, with signs
-            and zero of the file; the index is the line.
-        source
-            The file's path, for the messages.
-        """
-        time = table["time_s"].to_numpy(np.float64) if "time_s" in table else None
-        rows = cls([], [])
-        for column, part in LOOKED_AT.items():
-            values = table[column].to_numpy(np.float64)
-            found = lone(values, clock_of(time, values), part)
-            deciding = [at for at in found if at == 0 or _decides(values, at)]
-            rows.faults.extend(
-                f"{source}, line {table.index[at]}, column {column!r}: "
-                f"{_alone(values, at, column)}; delete the line"
-                for at in deciding
-            )
-            rows.doubts.extend(_doubts(table.index, values, column, [*{*found} - {*deciding}]))
-        for pair in permutations(LOOKED_AT):
-            rows.doubts.extend(_shifted(table, *pair))
-        return rows
+    time = table["time_s"].to_numpy(np.float64) if "time_s" in table else None
+    faults: list[str] = []
+    doubts: list[str] = []
+    for column, part in LOOKED_AT.items():
+        values = table[column].to_numpy(np.float64)
+        found = lone(values, clock_of(time, values), part)
+        deciding = [at for at in found if at == 0 or _decides(values, at)]
+        faults += [
+            f"{source}, line {table.index[at]}, column {column!r}: "
+            f"{_alone(values, at, column)}; delete the line"
+            for at in deciding
+        ]
+        doubts += _doubts(table.index, values, column, [*{*found} - {*deciding}])
+    for pair in permutations(LOOKED_AT):
+        doubts += _shifted(table, *pair)
+    return faults, doubts
 
 
 def lone(values: Array, clock: Array, part: float) -> NDArray[np.intp]:

@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 from softsample.arrays import Array, Mask
 from softsample.errors import InputError, records_setting
-from softsample.lone import LoneRows
+from softsample.lone import lone_rows
 from softsample.protocol import (
     LARGEST,
     NEVER_UNIFORM,
@@ -280,8 +280,8 @@ def aligned_record(
     _refuse(_no_numbers(table, source))
     _refuse(_wrong_time(table, source))
     aligned = _forces(table.astype(np.float64), size, mode, source)
-    lone = LoneRows.of(aligned, source)
-    _refuse(lone.faults)  # first, as zero and signs rest on such rows
+    faults, lone = lone_rows(aligned, source)
+    _refuse(faults)  # first, as zero and signs rest on such rows
     positive, turned = {}, {}
     for quantity, column in COLUMNS.items():
         positive[column], turned[quantity] = _positive(quantity, reading, settings, table, mode)
@@ -299,7 +299,7 @@ def aligned_record(
     _refuse(_parts_of_one(aligned, reading, source))
     signs = _Signs(turned, settings)
     record, facts = _checked(aligned, mode, schema, source, signs, size, which)
-    facts["warnings"] += lone.doubts
+    facts["warnings"] += lone
     facts["warnings"] += _own_size(reading, mode, size)
     facts["warnings"] += _untimed(reading, settings) if not record.timed else []
     facts["warnings"] += reading.get("doubts", [])

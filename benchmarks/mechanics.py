@@ -14,10 +14,13 @@ from softsample.constitutive.material import Relaxation
 from softsample.constitutive.ogden import Fibres
 from softsample.fem.boundary import Boundary, ContactSettings, glued_boundary, platen_boundary
 from softsample.fem.explicit import ExplicitModel, Gravity, Run, SolverSettings
-from softsample.figures.style import DASHES, PALETTE, label_panel, page_figure, save, styled
+from softsample.figures.style import PALETTE, label_panel, page_figure, save, styled
 from softsample.meshing.bond import partial_bond
 from softsample.meshing.cuboid import mesh_cuboid
 from softsample.protocol import History
+
+DASHES = ("-", (0, (5, 1.5)), (0, (1.2, 1.2)), (0, (5, 1.5, 1.2, 1.5)), (0, (9, 2)))
+"""Of lines that grey print has to tell apart."""
 
 MESH = mesh_cuboid(23e-3, 20e-3, 13e-3, 1e-3)
 SETTINGS = SolverSettings(loading_time_s=0.12)

@@ -27,9 +27,6 @@ MM_PER_INCH = 25.4
 PALETTE = ("#0072B2", "#D55E00", "#009E73", "#CC79A7", "#E69F00", "#56B4E9", "#000000")
 """Okabe and Ito's colours without yellow, which is too pale for a line."""
 
-DASHES = ("-", (0, (5, 1.5)), (0, (1.2, 1.2)), (0, (5, 1.5, 1.2, 1.5)), (0, (9, 2)))
-"""Of lines that grey print has to tell apart."""
-
 MODE_COLOURS = {
     "shear": "#009E73",
     "tension": "#0072B2",

@@ -51,11 +51,6 @@ def principal_hencky_strains(mesh: HexMesh, displacement: Array) -> Array:
     return np.asarray(0.5 * np.log(np.linalg.eigvalsh(np.swapaxes(F, 1, 2) @ F)))
 
 
-def max_principal_hencky_strain(mesh: HexMesh, displacement: Array) -> Array:
-    """Largest principal logarithmic strain ln(lambda_max) of each element (n_elements,)."""
-    return principal_hencky_strains(mesh, displacement)[:, -1]
-
-
 def contact_report(mesh: HexMesh, snapshot: Snapshot) -> dict[str, float]:
     """Area and pressure of contact with the moving platen.
 

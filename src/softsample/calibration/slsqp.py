@@ -102,22 +102,12 @@ class Fit:
         """Whether it converged away from all bounds."""
         return self.converged and not self.active_bounds
 
-    @property
-    def mu1(self) -> float:
-        """Modulus of the first term [Pa]."""
-        return self.mu * self.mu1_fraction
-
-    @property
-    def mu2(self) -> float:
-        """Modulus of the second term [Pa]."""
-        return self.mu * (1.0 - self.mu1_fraction)
-
     def report(self) -> dict[str, Any]:
         """Everything a reader of the fit wants, units in the names."""
         verdict = self.finding or "converged" if self.converged else "not converged"
         return {
-            "mu1_pa": self.mu1,
-            "mu2_pa": self.mu2,
+            "mu1_pa": self.mu * self.mu1_fraction,
+            "mu2_pa": self.mu * (1.0 - self.mu1_fraction),
             "mu_pa": self.mu,
             "mu1_fraction": self.mu1_fraction,
             "area_error_percent": {name: 100.0 * e for name, e in self.area_error.items()},

@@ -8,7 +8,6 @@ from scipy.sparse.linalg import spsolve
 
 from softsample.arrays import Array, Ids, Mask
 from softsample.imaging.frame import Surface
-from softsample.meshing.levelset import column_heights
 
 BAND = 7.0
 """Distance up to which the nearest triangle is searched for, in grid spacings."""
@@ -174,10 +173,3 @@ def base_centroid(distance: Array, origin: Array, spacing: float) -> Array:
     x = origin[0] + spacing * np.arange(share.shape[0])
     y = origin[1] + spacing * np.arange(share.shape[1])
     return np.array([x @ share.sum(axis=1), y @ share.sum(axis=0), 0.0]) / share.sum()
-
-
-def highest_point(distance: Array, origin: Array, spacing: float) -> Array:
-    """Highest point of the surface, (3,) [m]: linear along the columns of the grid."""
-    height = column_heights(distance, origin, spacing)
-    best = np.unravel_index(int(np.argmax(height)), height.shape)
-    return np.array([*(origin[:2] + spacing * np.array(best)), height[best]])

@@ -16,7 +16,7 @@ from softsample.arrays import Array
 from softsample.errors import InputError, SegmentationError
 from softsample.imaging import distance as sdf
 from softsample.imaging import frame
-from softsample.meshing.levelset import column_heights
+from softsample.meshing.levelset import column_heights, highest_point
 from softsample.shapes import IdealShape
 from softsample.units import MM
 
@@ -96,7 +96,7 @@ def measure(
     settings = settings or MeasurementSettings()
     field, start = _checked(distance, origin, spacing)
     top = top_heights(field, start, spacing)
-    peak = sdf.highest_point(field, start, spacing)
+    peak = highest_point(field, start, spacing)
     ideal, sections, top_sd = _idealised(field, start, spacing, top, settings, shape)
     areas = _areas(field, start, spacing, float(peak[2]), settings)
     roundness = circularity(field, start, spacing)
@@ -131,7 +131,7 @@ def circularity(distance: Array, origin: Array, spacing: float) -> float:
     distance, origin, spacing
         As of `measure`.
     """
-    peak = sdf.highest_point(distance, origin, spacing)[2]
+    peak = highest_point(distance, origin, spacing)[2]
     planes = [section(distance, origin, spacing, float(level * peak)) for level in LEVELS]
     return float(np.mean([_section_circularity(plane) for plane in planes]))
 

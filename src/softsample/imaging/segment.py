@@ -17,6 +17,7 @@ from softsample.imaging.boundary import boundary, on_image
 from softsample.imaging.checked import checked_axes, checked_image, voxel_size
 from softsample.imaging.settings import SegmentationSettings
 from softsample.imaging.tissue import HALF, TissueShare, blur_of, cavities, margin_of, tissue_share
+from softsample.meshing.levelset import highest_point
 from softsample.units import MM
 
 
@@ -95,7 +96,7 @@ class Segmentation:
     @property
     def highest_point(self) -> Array:
         """Highest point of the surface in the sample frame, (3,) [m]."""
-        return sdf.highest_point(self.distance, self.origin, self.spacing)
+        return highest_point(self.distance, self.origin, self.spacing)
 
     @property
     def distance_affine_mm(self) -> Array:

@@ -137,10 +137,8 @@ class LevelSet:
         None higher than that column is: the spline overshoots at sharp edges.
         """
         _ = self.inside_box  # refuses a surface that leaves the grid
-        height = column_heights(self.distance, self.origin, self.spacing)
-        best = np.unravel_index(int(np.argmax(height)), height.shape)
-        point = np.array([*(self.origin[:2] + np.array(best) * self.spacing), height[best]])
-        reach = self.spacing
+        point = highest_point(self.distance, self.origin, self.spacing)
+        most, reach = point[2], self.spacing
         for _ in range(4):
             offset = np.linspace(-reach, reach, 11)
             x, y = (point[a] + grid for a, grid in enumerate(np.meshgrid(offset, offset)))
@@ -148,7 +146,7 @@ class LevelSet:
             top = int(np.argmax(heights))
             point = np.array([x.flat[top], y.flat[top], heights[top]])
             reach *= 0.2
-        return np.array([*point[:2], min(point[2], height.max())])
+        return np.array([*point[:2], min(point[2], most)])
 
     def _crossing(self, x: Array, y: Array, height: float, reach: float) -> Array:
         """Height [m] within `height` +- `reach` where columns at `x`, `y` (n,) leave the solid."""
@@ -172,6 +170,13 @@ def column_heights(distance: Array, origin: Array, spacing: float) -> Array:
     above = np.take_along_axis(distance, last + 1, axis=2)[..., 0]
     part = np.where(below < 0.0, below / np.where(below < 0.0, below - above, 1.0), 0.0)
     return np.asarray(origin[2] + (last[..., 0] + part) * spacing)
+
+
+def highest_point(distance: Array, origin: Array, spacing: float) -> Array:
+    """Highest point of the surface, (3,) [m]: linear along the columns of the grid."""
+    height = column_heights(distance, origin, spacing)
+    best = np.unravel_index(int(np.argmax(height)), height.shape)
+    return np.array([*(origin[:2] + spacing * np.array(best)), height[best]])
 
 
 @numba.njit(cache=True)

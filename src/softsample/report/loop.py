@@ -1,6 +1,6 @@
 """Verdicts of all groups as tables."""
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Iterator, Mapping
 from typing import Any
 
 import numpy as np
@@ -88,22 +88,22 @@ def error_table(verdicts: Verdicts) -> pd.DataFrame:
         `group`, `geometry`, `kind` (`fitted` or `held out`), `part` (phase or what was left out),
         `test`, then `rms_N`, `rms_percent`, the same `_structured`, each `_before` and `_after`.
     """
-    rows = []
-    for (group, geometry), verdict in verdicts.items():
-        for test, phases in verdict["error_before"].items():
-            for phase, before in phases.items():
-                after = verdict["error_after"][test][phase]
-                rows.append((group, geometry, "fitted", phase, test, before, after))
-        for fold, tests in verdict["held_out_before"].items():
-            for test, before in tests.items():
-                after = verdict["held_out_after"][fold][test]
-                rows.append((group, geometry, "held out", fold, test, before, after))
-    names = ("group", "geometry", "kind", "part", "test")
     return pd.DataFrame(
         [
-            dict(zip(names, row[:-2], strict=True))
-            | {f"{name}_before": value for name, value in row[-2].items()}
-            | {f"{name}_after": value for name, value in row[-1].items()}
-            for row in rows
+            {"group": group, "geometry": geometry, "kind": kind, "part": part, "test": test}
+            | {f"{name}_before": value for name, value in before.items()}
+            | {f"{name}_after": value for name, value in after.items()}
+            for (group, geometry), verdict in verdicts.items()
+            for kind, part, test, before, after in _errors(verdict)
         ]
     )
+
+
+def _errors(verdict: Mapping[str, Any]) -> Iterator[tuple[Any, ...]]:
+    """Kind, part and test of each error of a verdict, and the error before and after."""
+    for test, phases in verdict["error_before"].items():
+        for phase, before in phases.items():
+            yield "fitted", phase, test, before, verdict["error_after"][test][phase]
+    for fold, tests in verdict["held_out_before"].items():
+        for test, before in tests.items():
+            yield "held out", fold, test, before, verdict["held_out_after"][fold][test]

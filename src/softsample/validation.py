@@ -280,13 +280,9 @@ def sample_faults(
     """Everything that is wrong with a table of samples, apart from the files it names."""
     columns = [str(column) for column in table.columns]
     for missing in (name for name in schema["required"] if name not in columns):
-        yield Fault(
-            None,
-            "",
-            missing,
-            f" is missing (there are {', '.join(columns)}); the table is tab-separated, with a "
-            "header",
-        )
+        there = ", ".join(columns)
+        reason = f" is missing (there are {there}); the table is tab-separated, with a header"
+        yield Fault(None, "", missing, reason)
     for name in dict.fromkeys(columns):
         if columns.count(name) > 1:
             yield Fault(None, "", name, " stands twice in the header; keep one")
@@ -463,13 +459,11 @@ def _doubled_samples(rows: Rows) -> Iterator[Fault]:
     for line, row in rows.items():
         name = row.get("sample", "")
         if name and name.lower() in seen:
-            yield Fault(
-                line,
-                name,
-                "sample",
+            reason = (
                 f"{name!r} stands in row {seen[name.lower()]} already (upper and lower case count "
-                "as the same, since ids become file names); give each sample an id of its own",
+                "as the same, since ids become file names); give each sample an id of its own"
             )
+            yield Fault(line, name, "sample", reason)
         seen.setdefault(name.lower(), line)
 
 
@@ -482,13 +476,11 @@ def _split_specimens(rows: Rows) -> Iterator[Fault]:
         groups = dict(lines[row["specimen"]]) if "specimen" in row else {}
         groups.pop(row.get("group", ""), None)
         for other, first in groups.items():
-            yield Fault(
-                line,
-                row.get("sample", "?"),
-                "specimen",
+            reason = (
                 f"{row['specimen']!r} is of group {other!r} in row {first}; one piece belongs to "
-                "one group, so correct one of them",
+                "one group, so correct one of them"
             )
+            yield Fault(line, row.get("sample", "?"), "specimen", reason)
 
 
 def refusals(instance: Any, schema: Schema) -> Iterator[tuple[str, str]]:

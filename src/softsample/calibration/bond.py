@@ -24,8 +24,6 @@ def other_bond(
     bonds : mapping
         `bond/{sample}.json` of the samples that are bonded by a rule; those that are not calibrated
         do not count.
-    settings : CalibrationSettings
-        Those of the study.
 
     Returns
     -------

@@ -61,8 +61,6 @@ def boundary_figure(samples: Sequence[HeldSample], renderer: Renderer) -> Figure
     samples
         One a geometry, which is a row, and loading, a column; a pair that is not there is left
         blank.
-    renderer
-        `vtk` or `matplotlib`.
     """
     there = {(held.geometry, held.mode): held for held in samples}
     rows = [name for name in GEOMETRY_NAMES if name in {geometry for geometry, _ in there}]

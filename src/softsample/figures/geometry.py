@@ -116,8 +116,6 @@ def geometry_figure(
         Image and segmentation of one sample.
     real, ideal
         Boundary of the mesh and its number of elements.
-    renderer
-        `vtk` or `matplotlib`.
     """
     figure = page_figure(height_mm=130.0)
     parts: Any = figure.subfigures(2, 1, height_ratios=[1.0, 1.0], hspace=0.04)

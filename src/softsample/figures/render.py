@@ -63,12 +63,6 @@ def draw_surface(
     ----------
     ax
         Axes; their limits must hold the surface and are not changed.
-    surface
-        What to draw.
-    view
-        From where.
-    look
-        Colours and edges.
     renderer
         `vtk` or `matplotlib`; see `available_renderer`.
     """

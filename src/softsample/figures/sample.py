@@ -40,8 +40,6 @@ def sample_figure(
         Hexahedra [m].
     scaled_jacobian : (n_elements,) float64
         Quality of the elements; nodes show the mean of those around them.
-    renderer
-        `vtk` or `matplotlib`.
     """
     figure = page_figure(height_mm=130.0)
     parts: Any = figure.subfigures(2, 1, hspace=0.04)

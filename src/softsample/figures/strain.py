@@ -131,8 +131,6 @@ def strain_figure(rows: Sequence[StrainRow], renderer: Renderer = "vtk") -> Figu
     rows
         One a loading mode. Panels of a surface and a real geometry that are not known stay empty;
         they are left out if no row has any.
-    renderer
-        `vtk` or `matplotlib`.
     """
     frames = [_frame(row) for row in rows]
     heights = [TITLE_MM + PANEL_MM * float(np.divide(*(high - low)[::-1])) for low, high in frames]

@@ -55,8 +55,6 @@ def groups_in_turn(
     ----------
     files, given
         Input and parameters of the rule `pool`.
-    settings : LoopSettings
-        Of the diagnosis.
     solid : Material
         The law of the study.
     """

@@ -82,14 +82,10 @@ def variants(
 
     Parameters
     ----------
-    shape : Shape
-        Sample and cuboid.
     mode : str
         Mode of the test; bonds are varied in tension and shear, the contact zero in compression.
     preload : float
         Depth of the glue [m]. Flat tops are glued as they are.
-    settings : EffectSettings
-        Steps.
     touched : (n,) int64, optional
         Nodes of the sample that its platen touches in a simulated pre-load.
     by_contact : bool

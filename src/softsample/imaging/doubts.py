@@ -81,8 +81,6 @@ def unlike_a_scan(noise: float, shared_noise: float, found: Boundary) -> Iterato
         Of the surroundings; NaN if they have none.
     shared_noise : float
         Part of its variance that neighbouring voxels share.
-    found : Boundary
-        Of the sample.
     """
     if not np.isfinite(noise):
         yield f"the surroundings of the sample have no noise, as if masked; {AS_SCANNED}"

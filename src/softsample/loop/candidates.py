@@ -31,8 +31,6 @@ def candidates(specimens: Sequence[Specimen], height: float, solid: Material) ->
 
     Parameters
     ----------
-    specimens : sequence of Specimen
-        The tests.
     height : float
         Of the samples [m].
     solid : Material

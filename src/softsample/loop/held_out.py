@@ -36,12 +36,8 @@ def specimens_of(
     ----------
     row : mapping
         Of the study table, defaults filled in.
-    record : Record
-        Of the sample.
     tables : Tables
         Response of what was tested; tests with the same one share it.
-    shape : IdealShape
-        The idealised shape.
     hold_out : sequence of mapping
         Selections of the study's settings.
     """

@@ -311,8 +311,6 @@ def pooled(own: Group, others: Sequence[Group], rules: SelectionSettings) -> Poo
     ----------
     own : Group
         What is to be predicted: nothing that is held out of it is used.
-    others : sequence of Group
-        The others.
     rules : SelectionSettings
         As of the selection in one group.
     """

@@ -69,8 +69,6 @@ def select(problem: Problem, effects: Sequence[Effect], settings: SelectionSetti
         Records of a group, model and noise.
     effects : sequence of Effect
         To choose from; those that no record can show are left out.
-    settings : SelectionSettings
-        Of the selection.
 
     Returns
     -------

@@ -54,12 +54,8 @@ def document(
 
     Parameters
     ----------
-    found : Diagnosis
-        Of the group.
     left_out : tuple of dict
         Errors of parts left out in turn, before and after, by fold and test.
-    settings : LoopSettings
-        Of the diagnosis.
     solid : Material
         Law of the model.
     rows : sequence of mapping

@@ -45,8 +45,6 @@ def force_terms(
 
     Parameters
     ----------
-    mode : str
-        Loading mode.
     band : mapping or None
         `band/{sample}.json`: the surface one standard deviation further in and out; None where no
         image says how well it is known: the term is NaN.
@@ -61,8 +59,6 @@ def force_terms(
         A closed form has no error of loading time, mesh or element.
     element_size_mm : float
         Of the piece's mesh; the sensitivity has elements of twice this size.
-    settings : FloorSettings
-        Floor of mesh and element.
     """
     geometry = np.nan if band is None else 0.5 * (band["high_percent"] - band["low_percent"])
     if curves.get("method") == CLOSED_FORM:

@@ -58,11 +58,6 @@ def predicted(found: Diagnosis) -> list[Predicted]:
 def residual_table(found: Diagnosis) -> pd.DataFrame:
     """Measured force of every test and the model's, as means over blocks of time.
 
-    Parameters
-    ----------
-    found : Diagnosis
-        Of a group.
-
     Returns
     -------
     DataFrame

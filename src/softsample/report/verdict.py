@@ -55,8 +55,6 @@ def page(template: str | os.PathLike[str], group: str, verdict: Mapping[str, Any
     ----------
     template : path
         `verdict.md.j2`, which has the parts of the verdict and what is added here by name.
-    group : str
-        Name of the group.
     verdict : mapping
         Report of a diagnosis, see `softsample.loop.verdict.report`.
     """

@@ -67,8 +67,6 @@ def touched_nodes(
 
     Parameters
     ----------
-    model : ExplicitModel
-        Of the sample.
     preload : float
         Way of the platen [m].
     fill : float

@@ -96,8 +96,6 @@ def perturbations_of(
     ----------
     geometry : str
         `real` or `ideal`.
-    shape : IdealShape
-        The idealised shape.
     mesh_shifted, test, progress
         As of `simulate_perturbations`.
     """

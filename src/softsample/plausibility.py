@@ -147,15 +147,26 @@ def doubts(
         yield f"{doubt}If it is right, set {as_setting({'plausibility': accepted})}"
     if size is None:
         yield from _large(facts)
+    elif mode in PRESSED_MODES and (end := _end_mm(facts)) >= size.height / MM:
+        raise InputError(
+            f"{source}: the displacement ends at {end:.4g} mm, and no sample can be pressed by its "
+            f"height, {size.height / MM:.4g} mm; if the file's zero is not where the platen "
+            "touches, write `records: {zero: {displacement: start}}`"
+        )
 
 
 def _large(facts: Mapping[str, Any]) -> Iterator[str]:
     """What is large for any sample."""
-    far = max(abs(facts["travel_mm"]), abs(facts["travel_mm"] + facts["ramp_start_mm"]))
+    far = max(abs(facts["travel_mm"]), _end_mm(facts))
     if far > USUAL_MM:
         yield f"displacement of {far:.4g} mm; was it written in another unit?"
     if abs(facts["peak_force_N"]) > USUAL_N:
         yield f"force of {abs(facts['peak_force_N']):.4g} N; was it written in mN or g?"
+
+
+def _end_mm(facts: Mapping[str, Any]) -> float:
+    """Magnitude of the displacement at the end of the loading [mm]."""
+    return float(abs(facts["travel_mm"] + facts["ramp_start_mm"]))
 
 
 def _of(size: Sized | None) -> str:

@@ -705,7 +705,10 @@ def _facts(
     for ramp in loading.ramps if record.timed else ():
         warnings += _gap(lines, record.clock, ramp)
     if is_clipped(force):
-        warnings.append(f"the force stays at {peak:g} N: the load cell seems to be overloaded")
+        warnings.append(
+            f"the force stays at {peak:g} N: the load cell seems to be overloaded, or the force "
+            "was given (creep), which is no test of this model"
+        )
     warnings += _few(record, rows)
     return {
         "samples": len(record.force),

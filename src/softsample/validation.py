@@ -528,7 +528,8 @@ KINDS = {
 
 
 def _unknown(name: str, known: Mapping[str, Any]) -> str:
-    near = difflib.get_close_matches(name, list(known), n=1)
+    near = [block for block, of in known.items() if name in of.get("properties", {})]
+    near = [f"{block}: {name}" for block in near] or difflib.get_close_matches(name, [*known], n=1)
     hint = f"did you mean {near[0]!r}?" if near else f"known are {', '.join(known)}"
     return f"unknown name; {hint}"
 

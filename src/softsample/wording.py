@@ -1,6 +1,7 @@
 """Numbers and names of loadings as people read them."""
 
 from collections.abc import Mapping
+from typing import Any
 
 DIGITS = 3
 """Significant digits of a result."""
@@ -37,21 +38,29 @@ def verdict_words(verdict: str) -> str:
     return VERDICTS.get(verdict, verdict)
 
 
-OVERLOADED = "Load cell overloaded"
-"""What a record says that stays at its largest force."""
-
-
-def at_its_limit(forces: Mapping[str, float]) -> str:
-    """Samples with the force [N] at which the load cell stayed."""
-    return ", ".join(f"{name} stays at {significant(force)} N" for name, force in forces.items())
-
-
-def overload_told(forces: Mapping[str, float]) -> str:
-    """What to say of records that stay at their largest force, after `OVERLOADED`."""
-    return (
-        f"{at_its_limit(forces)}. What lies beyond was not measured: trust neither modulus nor "
-        "effects. Test within the range of the cell, or hold out what it cut off."
-    )
+def distrusted(verdict: Mapping[str, Any]) -> dict[str, tuple[str, str]]:
+    """Why neither modulus nor effects are to be trusted: by title, which samples, and the cure."""
+    found = {
+        "Load cell overloaded": (
+            [
+                f"{name} stays at {significant(at)} N"
+                for name, at in verdict["overloaded_N"].items()
+            ],
+            "What lies beyond was not measured: trust neither modulus nor effects. Test within the "
+            "range of the cell, or hold out what it cut off. If the force was given (creep), that "
+            "is no test of this model.",
+        ),
+        "Not simulated to the end": (
+            [
+                f"{name} to {significant(ends['simulated'])} of {significant(ends['fitted'])} mm"
+                for name, ends in verdict["extrapolated_mm"].items()
+            ],
+            "Beyond, elements give way and the force is extrapolated: trust neither modulus nor "
+            "effects. Hold out what lies beyond (`strain_above`), or state sliding ends if they "
+            "slide.",
+        ),
+    }
+    return {title: (", ".join(of), cure) for title, (of, cure) in found.items() if of}
 
 
 def true_minus(text: str) -> str:

@@ -19,7 +19,7 @@ from softsample.loop.model import Model
 from softsample.loop.noise import NoiseSettings
 from softsample.loop.posed import LoopSettings, pose
 from softsample.loop.usable import driven_to_an_end
-from softsample.loop.verdict import error_report, judgement, overloaded, report
+from softsample.loop.verdict import error_report, extrapolated, judgement, overloaded, report
 from softsample.report.loop import verdict_table
 from softsample.report.verdict import _unwrapped
 
@@ -275,6 +275,20 @@ def test_the_choice_of_a_round_is_shown_with_its_own_evidence():
     assert "`other_4` 86 - `force_offset` chosen, evidence 1234\n" in page("A7", verdict)
     first |= {"refused": "other_0", "why": "so"}
     assert "- `other_0` refused: so; `force_offset` chosen, evidence 1234\n" in page("A7", verdict)
+
+
+def test_a_verdict_on_records_far_beyond_the_simulation_says_so_first():
+    found = judged(0.0)
+    assert report(found, LoopSettings())["extrapolated_mm"] == {}
+    further = [replace(s, travel=1.5 * s.travel) for s in found.posed.specimens]
+    ends = extrapolated(further)
+    assert {*ends} == {s.name for s in further}
+    name, of = next(iter(ends.items()))
+    assert of["fitted"] == pytest.approx(1e3 * np.abs(further[0].travel).max())
+    lines = page("A7", {**report(found, LoopSettings()), "extrapolated_mm": ends}).split("\n")
+    assert lines[2].startswith(f"**Not simulated to the end:** {name} to ")
+    within = [replace(s, held_out=np.abs(s.travel) > 1e-3 * of["simulated"]) for s in further[:1]]
+    assert extrapolated(within) == {}
 
 
 def test_a_verdict_on_records_that_a_load_cell_cut_off_says_so_first():

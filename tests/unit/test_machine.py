@@ -904,6 +904,7 @@ MATERIAL = {
     "percent": ("Strain (%)", "Stress (kPa)", 100.0, 1e-3),
     "plain": ("Strain", "Stress [Pa]", 1.0, 1.0),
     "engineering": ("Engineering strain %", "Nominal stress (MPa)", 100.0, 1e-6),
+    "a small p": ("Engineering strain %", "Nominal stress (Mpa)", 100.0, 1e-6),
     "sheared": ("Shear strain [-]", "Shear stress (psi)", 1.0, 1 / 6894.757293168361),
     "ours": ("strain", "stress_Pa", 1.0, 1.0),
 }

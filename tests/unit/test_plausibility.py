@@ -7,6 +7,7 @@ from typing import NamedTuple
 import pytest
 import yaml
 
+from softsample.errors import InputError
 from softsample.io import read_yaml
 from softsample.plausibility import Limits, doubts
 
@@ -128,6 +129,14 @@ def test_dimensions_are_offered_only_where_they_change_what_is_doubted(
     assert ("If the dimensions are in" in doubt) == offered
     assert ("a unit or a dimension wrong? " in doubt) == offered
     assert ("at a height of" in doubt) == offered
+
+
+def test_no_sample_is_pressed_to_beyond_its_base():
+    """An extension of the machine that was not set to zero at the first touch."""
+    far = facts() | {"ramp_start_mm": -25.0}
+    with pytest.raises(InputError, match=r"ends at 27 mm, .* its height, 10 mm; .*zero: .*start"):
+        list(doubts(far, Size(), LIMITS, mode="compression"))
+    assert list(doubts(far, Size(), LIMITS, mode="tension")) == []
 
 
 def test_what_is_at_a_limit_with_the_digits_that_are_told_is_not_doubted():

@@ -193,7 +193,13 @@ def test_a_verdict_in_one_sentence():
     error = {"tension": {"all": {"rms_percent_structured": 2.0}},
              "compression": {"all": {"rms_percent_structured": 3.0}}}  # fmt: skip
     effects = [{"class": ["late_contact", "platen_tilt"]}]
-    verdict = {"overloaded_N": {}, "effects": effects, "error_before": error, "error_after": error}
+    verdict = {
+        "overloaded_N": {},
+        "extrapolated_mm": {},
+        "effects": effects,
+        "error_before": error,
+        "error_after": error,
+    }
     assert verdict_sentence(verdict).startswith("Effects: late contact or platen tilt. Error")
     assert "3 % of peak before" in verdict_sentence(verdict)
     assert verdict_sentence({**verdict, "effects": []}).startswith("Error")
@@ -205,7 +211,7 @@ def test_a_verdict_in_one_sentence():
     assert slides.startswith("Effects: sliding ends. Error")
     cut = verdict_sentence({**verdict, "overloaded_N": {"C1": -2.5}})
     assert cut.startswith("Load cell overloaded: C1 stays at -2.5 N. What lies beyond was not")
-    assert "hold out what it cut off. Effects: late contact" in cut
+    assert "that is no test of this model. Effects: late contact" in cut
 
 
 RECORD = {
@@ -263,7 +269,7 @@ def test_numbers_of_a_study_without_a_true_shape_follow_the_schema():
             for name in ("mu", "mu1", "mu2")]  # fmt: skip
     intervals = pd.DataFrame(rows).assign(group="D", geometry="ideal", model="ogden2")
     verdict = {
-        "verdict": "none", "overloaded_N": {}, "effects": [],
+        "verdict": "none", "overloaded_N": {}, "extrapolated_mm": {}, "effects": [],
         "error_before": {}, "error_after": {},
         "recommended": {"mu": {"value": 902.0, "low": 810.0, "high": 1200.0, "unit": "Pa"}},
     }  # fmt: skip
@@ -297,7 +303,8 @@ def test_the_end_of_a_run_has_a_line_for_each_group_and_each_finding():
             "calibration": {"real": fit(1128.2, 1098.0, 1157.4), "ideal": fit(1060.7, None, None)},
             "bias_percent": {"ogden2": -5.98},
             "verdict": {
-                "verdict": "none", "overloaded_N": {"C1": -2.5, "C2": -2.5}, "effects": [],
+                "verdict": "none", "overloaded_N": {"C1": -2.5, "C2": -2.5},
+                "extrapolated_mm": {"C1": {"simulated": 4.0, "fitted": 8.0}}, "effects": [],
                 "modulus_to_quote": {"value_pa": 1130.0, "low_pa": 1001.0, "high_pa": 1300.0},
             },
         },
@@ -305,7 +312,7 @@ def test_the_end_of_a_run_has_a_line_for_each_group_and_each_finding():
             "calibration": {"real": fit(900.0, None, None), "ideal": fit(450.0, None, None, "no")},
             "bias_percent": {"ogden2": -50.0},
             "verdict": {
-                "verdict": "explained", "overloaded_N": {},
+                "verdict": "explained", "overloaded_N": {}, "extrapolated_mm": {},
                 "effects": [{"class": ["gain", "backlash"]}],
                 "modulus_to_quote": {"value_pa": 870.0, "low_pa": 860.0, "high_pa": 880.0},
             },
@@ -317,6 +324,7 @@ def test_the_end_of_a_run_has_a_line_for_each_group_and_each_finding():
         "TC1    870 (860 to 880)       900                  450               -50.0 %  "
         "explained: gain|backlash",
         "S1: load cell overloaded, C1 stays at -2.5 N, C2 stays at -2.5 N",
+        "S1: not simulated to the end, C1 to 4 of 8 mm",
         "TC1, ideal geometry, ogden2: no",
     ]
 

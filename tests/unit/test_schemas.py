@@ -124,6 +124,10 @@ BAD_CONFIGS = {
         ("mesh", "elment_size_mm", 0.5),
         "mesh.elment_size_mm: unknown name; did you mean 'element_size_mm'",
     ),
+    "key of a section": (
+        ("preload_mm", None, 1.0),
+        "unknown name; did you mean 'protocol: preload_mm'",
+    ),
     "unknown section": (("viscosity", None, {}), "viscosity: unknown name; known are samples"),
     "missing key": (
         ("mesh", "boundary_shift_mm", None),

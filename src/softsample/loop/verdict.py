@@ -28,6 +28,7 @@ from softsample.loop.posed import LoopSettings
 from softsample.loop.select import Selection
 from softsample.loop.specimen import FORCE, Specimen
 from softsample.records import is_clipped
+from softsample.response.curves import FOLLOWED
 
 HELD_OUT = "held_out"
 """Fold of what a study holds out."""
@@ -202,6 +203,7 @@ def judgement(diagnosis: Diagnosis, settings: LoopSettings) -> dict[str, Any]:
         "objection": diagnosis.objection or None,
         "effects": effects,
         "overloaded_N": overloaded(posed.specimens),
+        "extrapolated_mm": extrapolated(posed.specimens),
         "specimen_stiffness": dict(posed.stiffness),
         "specimen_contact_mm": dict(posed.contact),
         "theta_before": _theta(origin.posed.first, {}),
@@ -248,6 +250,17 @@ def overloaded(specimens: Sequence[Specimen]) -> dict[str, float]:
             along = specimen.channel == FORCE
             peak = float(force[np.abs(force).argmax()]) * (specimen.axis_sign if along else 1.0)
             found[specimen.name if along else f"{specimen.name}, normal force"] = peak
+    return found
+
+
+def extrapolated(specimens: Sequence[Specimen]) -> dict[str, dict[str, float]]:
+    """By sample, displacements [mm] that were simulated and are fitted, if these go far beyond."""
+    found = {}
+    for s in specimens:
+        simulated = s.elastic.curves.displacement[-1]
+        fitted = np.abs(s.travel[~s.held_out]).max(initial=0.0)
+        if fitted > (1.0 + FOLLOWED) * simulated:
+            found[s.name] = {"simulated": float(1e3 * simulated), "fitted": float(1e3 * fitted)}
     return found
 
 

@@ -5,7 +5,7 @@ from collections.abc import Mapping, Sequence
 from softsample.report.html import written
 from softsample.report.results import Report
 from softsample.report.tables import doubt_of
-from softsample.wording import NO_ERROR, OVERLOADED, overload_told
+from softsample.wording import NO_ERROR, distrusted
 
 
 def sample_facts(
@@ -110,7 +110,7 @@ def spoken_effect(name: str) -> str:
 def verdict_sentence(verdict: Report) -> str:
     """Which effects a verdict names, and the error before and after, largest of the tests.
 
-    What a load cell cut off comes first.
+    Why it is not to be trusted comes first.
     """
     sets = ([spoken_effect(name) for name in effect["class"]] for effect in verdict["effects"])
     effects = "; ".join(map(" or ".join, sets))
@@ -119,10 +119,11 @@ def verdict_sentence(verdict: Report) -> str:
         for when in ("before", "after")
     )
     named = f"Effects: {effects}. " if effects else ""
-    forces = verdict["overloaded_N"]
-    cut = f"{OVERLOADED}: {overload_told(forces)} " if forces else ""
+    warned = "".join(
+        f"{title}: {samples}. {cure} " for title, (samples, cure) in distrusted(verdict).items()
+    )
     return (
-        f"{cut}{named}Error, noise taken out, of the test with the largest: {_of_peak(before)} "
+        f"{warned}{named}Error, noise taken out, of the test with the largest: {_of_peak(before)} "
         f"before, {_of_peak(after)} after."
     )
 

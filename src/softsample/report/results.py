@@ -7,7 +7,7 @@ from typing import Any
 import pandas as pd
 
 from softsample.report.page import with_interval
-from softsample.wording import OVERLOADED, at_its_limit, significant
+from softsample.wording import distrusted, significant
 
 VERSION = 2
 """Of the form of the document; it grows when a reader of the last one could be misled."""
@@ -113,7 +113,7 @@ def _calibration(fit: Report, intervals: pd.DataFrame) -> dict[str, Any]:
 def _verdict(verdict: Report) -> dict[str, Any]:
     return {
         "verdict": verdict["verdict"],
-        "overloaded_N": verdict["overloaded_N"],
+        **{key: verdict[key] for key in ("overloaded_N", "extrapolated_mm")},
         "modulus_to_quote": {
             f"{key}_pa": verdict["recommended"]["mu"][key] for key in ("value", "low", "high")
         },
@@ -205,13 +205,13 @@ def _with_ends(modulus: Mapping[str, Any]) -> str:
 
 
 def _findings(groups: Mapping[str, Any]) -> list[str]:
-    """A line for each group whose load cell was overloaded, and each fit that has a finding."""
-    cut = [
-        f"{name}: {OVERLOADED.lower()}, {at_its_limit(forces)}"
+    """A line for each verdict that is not to be trusted, and each fit that has a finding."""
+    warned = [
+        f"{name}: {title.lower()}, {samples}"
         for name, group in groups.items()
-        if (forces := group["verdict"]["overloaded_N"])
+        for title, (samples, _) in distrusted(group["verdict"]).items()
     ]
-    return cut + [
+    return warned + [
         f"{name}, {geometry} geometry, {model}: {fit['finding']}"
         for name, group in groups.items()
         for geometry, models in group["calibration"].items()

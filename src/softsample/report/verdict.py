@@ -12,9 +12,8 @@ from softsample.report.loop import held_out_percent
 from softsample.report.template import render
 from softsample.wording import (
     NO_ERROR,
-    OVERLOADED,
+    distrusted,
     fitted,
-    overload_told,
     significant,
     verdict_words,
 )
@@ -68,8 +67,7 @@ def page(template: str | os.PathLike[str], group: str, verdict: Mapping[str, Any
     added = {
         "group": group,
         "title": verdict_words(verdict["verdict"]),
-        "overloaded": OVERLOADED,
-        "overload_told": overload_told,
+        "distrusted": distrusted(verdict),
         "as_expected": round(verdict["birge_ratio"]["after"], 2) == 1.0,
         "models": models,
         "all_models": round(sum(one["weight"] for one in models), 2) == 1.0,

@@ -340,7 +340,10 @@ def as_far_as_elements_stand(simulate: Callable[[float], Response], travel: floa
         except TooFarError as error:
             logging.getLogger(__name__).warning("ends before %.0f %%: %s", 100.0 * part, error)
             last = error
-    raise last
+    raise type(last)(
+        f"{last}; if the ends slide, or lie far apart as those of a strip, state ends: sliding, "
+        "which an ideal shape needs no elements for"
+    )
 
 
 def homogeneous_response(

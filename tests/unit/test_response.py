@@ -57,7 +57,7 @@ def test_a_sample_is_as_fine_below_an_indenter_by_one_call_as_in_a_study(monkeyp
 
 def response(mode):
     """File of a response in closed form."""
-    law = (modulus_fractions(ResponseSettings(8)), ALPHA, RATIO)
+    law = (modulus_fractions(ResponseSettings()), ALPHA, RATIO)
     curves, _ = homogeneous_response(SHAPE, mode, REACH, *law, 60)
     return pd.DataFrame(response_table(curves, mode))
 

@@ -26,7 +26,6 @@ BRIEF = 0.03
 """Part of the time over which what an effect adds is alike, over which its corners are rounded: a
 platen leaves a relaxed sample bit by bit. The likeliest of 0.005 to 0.05 for the records of U10."""
 
-
 FRACTIONS = (0.0, 0.2, 0.5, 0.8, 0.95, 1.0)
 """Modulus fractions from which fits set out that know nothing, each with its own modulus: a far
 end of the range may be a minimum of its own."""

@@ -85,8 +85,7 @@ def _common_phases(specimens: Sequence[Specimen], tests: Sequence[int]) -> dict[
     """By test, phases that all its fitted records have: what only one has may be history."""
     found: dict[int, set[str]] = {test: set(KINDS) for test in tests}
     for specimen, test in zip(specimens, tests, strict=True):
-        if fitted := {*specimen.phase[~specimen.held_out]}:
-            found[test] &= fitted
+        found[test] &= {*specimen.phase[~specimen.held_out]} or found[test]
     return {test: [*phases] for test, phases in found.items()}
 
 

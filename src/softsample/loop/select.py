@@ -127,9 +127,8 @@ def _plain_round(problem: Problem) -> Round:
 
 @dataclass(frozen=True)
 class _Visited:
-    """A model that a search came to: its fit with the most likely sizes, and classes.
-
-    And rounds in which an effect was told from others beside those that came later.
+    """A model that a search came to: its fit with the most likely sizes, classes, and rounds in
+    which an effect was told from others beside those that came later.
     """
 
     fit: Fit
@@ -215,8 +214,7 @@ class _Place:
 class _Search:
     """State of a selection: what has been chosen, and the noise with the doubt of its form.
 
-    It sets out from `opening`, the round of the plain model. What others from there have `been` to
-    is known.
+    It sets out from `opening`, the round of the plain model, and knows where others have `been`.
     """
 
     problem: Problem

@@ -53,10 +53,11 @@ class ResponseSettings:
     nodes : int
         Modulus fractions mu1 / mu that are computed, from 0 to 1: Chebyshev-Lobatto points in
         sqrt(1 - mu1/mu), where the force is smooth. Between 6 it is within 0.25 % of its peak,
-        between 8 within 0.1 % (three samples, one of each mode, to their strains).
+        between 8 within 0.1 % (three samples, one of each mode, to their strains). With 6 the
+        moduli of the cohort stay within 0.1 %, but the diagnosis of one cuboid loses its cause.
     """
 
-    nodes: int = 6
+    nodes: int = 8
 
 
 def modulus_fractions(settings: ResponseSettings) -> Array:

@@ -14,7 +14,6 @@ LEAST_FORCE = 0.02
 LEAST_LOST = 1e-6
 """Part of the modulus that is taken for lost at least: a slope is wanted where none is."""
 
-
 SIZES = ("g1", "g2", "g3")
 """Parts of the force that are lost in the end, at times of equal ratio from the first to the last.
 
@@ -27,7 +26,6 @@ BRIEFEST = 0.05
 
 LONGEST = 3.0
 """Multiple of the duration: what relaxes slower is a line."""
-
 
 LEAST_SPAN = 16.0
 """Duration over the briefest time, at least."""

@@ -344,6 +344,20 @@ def test_what_only_one_record_has_tells_nothing_of_stiffness():
     assert found["B"] / found[whole.piece] == pytest.approx(1.2, rel=0.02)
 
 
+def test_records_that_share_their_rest_alone_tell_nothing_of_stiffness():
+    """Displacements are read with noise: some force is predicted at rest, too."""
+    (whole,) = laboratory.Lab(seed=7).specimens(["shear"])
+    noise = 2e-6 * np.random.default_rng(2).standard_normal(len(whole.travel))
+    whole = replace(whole, travel=whole.travel + noise)
+    before, after = whole.phase == "ramp", np.isin(whole.phase, ["hold", "unloading"])
+    parts = [
+        replace(whole, held_out=whole.held_out | after),
+        replace(stiffer(whole, 1.2, "B"), held_out=whole.held_out | before),
+    ]
+    problem, _ = pose(parts, SETTINGS.noise)
+    assert relative_stiffness(problem.fit_material()) == {whole.piece: 1.0, "B": 1.0}
+
+
 def test_pieces_cut_along_other_directions_tell_nothing_of_stiffness():
     """What is stiffer along the fibres is no stiffer specimen; either sign is the same."""
     (one,) = (replace(s, material_z=1, material_x=2)

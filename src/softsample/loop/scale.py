@@ -82,11 +82,11 @@ def _relative(fit: Fit) -> dict[str, float]:
 
 
 def _common_phases(specimens: Sequence[Specimen], tests: Sequence[int]) -> dict[int, list[str]]:
-    """By test, phases that all its fitted records have: what only one has may be history."""
+    """By test, phases with force that all its fitted records have: one's own may be history."""
     found: dict[int, set[str]] = {test: set(KINDS) for test in tests}
     for specimen, test in zip(specimens, tests, strict=True):
         found[test] &= {*specimen.phase[~specimen.held_out]} or found[test]
-    return {test: [*phases] for test, phases in found.items()}
+    return {test: [*of] if of - {"baseline"} else [] for test, of in found.items()}
 
 
 def same_tests(specimens: Sequence[Specimen]) -> list[int]:

@@ -54,7 +54,7 @@ class ResponseSettings:
         Modulus fractions mu1 / mu that are computed, from 0 to 1: Chebyshev-Lobatto points in
         sqrt(1 - mu1/mu), where the force is smooth. Between 6 it is within 0.25 % of its peak,
         between 8 within 0.1 % (three samples, one of each mode, to their strains). With 6 the
-        moduli of the cohort stay within 0.1 %, but the diagnosis of one cuboid loses its cause.
+        moduli of the cohort change by 0.1 %, but the diagnosis of one cuboid loses its cause.
     """
 
     nodes: int = 8
